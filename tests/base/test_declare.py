@@ -138,6 +138,27 @@ def test_paths_of_keys_lead_through_rows_names_and_parts():
     ]
 
 
+def test_parts_by_their_names_may_stand_among_the_keys_around_them():
+    @declare.dataclass
+    class Named:
+        """Contacts by their names, and one more key."""
+
+        of: dict[str, Touch] = declare.named(Touch, "by their names", inline=True)
+        count: int = declare.count("how many")
+
+    @declare.dataclass
+    class Outer:
+        """Two of them by their names."""
+
+        groups: dict[str, Named] = declare.named(Named, "groups")
+
+    outer = Outer({"a": Named({"x": Touch(1.0, 2.0)}, 1)})
+    assert declare.content(outer) == {"groups": {"a": {"x": {"begin": 1.0, "force": 2.0}, "count": 1}}}
+    assert [path for path, _ in declare.keys(Outer)] == [
+        "groups", "groups.*.*.begin", "groups.*.*.force", "groups.*.count",
+    ]  # fmt: skip
+
+
 def test_docstrings_say_what_fields_declare_once():
     assert Touch.__doc__.count("begin : float\n        when it begins, s.") == 1
     text = Body.__doc__

@@ -8,7 +8,7 @@ import pytest
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, Quantity
 from strikewave.base.result import Band, Source
-from strikewave.reporting import faces
+from strikewave.reporting import faces, terminal
 from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.plain_page import plain_page
@@ -223,11 +223,70 @@ def test_a_table_of_chosen_columns_is_itself_in_python_and_shows_those_with_a_un
         Column("run", range(1, 6), shown=""),
         Column("x", [G * k for k in range(5)], "m/s^2", shown="g"),
         Column("y", "abcde"),
+        Column("cv", [0.01 * k for k in range(5)], "1", shown="%", label="variation"),
     ]
     chosen = Chosen((), 1.0, runs=columns)
     assert chosen.columns() == columns
-    assert shown_table(chosen, 3) == (["run", "x (g)"], [["1", "0"], ["3", "2"], ["5", "4"]])
+    assert shown_table(chosen, 3) == (
+        ["run", "x (g)", "variation (%)"], [["1", "0", "0"], ["3", "2", "2"], ["5", "4", "4"]],
+    )  # fmt: skip
     assert "runs" not in chosen.document()
+
+
+SHARE = Quantity("1", "%", "share", 2, 0)
+
+
+@declare.dataclass
+class Ranged:
+    """A number over some runs: which one the user chose, and with it the digits."""
+
+    name: str = declare.word("its name", label="number", column=KEY)
+    least: float | None = declare.number(Quantity.of_data("as the number"), "smallest", column=MAIN)
+    quantity: Quantity = SHARE
+
+    @property
+    def given_units(self):
+        return {"as the number": self.quantity}
+
+    @declare.computed(
+        declare.word(
+            "from the smallest on", quantity=Quantity.of_data("as the number", "extent"), column=MAIN, headline="{name}"
+        )
+    )
+    def extent(self):
+        """What a cell says of it."""
+        return None if self.least is None else f"from {faces.text_of(self, 'least', self.given_units)}"
+
+
+@declare.dataclass
+class Ranges(Planted):
+    """A result with numbers that the user chose."""
+
+    ranges: tuple[Ranged, ...] = declare.rows(Ranged, "the numbers", default=(), headline="2", in_document=False)
+
+
+def test_a_number_that_is_chosen_has_unit_and_digits_of_its_own():
+    rows = (Ranged("cv", 0.01), Ranged("peak", 30000.2 * G, PEAK), Ranged("none", None), Ranged("late", 1.0))
+    study = Ranges((), 1.0, ranges=rows)
+    assert faces.face_table(study, "ranges").cells() == [
+        ["cv", "1.00 %", "from 1.00 %"], ["peak", "30000 g", "from 30000 g"], ["none", "–", "–"],
+        ["late", "100.00 %", "from 100.00 %"],
+    ]  # fmt: skip
+    assert [column.words for column in faces.columns_of(Ranged)] == [True, False, False]
+
+
+def test_key_numbers_are_taken_of_so_many_rows():
+    rows = (Ranged("cv", 0.01), Ranged("peak", 30000.2 * G, PEAK), Ranged("late", 1.0))
+    assert Ranges((), 1.0, ranges=rows).highlights()[1:] == [("cv", "from 1.00 %"), ("peak", "from 30000 g")]
+
+
+def test_the_screen_prints_rows_as_the_page_has_them(result, capsys):
+    terminal.print_face(result, "places", "Places")
+    printed = capsys.readouterr().out.split()
+    assert printed[:1] == ["Places"]
+    assert all(cell in printed for row in faces.face_table(result, "places").cells() for cell in row)
+    terminal.print_face(dataclasses.replace(result, places=()), "places", "Places")
+    assert not capsys.readouterr().out
 
 
 @declare.dataclass

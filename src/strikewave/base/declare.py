@@ -13,7 +13,7 @@ from collections.abc import Callable, Container, Iterator, Mapping
 from typing import Any, Generic, Literal, NamedTuple, TypeVar, dataclass_transform, overload
 
 T = TypeVar("T")
-GivenUnits = Mapping[str, tuple[str, str]]
+GivenUnits = Mapping[str, "tuple[str, str] | Quantity"]
 """SI unit and unit shown as a rule, by what `Quantity.given_by` says: of numbers whose unit the data decide."""
 Kind = Literal["number", "count", "word", "history", "part", "rows", "named", "table"]
 NO_UNIT = "1"
@@ -53,9 +53,18 @@ class Quantity(NamedTuple):
         return cls("", "", label, decimals, digits, given_by)
 
     def within(self, given: GivenUnits) -> Quantity:
-        """Return it with its unit, where that is among those given."""
-        si, usual = given.get(self.given_by, (self.si, self.usual))
-        return self._replace(si=si, usual=usual)
+        """Return it with its unit, where that is among those given; of a whole quantity with its digits too.
+
+        Examples
+        --------
+        >>> share = Quantity(NO_UNIT, "%", "CV", 2, 0)
+        >>> Quantity.of_data("as the number", "median").within({"as the number": share})[1:5]
+        ('%', 'median', 2, 0)
+        """
+        found = given.get(self.given_by)
+        if isinstance(found, Quantity):
+            return found._replace(label=self.label, given_by=self.given_by)
+        return self if found is None else self._replace(si=found[0], usual=found[1])
 
 
 NOT_MEASURED = Quantity("", "")
@@ -74,7 +83,8 @@ class Declaration:
     meaning : str
         What it is, in a phrase: the documentation of the JSON documents and of the class has it.
     quantity : Quantity
-        Of a number or a history; of a part that of its numbers, where the document says it once for all of them.
+        Of a number or a history; of a part that of its numbers, where the document says it once for all of them; of a
+        word that it is written of numbers, such as bounds.
     key : str
         Key in the JSON document, and name of its column; the name of the field if empty.
     column : int, optional
@@ -85,7 +95,7 @@ class Declaration:
         Name of its band, or its last part; of rows and named parts the first part, such as ``tap.{name}``.
     headline : str
         Label among the key numbers, with ``{name}`` of its row; of a part, rows and named parts whether key numbers
-        are taken of the "first" or of "each". Empty where there are none.
+        are taken of the "first", of "each", or of so many, such as "3". Empty where there are none.
     is_tag : bool
         Whether a word stands in a coloured box, whose colour is its own; of a truth that is wanted, yes is good.
     order : int
@@ -286,7 +296,8 @@ def keys(kind: type, path: str = "", apart: Container[type | None] = ()) -> Iter
         if not one.inline or one.of is None:
             yield f"{here}*" if one.inline else here, one
         if one.of is not None and one.of not in apart:
-            yield from keys(one.of, here if one.inline else f"{here}{PLACES[one.kind]}.", apart)
+            by_name = f"{path}*." if one.kind == "named" else path
+            yield from keys(one.of, by_name if one.inline else f"{here}{PLACES[one.kind]}.", apart)
 
 
 @functools.cache

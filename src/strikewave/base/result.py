@@ -653,7 +653,7 @@ class Result(ABC):
 
     def units(self) -> Mapping[str, str]:
         """Return the unit of each key of the JSON document, as its fields declare it."""
-        given = {by: si for by, (si, _) in self.given_units.items() if si}
+        given = {by: one[0] for by, one in self.given_units.items() if one[0]}
         return {**{key: given.get(si, si) for key, si in declare.units(type(self)).items()}, **self.named_units}
 
     def content(self) -> dict[str, Any]:

@@ -39,6 +39,8 @@ class Column(NamedTuple):
         Unit in which it is written where none was chosen; the SI unit if empty.
     shown : str, optional
         Unit in which screens and notebooks show it as a rule, empty of words; None where they leave it out.
+    label : str
+        What these call it; its name if empty.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Column(NamedTuple):
     si: str = ""
     usual: str = ""
     shown: str | None = None
+    label: str = ""
 
     @property
     def unit(self) -> str:

@@ -93,12 +93,12 @@ def _columns(
     def column(path: Path, one: Declaration) -> TableColumn[Any]:
         def cell(row: Any) -> float | str | Tag | None:
             value, bands = parts_of(row)
-            if quantity.given_by and not quantity.si:
+            if one.kind == "number" and quantity.given_by and not quantity.si:
                 return own_unit_cell(one, at(value, path), value)
             return cell_of(one, at(value, path), bands.get(one.band, ()), label, given)
 
         label, quantity = label_of(path[-1], one), one.quantity.within(given)
-        words = one.kind == "word"
+        words = one.kind == "word" and not (quantity.si or quantity.given_by)
         priority = KEY if one.column is None else one.column
         return TableColumn(label, cell, quantity.si, quantity.usual, quantity.digits, priority=priority, words=words)
 
@@ -115,7 +115,7 @@ def own_unit_cell(one: Declaration, value: Any, row: Any) -> str | None:
     """Return what a cell shows of a number whose unit is that of its row: both."""
     if value is None or value != value:
         return None
-    return _with_unit(one, value, None, getattr(row, "given_units", {}))
+    return _with_unit(one, value, None, getattr(row, "given_units", {}), one.quantity.digits)
 
 
 def cell_of(
@@ -263,7 +263,8 @@ def key_numbers(result: Result) -> list[tuple[str, str]]:
                 text = _with_unit(one, value, result.band.get(one.band), result.given_units)
                 numbers.append((one.headline, text))
         elif one.headline and one.of is not None:
-            for row in face_rows(result, name)[: 1 if one.headline == "first" else None]:
+            most = int(one.headline) if one.headline.isdecimal() else 1 if one.headline == "first" else None
+            for row in face_rows(result, name)[:most]:
                 for path, leaf in leaves(one.of):
                     value = at(row.value, path)
                     if leaf.headline and value is not None:
@@ -279,7 +280,9 @@ def text_of(value: Any, name: str, given: GivenUnits = MappingProxyType({})) -> 
     return _with_unit(declarations(type(value))[name], getattr(value, name), None, given)
 
 
-def _with_unit(one: Declaration, value: Any, band: Band | None, given: GivenUnits) -> str:
+def _with_unit(
+    one: Declaration, value: Any, band: Band | None, given: GivenUnits, most_digits: int = FEWEST_DIGITS
+) -> str:
     if one.kind == "number":
         if value is not None and math.isinf(value):
             return NONE
@@ -287,7 +290,7 @@ def _with_unit(one: Declaration, value: Any, band: Band | None, given: GivenUnit
         as_in_tables = quantity.decimals is not None and (quantity.signed or quantity.usual == PERCENT)
         if as_in_tables and band is None and value is not None and value == value:
             return f"{cell_of(one, value, given=given)} {spelled(shown_unit(quantity.si, quantity.usual))}"
-        digits = min(quantity.digits or FEWEST_DIGITS, FEWEST_DIGITS)  # a sentence has no more
+        digits = min(quantity.digits or FEWEST_DIGITS, most_digits)  # a sentence has no more than four
         return with_band(value, band, quantity.si or NO_UNIT, quantity.usual or NO_UNIT, digits)
     return written(value)
 
@@ -313,7 +316,7 @@ def shown_columns(
     (['peak (g)'], [['1000'], ['–']])
     """
     kept = [one for one in columns if one.shown is not None]
-    heads = [headed(one.name.replace("_", " "), one.si, one.shown or "") for one in kept]
+    heads = [headed(one.label or one.name.replace("_", " "), one.si, one.shown or "") for one in kept]
     shown_of = (_spread(one.values, most) if is_history and most is not None else one.values[:most] for one in kept)
     cells = (
         [_column_cell(value, one.si, one.shown or "") for value in values]
@@ -339,6 +342,6 @@ def _column_cell(value: Any, si: str, usual: str) -> str:
     """
     if isinstance(value, bool | np.bool_):
         return "yes" if value else "no"
-    if si in ("", NO_UNIT) or value is None or value != value:
+    if (si in ("", NO_UNIT) and usual != PERCENT) or value is None or value != value:
         return written(value.item() if isinstance(value, np.generic) else value)
     return written(shown(float(value), si, usual))

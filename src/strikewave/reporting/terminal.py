@@ -333,6 +333,15 @@ def print_rows(title: str, columns: Sequence[TableColumn[Row]], rows: Iterable[R
     _table(title, [column.on_screen for column in columns], cells, detail)
 
 
+def print_face(result: Result, name: str, title: str, table: str = "") -> None:
+    """Print rows that a result declares, as `faces.face_table` shows them on a page; nothing where there are none."""
+    from strikewave.reporting.faces import face_columns, face_rows
+
+    rows = face_rows(result, name)
+    if rows:
+        print_rows(title, face_columns(result, name, table), rows)
+
+
 def _table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
     """Print a table as `table` does, with its heads as they are."""
     width = screen_width(sys.stdout)
