@@ -246,7 +246,7 @@ def test_the_energy_balance_by_hand():
     np.testing.assert_allclose(run.energy_error, [0.0, -0.6 / 12.0, 0.4 / 12.0], rtol=1e-14)
     assert run.energy_in_play == 12.0
     assert run.contact_gain == pytest.approx(0.6 / 12.0, rel=1e-14)
-    assert run.rounding_energy == pytest.approx(0.5 * 2.0 * 1e-16, rel=1e-14)
+    assert run.rounding_energy == pytest.approx(0.5 * 2.0 * 1e-16, rel=1e-14, abs=0.0)
     found = balance_measure(run)
     assert (found.energy, found.hourglass) == (pytest.approx(-0.05, rel=1e-14), pytest.approx(0.25, rel=1e-14))
     before = SimpleNamespace(plastic_before=6.0)
@@ -254,7 +254,7 @@ def test_the_energy_balance_by_hand():
     idle = replace(run, energy=energies(hourglass=(0.0, 3e-9, 0.0)))
     assert balance_measure(idle).hourglass == pytest.approx(0.3, rel=1e-12)  # over a billionth of the 10 J in play
     resting = replace(idle, initial_energy=0.0)
-    assert resting.energy_in_play == pytest.approx(1e-16, rel=1e-14)
+    assert resting.energy_in_play == pytest.approx(1e-16, rel=1e-14, abs=0.0)
     assert balance_measure(resting).hourglass == pytest.approx(3e-9 / 1e-16, rel=1e-12)
     empty = replace(resting, parts={})
     assert balance_measure(replace(empty, energy=energies())).hourglass == 0.0

@@ -144,7 +144,7 @@ def test_edges_of_what_a_bar_can_be_are_taken():
         for value in (0.0, math.inf):
             with pytest.raises(ValueError, match=f"{key} of the specimen must be above zero"):
                 Specimen(**{"length": 1.0, "area": 1.0, key: value})
-    assert Specimen(1e-6, 1e-6, 1e-3, 1e-3).mass == pytest.approx(1e-15)
+    assert Specimen(1e-6, 1e-6, 1e-3, 1e-3).mass == pytest.approx(1e-15, rel=1e-14, abs=0.0)
     assert elastic(modulus=1e-3, speed=1e-2).density == pytest.approx(10.0, rel=1e-14)
 
 

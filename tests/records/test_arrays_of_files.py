@@ -608,11 +608,11 @@ def test_channels_come_back_from_a_child_as_they_were(tmp_path):
     unread = np.broadcast_to(np.float64(NAN), (3,))
     channels = (
         Channel("a", np.arange(3.0), 0.5, 7.0, "g", stamps), Channel("b", unread, 0.25, 8.0, "N", stamps),
-        Channel("c", -np.arange(3.0), 0.5, 9.0, "", other), Channel("d", np.array([5.0]), 0.5), Channel("e", unread[:1], 2.0),
+        Channel("c", -np.arange(3.0), 0.5, 9.0, "", other), Channel("d", np.array([5.0]), 0.5), Channel("e", unread[:1], 2.0), Channel("f", unread[:2], 3.0),
     )  # fmt: skip
     record = Record("a", "hdf", channels, common.left_out(["x"]))
     answer = json.loads(json.dumps(child._written(record, tmp_path)))
-    assert (answer["stamps"], [c["size"] for c in answer["channels"]]) == (2, [None, 3, None, None, None])
+    assert (answer["stamps"], [c["size"] for c in answer["channels"]]) == (2, [None, 3, None, None, None, 2])
     back = child._record(tmp_path / "file", "hdf", tmp_path, answer)
     for one, came in zip(channels, back.channels, strict=True):
         np.testing.assert_equal(came.values, one.values)

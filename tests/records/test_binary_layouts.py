@@ -845,6 +845,7 @@ def test_columns_of_a_sheet_end_with_its_last_number():
     np.testing.assert_equal(second[2], [1.0, NAN, 3.0])
     np.testing.assert_equal(third, ("column 3", "", [NAN, 7.0, NAN], ()))
     assert cells == 4 + 4 + 4 + 3 + 4 + 2
+    assert sheet(("bar [g]",), (None, "a remark"), (3.0,), (5.0,))[0] == [("bar", "g", [3.0, 5.0], ())]
 
 
 def test_sheets_of_more_rows_or_cells_than_the_most_are_refused(monkeypatch):

@@ -318,6 +318,7 @@ def test_a_slope_that_stays_is_a_slew_rate():
     assert [one.code for one in limits.slew_limited(record(triangle, response(modes=period)))] == ["slew-rate"]
     assert limits.slew_limited(record(sine, response(modes=period))) == []
     assert limits.slew_limited(record(triangle[:112], response(modes=period))) == []  # four lags of three samples
+    assert len(limits.slew_limited(record(triangle[:113], response(modes=period)))) == 1
     assert limits.slew_limited(record(FLAT, response(modes=period))) == []
 
 

@@ -271,9 +271,11 @@ def test_the_step_is_the_mean_of_those_within_a_half_of_the_usual(odd, step):
 )
 def test_the_last_digit_of_the_largest_stamps(stamps, digit):
     """Three digits at least are looked for; smaller stamps than the largest decade have others."""
-    assert clocks._last_digit(np.array(stamps)) == pytest.approx(digit, rel=1e-9)
-    assert clocks._last_digit(-np.array(stamps)) == pytest.approx(digit, rel=1e-9)
-    assert clocks._last_digit(np.r_[0.777777777 * stamps[0], np.resize(stamps, 50)]) == pytest.approx(digit, rel=1e-9)
+    assert clocks._last_digit(np.array(stamps)) == pytest.approx(digit, rel=1e-9, abs=0.0)
+    assert clocks._last_digit(-np.array(stamps)) == pytest.approx(digit, rel=1e-9, abs=0.0)
+    assert clocks._last_digit(np.r_[0.777777777 * stamps[0], np.resize(stamps, 50)]) == pytest.approx(
+        digit, rel=1e-9, abs=0.0
+    )
     assert clocks._last_digit(np.r_[0.111111 * np.ones(450), 0.2 * np.ones(50)]) == pytest.approx(1e-3)
     assert clocks._last_digit(np.r_[0.111111 * np.ones(449), 0.2 * np.ones(49)]) == pytest.approx(1e-6)
     assert clocks._last_digit(np.r_[0.111111 * np.ones(541), 0.2 * np.ones(59)]) == pytest.approx(1e-6)

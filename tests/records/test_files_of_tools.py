@@ -370,4 +370,4 @@ def test_any_head_unit_delimiter_and_decimal_mark_come_back(tmp_path_factory, ro
     record = read_record(path)
     assert told(record) == [("board", unit), ("frame", unit)]
     assert np.array([c.values for c in record.channels]).T.tolist() == [list(row) for row in rows]
-    assert record.channels[0].step == pytest.approx(2.0**-7 * SECONDS[time], rel=1e-12)
+    assert record.channels[0].step == pytest.approx(2.0**-7 * SECONDS[time], rel=1e-12, abs=0.0)

@@ -183,7 +183,9 @@ def test_headings_of_more_letters_than_a_line_are_not_joined():
 )  # fmt: skip
 def test_units_of_time_have_their_seconds(unit, seconds):
     assert seconds_in(unit) == seconds
-    assert to_seconds(np.array([20.0, 3.0]), unit).tolist() == pytest.approx([20.0 * seconds, 3.0 * seconds], rel=1e-15)
+    assert to_seconds(np.array([20.0, 3.0]), unit).tolist() == pytest.approx(
+        [20.0 * seconds, 3.0 * seconds], rel=1e-15, abs=0.0
+    )
     assert to_seconds(np.array([20.0]), unit, 7.0).tolist() == [140.0]
     assert to_seconds(np.array([20.0]), "what").tolist() == [20.0]
 
@@ -192,7 +194,7 @@ def test_units_of_time_have_their_seconds(unit, seconds):
 def test_a_unit_of_time_that_is_stated_may_be_any(seconds):
     """3 ms are no 333rd of a second, and 0.7 s not a whole one; 10 us are its hundred-thousandth to the last bit."""
     assert to_seconds(np.array([20.0, 3.0]), "", seconds).tolist() == pytest.approx(
-        [20.0 * seconds, 3.0 * seconds], rel=1e-15
+        [20.0 * seconds, 3.0 * seconds], rel=1e-15, abs=0.0
     )
     assert to_seconds(np.array([7.0]), "us")[0] == 7e-6
 

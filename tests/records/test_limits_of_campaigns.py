@@ -1,5 +1,6 @@
 """Files against their siblings, statistics and calibrations: each rule at both sides of its limit, on made-up readings."""
 
+import dataclasses
 import math
 from types import SimpleNamespace
 
@@ -217,6 +218,25 @@ def test_outliers_of_responses_are_of_ratio_and_frequency():
     ((k, finding),) = siblings._outlying(list(enumerate([reading(), *files, reading(**response(100.0, 2.0, 650.0))])))
     assert k == 7  # one that answers nothing is passed over
     assert (finding.harms, "650\xa0Hz" in finding.message) == (("frequency",), True)
+
+
+@dataclasses.dataclass(frozen=True)
+class Told(Reading):
+    """Stands for a channel with findings, which can be replaced."""
+
+    findings: tuple
+    given: dict
+
+
+def test_an_outlier_is_told_where_others_have_its_figure():
+    """Peaks of 3 and 5 beside those of three others, 9, 10 and 11; no other states a width, and it no interval."""
+    odd = HealthNotice(sorted(siblings.ODD)[0], "odd", harms=("peak", "width", "interval"))
+    one = Told((odd, HealthNotice("rebound", "none", harms=("peak",))), {"peak": [3.0, 5.0], "width": [0.1]})
+    points = {"peak": ((2, 9.0), (3, 10.0), (4, 11.0)), "interval": ((2, 1.0), (3, 2.0))}
+    (found,) = campaign._outliers(7, SimpleNamespace(path="a.csv"), one, points)
+    assert (found.path, found.figure, found.value, found.ratio, found.reason) == ("a.csv", "peak", 4.0, 0.4, "odd")
+    assert found.mean_with == 8.5  # of the means of the four files
+    assert found.cv_with == pytest.approx(np.std([9.0, 10.0, 11.0, 3.0, 5.0], ddof=1) / 8.5)
 
 
 # Other differences

@@ -239,6 +239,10 @@ def test_long_blows_are_averaged_and_keep_their_figures(count, factor, sign):
     assert found.stretch.end - found.stretch.begin == pytest.approx(length, rel=1e-6)
     assert found.stretch.values.size == pytest.approx(2.0 * length + 4.0 / factor, abs=3.0)
     assert found.stretch.begin == pytest.approx(0.5 * length, abs=4.0)
+    if factor == 1:  # the last samples that are not nearer than half a length and two samples
+        beside = 0.5 * length + 2.0
+        assert beside <= found.stretch.begin < beside + 1.0
+        assert beside <= found.stretch.values.size - 1 - found.stretch.end < beside + 1.0
     assert np.argmax(found.stretch.values) == pytest.approx(found.stretch.begin + 0.5 * length, abs=1.0)
     assert found.where.inside.stop - found.where.inside.start == pytest.approx(0.5 * length, abs=4.0)
 

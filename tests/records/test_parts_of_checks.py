@@ -129,6 +129,18 @@ def test_a_rail_has_three_times_as_many_samples_as_the_two_steps_beside_it(at, b
     assert clipping.rail(values, zero).size == found
 
 
+def test_three_values_stand_among_four_thousand_samples_of_a_rail():
+    """Three values must stand among some four thousand samples: of 8192 every second one is looked at."""
+    values = np.zeros(8192)
+    values[1000:1010] = 100.0
+    assert clipping.rail(values, 0.0).size == 0
+    values[2001] = 50.0
+    assert clipping.rail(values, 0.0).size == 0
+    assert clipping.rail(values[:-1], 0.0).size == 10
+    values[2002] = 50.0
+    assert clipping.rail(values, 0.0).size == 10
+
+
 # the shape of blows
 
 
@@ -670,7 +682,7 @@ def test_hum_with_its_harmonic_is_found_exactly(frequency):
     """Half of what it spans; a mean over three samples takes sin(3 x) / (3 sin x) of a line, x = pi f / rate."""
     values = 5.0 + hum(frequency, 2.0, 900, 0.5)
     assert hum_of(values) == (frequency, pytest.approx(0.5 * np.ptp(values), rel=1e-9))
-    assert hum_of(1e-9 * values)[1] == pytest.approx(0.5e-9 * np.ptp(values), rel=1e-6)
+    assert hum_of(1e-9 * values)[1] == pytest.approx(0.5e-9 * np.ptp(values), rel=1e-6, abs=0.0)
     x = math.pi * frequency / (3.0 * RATE)
     fine = hum_of(hum(frequency, 2.0, 2700, rate=3.0 * RATE), step=1.0 / (3.0 * RATE))
     whole = np.max(np.abs(hum(frequency, 2.0, 2700, rate=3.0 * RATE)[1::3])) / 2.0
@@ -967,9 +979,9 @@ def test_a_record_without_a_blow_holds_something_beyond_thirty_noises(span, swin
 # the train
 
 
-def locked(moved=0.0, scale=0.0, before=0.6, after=0.6, doubt=0.0, scatter=0.0):
+def locked(moved=0.0, scale=0.0, before=0.6, after=0.6, doubt=0.0, scatter=0.0, period=20e-3):
     """Return a record of six blows each 20 ms, its first and last so many periods from its ends."""
-    period, step = 20e-3, 1e-5
+    step = 1e-5
     times = START + before * period + period * np.arange(6) + moved * period * np.array([0, -1, 0, 0, 2, 0])
     peaks = 4.0 * (1.0 + scale * (-1.0) ** np.arange(6))
     pulses = [
@@ -1010,6 +1022,11 @@ def test_blips_of_the_mains_are_as_even_and_as_many_as_they_must_be(how, blips):
     if blips:
         [first, *_, last] = locked(**how).pulses
         assert (found[0].value, found[0].start, found[0].end) == (20e-3, first.begin, last.end)
+
+
+@pytest.mark.parametrize("period", [10e-3, 1.0 / 60.0, 1.0 / 120.0])
+def test_blips_of_all_mains_are_told(period):
+    assert [one.value for one in train.mains_blips(locked(period=period))] == [period]
 
 
 # ringing beside its model

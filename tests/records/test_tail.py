@@ -279,6 +279,6 @@ def test_what_a_tail_does_is_the_same_in_any_unit(constant):
     ):
         one, small = model_of(Tail(TIME, level, velocity)), model_of(Tail(TIME, 1e-9 * level, 1e-9 * velocity))
         assert (small.kind, small.explained) == (one.kind, pytest.approx(one.explained))
-        assert small.level == pytest.approx(1e-9 * one.level)
-        assert small.level_error == pytest.approx(1e-9 * one.level_error, nan_ok=True)
+        assert small.level == pytest.approx(1e-9 * one.level, rel=1e-9, abs=0.0)
+        assert small.level_error == pytest.approx(1e-9 * one.level_error, rel=1e-9, abs=0.0, nan_ok=True)
         assert (small.constant, small.constant_error) == pytest.approx((one.constant, one.constant_error), nan_ok=True)

@@ -229,7 +229,7 @@ def test_names_and_units_come_from_the_header(read, header, name, unit, factor):
     record = read(header + LINES)
     assert named(record)[0] == (name, unit)
     assert values(record) == [FIRST, SECOND]
-    assert record.channels[0].stamps == pytest.approx(factor * np.array([0.0, 0.01, 0.02, 0.03]), rel=1e-15)
+    assert record.channels[0].stamps == pytest.approx(factor * np.array([0.0, 0.01, 0.02, 0.03]), rel=1e-15, abs=0.0)
 
 
 def test_blanks_between_names_and_units_are_understood(read):
