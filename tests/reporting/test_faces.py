@@ -280,6 +280,30 @@ def test_key_numbers_are_taken_of_so_many_rows():
     assert Ranges((), 1.0, ranges=rows).highlights()[1:] == [("cv", "from 1.00 %"), ("peak", "from 30000 g")]
 
 
+@declare.dataclass
+class Marked:
+    """A row whose mark is for readers."""
+
+    name: str = declare.word("name")
+    mark: str = declare.word("name, marked", column=MAIN, in_document=False)
+
+
+@declare.dataclass
+class Counted(Planted):
+    """A result whose rows are counted."""
+
+    main_rows: ClassVar[str] = "marks"
+
+    marks: tuple[Marked, ...] = declare.rows(Marked, "the rows", headline="count", label="marked rows")
+
+
+def test_words_of_faces_alone_are_no_data_and_rows_are_counted():
+    counted = Counted((), 1.0, (Marked("a", "! a !"), Marked("b", "b")))
+    assert ("marked rows", "2") in counted.highlights()
+    assert [column.name for column in counted.columns()] == ["name"]
+    assert shown_table(counted) == (["mark"], [["! a !"], ["b"]])
+
+
 def test_the_screen_prints_rows_as_the_page_has_them(result, capsys):
     terminal.print_face(result, "places", "Places")
     printed = capsys.readouterr().out.split()

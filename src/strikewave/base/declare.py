@@ -95,13 +95,14 @@ class Declaration:
         Name of its band, or its last part; of rows and named parts the first part, such as ``tap.{name}``.
     headline : str
         Label among the key numbers, with ``{name}`` of its row; of a part, rows and named parts whether key numbers
-        are taken of the "first", of "each", or of so many, such as "3". Empty where there are none.
+        are taken of the "first", of "each", or of so many, such as "3"; "count" is how many there are. Empty where
+        there are none.
     is_tag : bool
         Whether a word stands in a coloured box, whose colour is its own; of a truth that is wanted, yes is good.
     order : int
         Columns of a larger number stand further to the right than their fields do.
     in_document : bool
-        Whether the JSON document holds it.
+        Whether the JSON document holds it; a word that it does not hold stands in tables and nowhere else.
     optional : bool
         Whether the document leaves the key out where there is nothing (None), instead of saying null; of a part whose
         keys stand among those around it all of them.

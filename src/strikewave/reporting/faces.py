@@ -209,7 +209,7 @@ def _sentence(meaning: str) -> str:
 def data_columns(result: Result, name: str) -> list[Column]:
     """Return such rows as columns in SI for Python, CSV and workbooks: every single value, and those of named parts.
 
-    A table is its columns.
+    A table is its columns. Words that no document has are for faces alone.
     """
     one = declarations(type(result))[name]
     if one.kind == "table":
@@ -222,7 +222,7 @@ def data_columns(result: Result, name: str) -> list[Column]:
             ".".join(_keys(one.of, path)), [at(row, path) for row in rows], leaf.quantity.within(result.given_units).si
         )
         for path, leaf in leaves(one.of)
-        if leaf.kind != "history"
+        if leaf.kind != "history" and (leaf.in_document or leaf.kind != "word")
     ]
     for path, kind in _named(one.of):
         parts = [at(row, path) or {} for row in rows]
@@ -262,6 +262,8 @@ def key_numbers(result: Result) -> list[tuple[str, str]]:
             if value is not None:
                 text = _with_unit(one, value, result.band.get(one.band), result.given_units)
                 numbers.append((one.headline, text))
+        elif one.headline == "count":
+            numbers.append((label_of(name, one), str(len(getattr(result, name)))))
         elif one.headline and one.of is not None:
             most = int(one.headline) if one.headline.isdecimal() else 1 if one.headline == "first" else None
             for row in face_rows(result, name)[:most]:
