@@ -345,3 +345,36 @@ def test_per_cent_and_a_number_with_a_sign_have_the_same_decimals_in_tables_and_
     assert [faces.text_of(early, name) for name in ("off", "late")] == ["-50.00 %", "-2.0 µs"]
     assert faces.text_of(Closing(float("nan"), None), "off") == faces.text_of(Closing(0.0, None), "late") == "–"
     assert faces.text_of(Closing(0.0, 0.0), "late") == "+0.0 µs"
+
+
+@declare.dataclass
+class Spoken:
+    """A value with words of its own, and a part of which one line may stand in the same table."""
+
+    peak: float = declare.number(PEAK, "planted", column=MAIN, tables="short")
+    closing: Closing | None = declare.part(Closing, "how it closes", default=None)
+
+    @declare.computed(declare.word("both", label="so", column=MAIN, tables="short long", in_document=False))
+    def text(self):
+        """The peak, in the unit that is shown."""
+        return faces.text_of(self, "peak")
+
+    @declare.computed(declare.word("whether it is small", column=MAIN, tables="long", in_document=False))
+    def small(self):
+        """A tag of another word than its colour."""
+        return Tag("small", "good") if self.peak < G else None
+
+
+def test_lines_are_those_of_one_table_and_leave_out_what_is_missing():
+    long = faces.line_table(Spoken(2.0 * G), "long", "All", "of it")
+    assert (long.caption, long.columns, long.cells()) == ("All", ["of it", "value"], [["so", "2 g"]])
+    assert faces.line_table(Spoken(0.0), "long", "", "").cells()[1] == ["small", Tag("small", "good")]
+    whole = faces.line_table(Spoken(2.0 * G, Closing(0.5, None)), "", "", "").cells()
+    assert [name for name, _ in whole] == ["planted peak (g)", "off (%)", "so"]
+
+
+def test_words_of_faces_alone_follow_the_units_that_are_chosen_later():
+    spoken = Spoken(2.0 * G)
+    assert spoken.text == "2 g"
+    with showing(ShownUnits.read("m/s^2")):
+        assert spoken.text == "19.61 m/s²"

@@ -190,7 +190,10 @@ def named(of: type, meaning: str, *, default: Any = dataclasses.MISSING, **rest:
 
 
 class ComputedField(Generic[T]):
-    """A value that a declared class computes when it is asked for, with its declaration; it is remembered."""
+    """A value that a declared class computes when it is asked for, with its declaration; it is remembered.
+
+    Words that no document holds are not: they may say numbers in units that are chosen later.
+    """
 
     def __init__(self, declaration: Declaration, function: Callable[[Any], T]) -> None:
         self.declaration, self.function = declaration, function
@@ -205,8 +208,10 @@ class ComputedField(Generic[T]):
         """Return the value; of the class itself what declares it."""
         if instance is None:
             return self
-        remembered = vars(instance)  # what stands there is found before this descriptor, as of cached_property
-        return remembered.setdefault(self.name, self.function(instance))
+        value, told = self.function(instance), self.declaration
+        if told.kind == "word" and not told.in_document:
+            return value
+        return vars(instance).setdefault(self.name, value)  # found there before this descriptor, as of cached_property
 
 
 def computed(field: Any) -> Callable[[Callable[[Any], T]], ComputedField[T]]:

@@ -127,8 +127,8 @@ def cell_of(
 ) -> float | str | Tag | None:
     """Return what a cell shows of a value, as its declaration says it."""
     si, usual, _, decimals, digits, _, signed = one.quantity.within(given)
-    if value is None or isinstance(value, str):
-        return Tag(value, value) if one.is_tag and value is not None else value
+    if value is None or isinstance(value, str | Tag):
+        return Tag(value, value) if one.is_tag and isinstance(value, str) else value
     if isinstance(value, bool):
         if one.is_tag:
             return Tag("yes", "good") if value else Tag("no", "bad")
@@ -197,9 +197,14 @@ def part_tables(result: Result, name: str, caption: str = "") -> list[Table]:
     one, value = declarations(type(result))[name], getattr(result, name)
     if value is None or one.of is None:
         return []
-    columns = [one for one in columns_of(one.of, given=result.given_units) if one.value(value) is not None]
+    return [line_table(value, "", caption or _sentence(one.meaning), label_of(name, one), result.given_units)]
+
+
+def line_table(value: Any, table: str, caption: str, head: str, given: GivenUnits = MappingProxyType({})) -> Table:
+    """Return what a declared value and its parts have of one of their tables, a line each; none of what is missing."""
+    columns = [one for one in columns_of(type(value), table, given=given) if one.value(value) is not None]
     lines: list[list[Cell]] = [[column.head, column.cell(value)] for column in columns]
-    return [Table(caption or _sentence(one.meaning), [label_of(name, one), "value"], lines)]
+    return Table(caption, [head, "value"], lines)
 
 
 def _sentence(meaning: str) -> str:
