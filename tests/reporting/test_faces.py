@@ -354,12 +354,12 @@ class Spoken:
     peak: float = declare.number(PEAK, "planted", column=MAIN, tables="short")
     closing: Closing | None = declare.part(Closing, "how it closes", default=None)
 
-    @declare.computed(declare.word("both", label="so", column=MAIN, tables="short long", in_document=False))
+    @declare.phrase("so", column=MAIN, tables="short long")
     def text(self):
         """The peak, in the unit that is shown."""
         return faces.text_of(self, "peak")
 
-    @declare.computed(declare.word("whether it is small", column=MAIN, tables="long", in_document=False))
+    @declare.phrase("small", column=MAIN, tables="long")
     def small(self):
         """A tag of another word than its colour."""
         return Tag("small", "good") if self.peak < G else None

@@ -219,6 +219,32 @@ def computed(field: Any) -> Callable[[Callable[[Any], T]], ComputedField[T]]:
     return lambda function: ComputedField(field.metadata[_METADATA], function)
 
 
+def phrase(label: str, **rest: Any) -> Callable[[Callable[[Any], T]], ComputedField[T]]:
+    """Declare words that faces write of several fields, and no document holds; their docstring says what they mean.
+
+    Examples
+    --------
+    >>> @dataclass
+    ... class Span:
+    ...     low: float = number(Quantity("s", "us"), "begin")
+    ...     @phrase("lasts", column=MAIN)
+    ...     def text(self) -> str:
+    ...         '''From when on.'''
+    ...         return f"from {self.low} s"
+    >>> Span(2.0).text, content(Span(2.0)), declarations(Span)["text"].meaning
+    ('from 2.0 s', {'low': 2.0}, 'from when on')
+    """
+
+    def declared(function: Callable[[Any], T]) -> ComputedField[T]:
+        said = (function.__doc__ or "").rstrip(".")
+        meaning = said[:1].lower() + said[1:]
+        return ComputedField(
+            Declaration(kind="word", meaning=meaning, label=label, in_document=False, **rest), function
+        )
+
+    return declared
+
+
 @dataclass_transform(
     frozen_default=True, field_specifiers=(number, count, word, history, table, part, rows, named, dataclasses.field)
 )
