@@ -635,6 +635,13 @@ def test_an_error_of_a_child_is_that_of_its_file(tmp_path):
         assert str(caught.value.got).endswith(got)
 
 
+def test_a_clock_that_is_uneven_has_the_usual_step():
+    """Numbers of a binary file have no last digit that would excuse what they stray."""
+    uneven = np.array([3.0, 3.001, 3.002, 3.0035, 3.0045])
+    stamps, step, start = common._stamps(ArrayColumn("time", 5, lambda: uneven), None)
+    assert (stamps.tolist(), step, start) == (uneven.tolist(), pytest.approx(1e-3, rel=1e-9), 3.0)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="it has no such limits")
 def test_a_child_bounds_its_memory_and_time(monkeypatch):
     import resource

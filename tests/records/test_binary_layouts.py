@@ -89,8 +89,11 @@ def test_chunks_before_the_samples_are_passed_over(written, monkeypatch):
         wav.read(written(riff(wav_form(), samples, b"LIST" + struct.pack("<I", 999))), Options())
     with pytest.raises(InputError, match="no samples"):
         wav.read(written(riff(wav_form()[:15] + b"", samples)), Options())
-    monkeypatch.setattr(wav, "_MOST_CHUNKS", 3)
     other = b"LIST" + bytes(4)
+    assert len(wav.read(written(riff(wav_form(), samples, other * 998)), Options()).channels) == 2
+    with pytest.raises(InputError, match="no samples"):
+        wav.read(written(riff(wav_form(), samples, other * 999)), Options())
+    monkeypatch.setattr(wav, "_MOST_CHUNKS", 3)
     assert len(wav.read(written(riff(wav_form(), samples, other)), Options()).channels) == 2
     with pytest.raises(InputError, match="no samples"):
         wav.read(written(riff(wav_form(), samples, other * 2)), Options())
@@ -416,6 +419,8 @@ def test_segments_of_a_tdms_file_are_counted_by_their_heads(written, monkeypatch
     def part(size, flags=0, order="little", tag=b"TDSm"):
         return tag + flags.to_bytes(4, "little") + bytes(4) + size.to_bytes(8, order) + bytes(8) + bytes(size)
 
+    assert not tdms._has_many_segments(written(part(0) * 1000))
+    assert tdms._has_many_segments(written(part(0) * 1001))
     monkeypatch.setattr(tdms, "MANY_SEGMENTS", 3)
     assert not tdms._has_many_segments(written(part(5) * 3))
     assert tdms._has_many_segments(written(part(5) * 4))
@@ -569,6 +574,38 @@ def test_conversions_of_mdf_are_plain_or_left_out(version, kind, plain):
     assert (column.name, column.size, column.unit, column.folder, column.time) == ("bar", 2, "g", "5", False)
     assert column.load().tolist() == ([5.0, 7.0] if plain else [1, 2])
     assert raw == ([] if plain else ["bar"])
+
+
+def test_channels_of_mdf_are_read_group_by_group(written, monkeypatch):
+    """Two groups of two channels; one of words, and one whose conversion is no plain one."""
+    samples = {(0, 0): [0.0, 0.5, 1.0], (0, 1): [3.0, 5.0, 7.0], (1, 0): ["a", "b", "c"], (1, 1): [1, 2, 4]}
+    groups = [[SimpleNamespace(name=f"{g}{k}") for k in range(2)] for g in range(2)]
+
+    class File(SimpleNamespace):
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            return None
+
+        def get(self, group, index, raw, ignore_invalidation_bits):
+            conversion = Conversion(conversion_type=7) if (group, index) == (1, 1) else None
+            return SimpleNamespace(samples=np.array(samples[group, index]), conversion=conversion, unit="g")
+
+    file = File(groups=[SimpleNamespace(channels=one) for one in groups], version="4.10", masters_db={0: 0})
+    monkeypatch.setattr(mdf, "extra", lambda *_: SimpleNamespace(MDF=lambda *_, **how: file))
+    monkeypatch.setattr(mdf.logging, "disable", lambda level: None)
+    record = mdf.parse(written(b"MDF"), Options())
+    assert [(c.name, c.values.tolist(), c.step) for c in record.channels][0] == ("01", [3.0, 5.0, 7.0], 0.5)
+    assert record.channels[1].values.tolist() == [1.0, 2.0, 4.0]
+    assert [(f.code, f.value) for f in record.findings] == [("array-ignored", 1), ("not-converted", 1)]
+    assert "10" in record.findings[0].message
+    assert "11" in record.findings[1].message
+    monkeypatch.setattr(mdf, "MOST_ARRAYS", 3)
+    assert len(mdf.parse(written(b"MDF"), Options()).channels) == 2
+    monkeypatch.setattr(mdf, "MOST_ARRAYS", 2)
+    with pytest.raises(InputError, match="more than 2 channels"):
+        mdf.parse(written(b"MDF"), Options())
 
 
 def test_the_master_of_a_group_of_mdf_is_its_time():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
+from strikewave.base.result import INFO, WARNING
 from strikewave.records import calibration, campaign, robust, siblings
 from strikewave.records.calibration import Calibration, check_part, known_unit, read_calibrations
 from strikewave.records.health_notice import HealthNotice
@@ -237,6 +238,21 @@ def test_an_outlier_is_told_where_others_have_its_figure():
     assert (found.path, found.figure, found.value, found.ratio, found.reason) == ("a.csv", "peak", 4.0, 0.4, "odd")
     assert found.mean_with == 8.5  # of the means of the four files
     assert found.cv_with == pytest.approx(np.std([9.0, 10.0, 11.0, 3.0, 5.0], ddof=1) / 8.5)
+
+
+@pytest.mark.parametrize(
+    ("counts", "left_out", "more"),
+    [((1, 1), (), False), ((1, 2), (), True), ((), (("a", (), "b"),), True), ((), (), False)],
+)
+def test_a_campaign_says_more_than_one_blow_where_figures_have_several_or_files_are_left_out(counts, left_out, more):
+    statistics = {str(k): campaign.statistic(np.arange(n) + 1.0) for k, n in enumerate(counts)}
+    assert campaign.Campaign("c", 1, "", statistics, {}, left_out, {}).sums_up is more
+
+
+def test_what_is_worth_knowing_is_a_remark_of_a_result_and_all_else_a_warning():
+    for severity, told in (("good", INFO), ("suspect", WARNING), ("bad", WARNING)):
+        notice = HealthNotice("clipped", "at 5 g", 3.0, severity=severity).notice
+        assert (notice.code, notice.message, notice.value, notice.severity) == ("clipped", "at 5 g", 3.0, told)
 
 
 # Other differences
@@ -478,6 +494,13 @@ def test_a_calibration_file_up_to_its_limits(tmp_path, monkeypatch):
     read_calibrations(file)
     monkeypatch.setattr(calibration, "LARGEST_FILE", len(text) - 1)
     with pytest.raises(InputError, match="at most"):
+        read_calibrations(file)
+    monkeypatch.undo()
+    for size in (100_000, 100_001):  # bytes, most of them a remark
+        file.write_text(text + "#" * (size - len(text)))
+        if size == 100_000:
+            assert len(read_calibrations(file)) == 2
+    with pytest.raises(InputError, match="at most 100000 bytes"):
         read_calibrations(file)
 
 

@@ -191,6 +191,24 @@ def test_a_budget_adds_what_it_states_in_amounts():
     assert Budget((Contribution("sensitivity", "s", 0.1),)).share is None
 
 
+def test_a_budget_in_a_document_has_what_is_stated_and_what_the_record_tells():
+    one = Contribution("offset", "zero", 3.0, "rectangular", False, "measured", "us", "3 m/s^2")
+    document = Budget((one, Contribution("clock", "c", 0.5)), "a title", "a.toml").document()
+    first, second, stated, bare = document["contributions"]
+    assert [(row["name"], row["kind"]) for row in (first, second)] == [
+        ("noise and baseline", "record"),
+        ("instants of sampling", "record"),
+    ]
+    assert stated == {
+        "name": "zero", "kind": "offset", "stated": "3 m/s^2", "distribution": "rectangular",
+        "standard": pytest.approx(math.sqrt(3.0)), "status": "measured", "source": "us",
+    }  # fmt: skip
+    assert (bare["standard"], bare["status"], bare["source"]) == (0.5, None, None)
+    assert (document["title"], document["file"]) == ("a title", "a.toml")
+    assert len(document["not_stated"]) == len(contributions.TOPICS) - 2
+    assert [Budget(()).document()[key] for key in ("title", "file")] == [None, None]
+
+
 # Blows
 
 
