@@ -596,7 +596,7 @@ def test_channels_of_mdf_are_read_group_by_group(written, monkeypatch):
     monkeypatch.setattr(mdf, "extra", lambda *_: SimpleNamespace(MDF=lambda *_, **how: file))
     monkeypatch.setattr(mdf.logging, "disable", lambda level: None)
     record = mdf.parse(written(b"MDF"), Options())
-    assert [(c.name, c.values.tolist(), c.step) for c in record.channels][0] == ("01", [3.0, 5.0, 7.0], 0.5)
+    assert next((c.name, c.values.tolist(), c.step) for c in record.channels) == ("01", [3.0, 5.0, 7.0], 0.5)
     assert record.channels[1].values.tolist() == [1.0, 2.0, 4.0]
     assert [(f.code, f.value) for f in record.findings] == [("array-ignored", 1), ("not-converted", 1)]
     assert "10" in record.findings[0].message

@@ -300,6 +300,15 @@ def test_a_rigid_pulse_is_as_uncertain_as_its_fit_its_models_and_its_shape(chose
     assert moved.width == found.width
 
 
+def test_a_fit_that_misses_little_has_the_uncertainty_of_a_swing_like_the_pulse(chosen):
+    """A fifth of the peak, a quarter of the width and 15 % of the area, with half of the 2 % that it misses."""
+    omega = 2.0 * math.pi * 2.49 / (0.936231 * 2e-3)
+    found, _ = chosen({_mode: fit_of(_mode, 0.02, omega=omega, decay=90.0, doubt=np.zeros(3))})
+    assert found.peak_uncertainty / found.peak == pytest.approx(math.hypot(0.2, 0.01), rel=1e-9)
+    assert found.width_uncertainty / found.width == pytest.approx(math.hypot(0.25, 0.01), rel=1e-9)
+    assert found.velocity_change_uncertainty / found.velocity_change == pytest.approx(math.hypot(0.15, 0.01), rel=1e-9)
+
+
 def mounted(v, count, step, guess, omega0):
     """Return what a sensor on a mount records of a pulse of peak 1, by Duhamel's integral over finer samples."""
     fine = 8
