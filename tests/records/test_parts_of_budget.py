@@ -309,7 +309,7 @@ def line(name, standard, share=0.0):
 
 def test_a_blow_like_one_that_was_checked_has_its_coverage():
     def of(standard, method, coverage=2.0, *rows):
-        return FigureUncertainty(9.0, standard, coverage * standard, coverage, rows, method)
+        return FigureUncertainty(9.0, standard, coverage * standard, coverage, method, rows)
 
     rows = (line("a", 3.0), line("b", 4.0), line("c", NAN))
     one = BlowUncertainty({"peak": of(5.0, blows.BY_LAW, 2.0, *rows), "width": of(5.0, blows.BY_LAW, 2.0, *rows)})
@@ -338,7 +338,7 @@ def test_figures_are_summed_by_the_law_or_by_trials():
     peak, width, velocity = (found.figures[name] for name in blows.FIGURES)
     assert (peak.value, width.value, velocity.value) == (-10.0, 3.0, -8.0)
     assert (peak.standard, peak.expanded, peak.coverage) == (5.0, 10.0, 2.0)
-    assert [tuple(row) for row in peak.contributions] == [("record", 4.0, 0.64), ("o", 3.0, 0.36)]
+    assert list(peak.contributions) == [line("record", 4.0, 0.64), line("o", 3.0, 0.36)]
     assert math.isnan(width.standard)
     assert width.contributions[0] == line("o", 2.0, 1.0)
     assert (velocity.standard, velocity.coverage, velocity.contributions[0].share) == (0.0, 2.0, 0.0)
@@ -443,7 +443,7 @@ def of_spectrum(*kinds, channel=SPECTRAL, spectrum=largest, pulses=None):
 
 
 def by(found, name):
-    return dict(found.contributions)[name]
+    return {one.name: one.standard for one in found.contributions}[name]
 
 
 def test_what_each_contribution_does_to_a_spectrum():
@@ -458,13 +458,14 @@ def test_what_each_contribution_does_to_a_spectrum():
         0.3 / math.sqrt(3.0) * 0.5, rel=0.02
     )  # half of it at the middle of the blow
     assert by(found, "d")[1] == pytest.approx(0.5 * 0.3 / math.sqrt(3.0))  # behind it to one side alone
-    stated = np.array([each for _, each in found.contributions])
+    stated = np.array([each.standard for each in found.contributions])
     assert found.standard == pytest.approx(np.sqrt(np.nansum(stated**2, axis=0)))
     assert found.expanded == pytest.approx(2.0 * found.standard)
     assert found.lowest(2).standard.tolist() == found.standard[:2].tolist()
-    assert [each.size for _, each in found.lowest(2).contributions] == [2] * 5
-    rows = spectra.SpectrumUncertainty(np.arange(6.0).reshape(2, 3), [("a", np.arange(6.0).reshape(2, 3))])
-    assert (rows.of_row(1).standard.tolist(), rows.of_row(1).contributions[0][1].tolist()) == (
+    assert [each.standard.size for each in found.lowest(2).contributions] == [2] * 5
+    part = spectra.SpectrumPart("a", np.arange(6.0).reshape(2, 3))
+    rows = spectra.SpectrumUncertainty(np.arange(6.0).reshape(2, 3), contributions=[part])
+    assert (rows.of_row(1).standard.tolist(), rows.of_row(1).contributions[0].standard.tolist()) == (
         [3.0, 4.0, 5.0],
         [3.0, 4.0, 5.0],
     )

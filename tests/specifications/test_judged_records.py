@@ -7,7 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from strikewave.base import declare
 from strikewave.base.errors import InputError
+from strikewave.base.json_document import plain
 from strikewave.records.budget.blows import BlowUncertainty, FigureUncertainty
 from strikewave.records.budget.contributions import RECORD, SAMPLING, of_share
 from strikewave.records.calibration import Calibration
@@ -21,7 +23,6 @@ from strikewave.specifications.judged_records import (
     Asked,
     _noise_before,
     before_filter,
-    clause_document,
     filter_leaves,
     judge_records,
     measured_figure,
@@ -29,7 +30,7 @@ from strikewave.specifications.judged_records import (
     shock_of,
     troubles_of,
 )
-from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict
+from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict, asked_of_spectra
 from strikewave.specifications.judging import Limits, PulseLimits, judged
 from strikewave.specifications.pulse_bands import PulseBand
 from strikewave.specifications.reading import load_specification
@@ -104,7 +105,7 @@ def test_a_budget_gives_share_amount_and_figures():
     pulse = reading.pulses[0]
     known = BlowUncertainty(
         {
-            name: FigureUncertainty(1.0, 9.0, 0.04 * abs(pulse.peak), 2.0, ())
+            name: FigureUncertainty(1.0, 9.0, 0.04 * abs(pulse.peak), 2.0, "", ())
             for name in ("peak", "width", "velocity_change")
         },
         amount=3.0,
@@ -179,7 +180,7 @@ def test_a_verdict_rests_on_indicative_limits_if_any_passes_or_all_that_fail_are
     fails = [rests_on_indicative(some, "fail") for some in ([wrong, maybe], [maybe, sure], [sure], [wrong])]
     assert fails == [False, True, False, False]
     assert not rests_on_indicative([unsure], "cannot-tell")
-    row = clause_document(judged("x", 3.0, Limits(-math.inf, 1.0, "quoted"), "m"))
+    row = plain(declare.content(judged("x", 3.0, Limits(-math.inf, 1.0, "quoted"), "m")))
     assert (row["limit"], row["margin"], row["verdict"]) == ([None, 1.0], -2.0, "fail")
 
 
@@ -199,7 +200,7 @@ def test_records_are_judged_blow_by_blow_with_directions_rate_and_files_without_
     assert campaign["files without a shock"].reason == "no shock was found in q.csv, e.csv"
     assert (campaign["shocks in -z"].value, campaign["shocks in +y"].value) == (1.0, 2.0)
     assert found.verdict == "fail"
-    document = found.document()
+    document = declare.content(found)
     assert [one["blow"] for one in document["shocks"]] == [1, 1, 2, 3]
     worst = {clause["clause"]: clause for clause in document["clauses"]}
     assert (worst["peak"]["file"], worst["peak"]["blow"]) == ("c.csv", 3)
@@ -250,7 +251,7 @@ def test_what_is_asked_of_budgets_and_directions_is_told():
 
 def test_each_blow_has_its_own_uncertainty():
     def known(share, pulse):
-        one = FigureUncertainty(1.0, 1.0, share * abs(pulse.peak), 2.0, ())
+        one = FigureUncertainty(1.0, 1.0, share * abs(pulse.peak), 2.0, "", ())
         return BlowUncertainty(dict.fromkeys(("peak", "width", "velocity_change"), one))
 
     [reading] = THREE.channels
@@ -297,7 +298,7 @@ def test_shocks_without_a_direction_are_named_by_their_channels_where_there_are_
 
     assert reason(ONE, THREE).startswith("a.csv has no direction")
     assert reason(TWO, THREE).startswith("d.csv, table; d.csv, across have no direction")
-    document = judge_records([ONE, THREE], IEC, Asked(directions=stated)).document()
+    document = declare.content(judge_records([ONE, THREE], IEC, Asked(directions=stated)))
     assert [one["direction"] for one in document["shocks"]] == [None, "+x", "+x", "+x"]
 
 
@@ -316,17 +317,17 @@ def test_a_verdict_of_spectra_is_that_of_the_worst_and_says_what_uncertainties_h
         "n", "f.csv", "c", np.ones(1), np.ones(1), (judged("x", 0.5, Limits(0.0, 1.0, "quoted"), "1"),)
     )
     spectra = (one, one._replace(file="g.csv", clauses=(clause,)))
-    bare = SpectraVerdict(IEC, None, "simple", False, None, spectra)
+    bare = SpectraVerdict(IEC, None, asked_of_spectra(), spectra)
     assert [each.verdict for each in spectra] == ["pass", "fail"]
-    assert (bare.verdict, bare.by_indicative, bare.holds, bare.not_stated) == ("fail", True, (), ())
-    guarded = replace(bare, rule="guarded")
+    assert (bare.verdict, bare.by_indicative, bare.asked.holds, bare.asked.not_stated) == ("fail", True, (), ())
+    guarded = asked_of_spectra("guarded")
     assert guarded.not_stated
     assert guarded.holds == (RECORD, SAMPLING)
-    budget = replace(bare, budget=of_share(0.05))
-    assert (budget.holds, budget.not_stated) == (of_share(0.05).names, of_share(0.05).not_stated)
-    assert replace(budget, rule="guarded").holds == budget.holds
-    assert (bare.document()["uncertainty"], budget.document()["uncertainty"]) == (0.0, 0.05)
-    assert [(row["file"], row["verdict"]) for row in bare.document()["clauses"]] == [
+    budget = replace(bare, asked=asked_of_spectra(budget=of_share(0.05)))
+    assert (budget.asked.holds, budget.asked.not_stated) == (of_share(0.05).names, of_share(0.05).not_stated)
+    assert asked_of_spectra("guarded", budget=of_share(0.05)).holds == budget.asked.holds
+    assert [declare.content(one)["uncertainty"] for one in (bare, budget)] == [0.0, 0.05]
+    assert [(row["file"], row["verdict"]) for row in declare.content(bare)["clauses"]] == [
         ("f.csv", "pass"),
         ("g.csv", "fail"),
     ]

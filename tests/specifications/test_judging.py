@@ -543,7 +543,7 @@ def test_demands_name_rate_and_cutoff_in_hertz():
 
 def test_the_worst_clause_is_a_fail_then_an_open_one_then_one_not_judged():
     def one(verdict, margin=1.0, high=2.0):
-        return ShockVerdict((Clause("c", 0.0, 0.0, high, margin, "1", 0.0, "quoted", verdict),), 0.0, None)
+        return ShockVerdict((Clause("c", "quoted", "1", 0.0, 0.0, high, margin, 0.0, verdict),), 0.0, None)
 
     order = [one("pass"), one("not-judged"), one("cannot-tell"), one("fail")]
     assert [worst_clauses(order[: k + 1])[0][1] for k in range(4)] == [0, 1, 2, 3]

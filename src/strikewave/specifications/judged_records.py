@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.first_few import first_few
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.records.budget.blows import BlowUncertainty
 from strikewave.records.budget.contributions import RECORD, Budget
 from strikewave.records.health_notice import HealthNotice
@@ -72,44 +74,45 @@ FINEST_FILTERED = 1.0 / 200.0
 """Share of the duration between samples on which a filter is tried on the ideal pulse, where the record is coarser."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Asked:
     """How records are judged.
 
     Attributes
     ----------
-    rule : str
-        How uncertainty enters: ``simple`` or ``guarded``.
-    strict : bool
-        Whether indicative limits are refused.
     budget : Budget or None
         By which the uncertainties of the blows were found; None where only noise and baseline are known.
     directions : sequence of StatedDirection
         Of the shocks of which files and channels.
     cross_axis : sequence of str
         Names or numbers of channels that measure across, with the files in which they do, see `cross_axis_fits`.
+    told : tuple of str
+        Names of what the record itself tells where no budget is stated; none where uncertainty plays no part.
     """
 
-    rule: Rule = "simple"
-    strict: bool = False
+    rule: Rule = declare.word("simple, or guarded by the expanded uncertainty", key="decision", default="simple")
+    strict: bool = declare.word("whether limits from memory count as none", default=False)
     budget: Budget | None = None
     directions: Sequence[StatedDirection] = ()
     cross_axis: Sequence[str] = ()
+    told: tuple[str, ...] = (RECORD,)
 
-    @property
+    @declare.computed(declare.word("stated expanded uncertainty (k = 2), as a share", key="uncertainty"))
     def share(self) -> float | None:
         """Expanded uncertainty of the acceleration, k = 2, where one share was stated for all; 0 for no budget."""
         return 0.0 if self.budget is None else self.budget.share
 
-    @property
+    @declare.computed(
+        declare.word("what the stated uncertainty holds of: noise, calibration, ...", key="uncertainty_holds")
+    )
     def holds(self) -> tuple[str, ...]:
         """Names of the contributions that uncertainties hold."""
-        return (RECORD,) if self.budget is None else self.budget.names
+        return self.told if self.budget is None else self.budget.names
 
-    @property
+    @declare.computed(declare.word("what nobody stated an uncertainty of", key="uncertainty_not_stated"))
     def not_stated(self) -> tuple[str, ...]:
         """What is not stated of the channel."""
-        return Budget(()).not_stated if self.budget is None else self.budget.not_stated
+        return (self.budget or Budget(())).not_stated if self.holds else ()
 
     def direction_of(self, path: str, channel: Iterable[str]) -> str:
         """Return the direction of the shocks of a channel; empty where none is stated. The last that fits counts.
@@ -138,34 +141,53 @@ class JudgedShock(NamedTuple):
     found: ShockVerdict
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class ShockRow:
+    """A shock as a document has it."""
+
+    file: str = declare.word("measured file")
+    channel: str = declare.word("channel")
+    blow: int = declare.count("number of the blow in the record, from 1")
+    direction: str | None = declare.word("stated direction")
+    start: float = declare.number(MICROSECONDS, "where the ideal pulse begins")
+    verdict: str = declare.word("verdict on this shock")
+    clauses: tuple[Clause, ...] = declare.rows(Clause, "its clauses")
+
+
+VERDICT = declare.word("pass, fail or cannot-tell")
+BY_INDICATIVE = declare.word("whether it rests on a limit from memory", key="by_indicative_limits")
+"""What verdicts on records and on spectra say alike."""
+
+
+@declare.dataclass
 class RecordsVerdict:
     """The verdict on records.
 
     Attributes
     ----------
-    specification : Specification
-        What they are judged by.
     limits : PulseLimits
         What it asks of a shock.
-    asked : Asked
-        How.
     shocks : tuple of JudgedShock
         In the order of the files.
     campaign : tuple of Clause
         Shocks by direction, their rate, files without a shock.
     """
 
-    specification: Specification
+    specification: Specification = declare.part(Specification, "what they are judged by", inline=True)
     limits: PulseLimits
-    asked: Asked
+    asked: Asked = declare.part(Asked, "how", inline=True)
     shocks: tuple[JudgedShock, ...]
     campaign: tuple[Clause, ...] = ()
 
-    @property
+    @declare.computed(VERDICT)
     def verdict(self) -> str:
         """Of all shocks and clauses together."""
         return together([*(one.found.verdict for one in self.shocks), *(clause.verdict for clause in self.campaign)])
+
+    @declare.computed(BY_INDICATIVE)
+    def by_indicative(self) -> bool:
+        """Whether the verdict rests on a limit that is from memory."""
+        return rests_on_indicative([clause for clause, _ in self.clauses], self.verdict)
 
     @property
     def clauses(self) -> list[tuple[Clause, JudgedShock | None]]:
@@ -173,34 +195,33 @@ class RecordsVerdict:
         worst = worst_clauses([one.found for one in self.shocks])
         return [(clause, self.shocks[place]) for clause, place in worst] + [(clause, None) for clause in self.campaign]
 
-    @property
-    def by_indicative(self) -> bool:
-        """Whether the verdict rests on a limit that is from memory."""
-        return rests_on_indicative([clause for clause, _ in self.clauses], self.verdict)
+    @declare.computed(declare.rows(Clause, "each clause where it came out worst", key="clauses"))
+    def placed_clauses(self) -> list[Clause]:
+        """The clauses with file, channel and blow."""
+        return [
+            clause if one is None else replace(clause, file=one.file, channel=one.reading.channel.name, blow=one.number)
+            for clause, one in self.clauses
+        ]
+
+    @declare.computed(declare.rows(ShockRow, "verdict on each shock", key="shocks"))
+    def shock_rows(self) -> list[ShockRow]:
+        """The shocks as the document has them."""
+        return [
+            ShockRow(
+                one.file,
+                one.reading.channel.name,
+                one.number,
+                one.direction or None,
+                one.found.start,
+                one.found.verdict,
+                one.found.clauses,
+            )
+            for one in self.shocks
+        ]
 
     def document(self) -> dict[str, Any]:
         """Return the entry of the JSON document, in SI."""
-        return {
-            **self.specification.document(),
-            "decision": self.asked.rule,
-            "strict": self.asked.strict,
-            "uncertainty": self.asked.share,
-            "uncertainty_holds": list(self.asked.holds),
-            "uncertainty_not_stated": list(self.asked.not_stated),
-            "verdict": self.verdict,
-            "by_indicative_limits": self.by_indicative,
-            "clauses": [{**clause_document(clause), **_place(shock)} for clause, shock in self.clauses],
-            "shocks": [
-                {
-                    **_place(one),
-                    "direction": one.direction or None,
-                    "start": one.found.start,
-                    "verdict": one.found.verdict,
-                    "clauses": [clause_document(clause) for clause in one.found.clauses],
-                }
-                for one in self.shocks
-            ],
-        }
+        return declare.content(self)
 
 
 def rests_on_indicative(clauses: Sequence[Clause], verdict: str) -> bool:
@@ -221,24 +242,7 @@ def rests_on_indicative(clauses: Sequence[Clause], verdict: str) -> bool:
 
 def clause_document(clause: Clause) -> dict[str, Any]:
     """Return the row of a clause; a limit that there is none of is null."""
-    ends = [end if math.isfinite(end) else None for end in (clause.low, clause.high)]
-    return {
-        "clause": clause.clause,
-        "status": clause.status,
-        "unit": clause.unit,
-        "value": clause.value,
-        "limit": ends,
-        "margin": clause.margin,
-        "uncertainty": clause.uncertainty,
-        "verdict": clause.verdict,
-        "reason": clause.reason,
-    }
-
-
-def _place(shock: JudgedShock | None) -> dict[str, Any]:
-    if shock is None:
-        return {}
-    return {"file": shock.file, "channel": shock.reading.channel.name, "blow": shock.number}
+    return declare.content(clause)
 
 
 def judge_records(

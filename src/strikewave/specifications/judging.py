@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
 from strikewave.base.percents import percent
 from strikewave.signal.pulse import FEWEST_INTERVALS, crossing, refine_peak
@@ -146,38 +147,35 @@ class Shock:
         return np.asarray(self.begin + self.step * np.arange(self.values.size), dtype=np.float64)
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Clause:
-    """A clause and what it comes to.
+    """A clause and what it comes to, in its unit; NaN where there is nothing.
 
     Attributes
     ----------
-    clause : str
-        Name.
-    value, low, high, margin : float
-        In the unit; NaN where there is none.
-    unit : str
-        SI unit of all four.
-    uncertainty : float
-        Expanded uncertainty of the value, k = 2.
-    status : str
-        Of its limits.
-    verdict : str
-        ``pass``, ``fail``, ``cannot-tell`` or ``not-judged``.
-    reason : str
-        Why nothing can be stated, or where it fails.
+    low, high : float
+        Its limits; infinite where there is none.
     """
 
-    clause: str
-    value: float
+    clause: str = declare.word("what is judged, such as peak")
+    status: str = declare.word("of its limits: normative, quoted or indicative")
+    unit: str = declare.word("SI unit of value, limit, margin and uncertainty")
+    value: float = declare.word("what was found")
     low: float
     high: float
-    margin: float
-    unit: str
-    uncertainty: float
-    status: str
-    verdict: str
-    reason: str = ""
+
+    @declare.computed(declare.word("[low, high]; null where there is none"))
+    def limit(self) -> tuple[float, float]:
+        """Its limits."""
+        return self.low, self.high
+
+    margin: float = declare.word("distance to the nearer limit, below 0 where it fails")
+    uncertainty: float = declare.word("expanded uncertainty of the value, k = 2")
+    verdict: str = declare.word("pass, fail, cannot-tell or not-judged")
+    reason: str = declare.word("why nothing can be stated, or where it fails", default="")
+    file: str | None = declare.word("measured file", default=None, optional=True)
+    channel: str | None = declare.word("channel", default=None, optional=True)
+    blow: int | None = declare.word("number of the blow, from 1", default=None, optional=True)
 
     @property
     def share(self) -> float:
@@ -254,7 +252,7 @@ def judged(
     if not reason and verdict == CANNOT_TELL:
         reason = "the uncertainty reaches over the limit" if math.isfinite(value) else "it could not be measured"
         reason = "its uncertainty is not known" if math.isfinite(value) and math.isnan(uncertainty) else reason
-    return Clause(name, value, limits.low, limits.high, margin, unit, uncertainty, limits.status, verdict, reason)
+    return Clause(name, limits.status, unit, value, limits.low, limits.high, margin, uncertainty, verdict, reason)
 
 
 def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict: bool = False) -> ShockVerdict:
@@ -314,7 +312,7 @@ def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict
 def not_judged(name: str, limits: Limits, unit: str, reason: str) -> Clause:
     """Return the clause of what only the user can say, and did not."""
     nothing = math.nan
-    return Clause(name, nothing, limits.low, limits.high, nothing, unit, nothing, limits.status, NOT_JUDGED, reason)
+    return Clause(name, limits.status, unit, nothing, limits.low, limits.high, nothing, nothing, NOT_JUDGED, reason)
 
 
 def refused(clause: Clause) -> Clause:
@@ -445,18 +443,7 @@ def _cross_clause(shock: Shock, limits: Limits, pulse: IdealPulse, start: float,
     """Return the clause of the cross-axis acceleration, the largest to either side while the pulse lasts."""
     if not shock.cross_axis:
         reason = "no cross-axis channel is named (--cross-axis)"
-        return Clause(
-            "cross-axis",
-            math.nan,
-            math.nan,
-            limits.high,
-            math.nan,
-            "m/s^2",
-            math.nan,
-            limits.status,
-            NOT_JUDGED,
-            reason,
-        )
+        return not_judged("cross-axis", limits._replace(low=math.nan), "m/s^2", reason)
     time = shock.time
     inside = (time >= start - 0.1 * pulse.duration) & (time <= start + 1.1 * pulse.duration)
     largest = float(np.max([np.max(np.abs(values[inside]), initial=0.0) for values in shock.cross_axis.values()]))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from strikewave.base import declare
 from strikewave.base.errors import EXISTING_FILE, InputError, nearest, show
 from strikewave.base.toml_text import read_toml
 from strikewave.cases.paths import Form
@@ -41,14 +41,12 @@ class ShockCount(NamedTuple):
     status: str
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Specification:
     """A specification, with one of its conditions where it has several.
 
     Attributes
     ----------
-    name : str
-        As it is asked for, without the condition.
     file : SpecificationFile
         Its tables.
     condition : ConditionTable or None
@@ -59,11 +57,16 @@ class Specification:
         Of a file of one's own; empty for a built-in one.
     """
 
-    name: str
+    name: str = declare.word("name of the specification")
     file: SpecificationFile
     condition: ConditionTable | None
     text: str
     path: str = ""
+
+    @declare.computed(declare.word("its condition; null where it has one severity", key="condition"))
+    def condition_name(self) -> str | None:
+        """Name of the condition."""
+        return None if self.condition is None else self.condition.name
 
     @property
     def asked(self) -> str:
@@ -80,7 +83,7 @@ class Specification:
         """Name and condition as a part of the name of a file."""
         return self.asked.replace(":", "-").lower()
 
-    @property
+    @declare.computed(declare.word("its title"))
     def title(self) -> str:
         """Title, with that of the condition; of a file of one's own with its name and what it was made from."""
         title = _title_of_own(self.path, self.file) if self.path else self.file.title
@@ -286,10 +289,14 @@ class Specification:
             frequency, level, status, table.q.si, table.kind, table.side, table.per_octave.si, bands, share, above
         )
 
+    @declare.computed(declare.word("which edition of the standard"))
+    def edition(self) -> str:
+        """Edition of the standard."""
+        return self.file.edition
+
     def document(self) -> dict[str, Any]:
         """Return what identifies it, for a JSON document."""
-        condition = None if self.condition is None else self.condition.name
-        return {"name": self.name, "condition": condition, "title": self.title, "edition": self.file.edition}
+        return declare.content(self)
 
 
 def specification_names() -> list[str]:

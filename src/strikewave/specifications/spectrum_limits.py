@@ -196,4 +196,4 @@ def _share(name: str, shares: _Shares, limits: Limits, status: str, trouble: str
         reason = "; ".join(filter(None, ["the uncertainty reaches over the limit", worst]))
     margin = shares.measured - limits.low
     reach = max(shares.most - shares.measured, shares.measured - shares.least)
-    return Clause(name, shares.measured, limits.low, limits.high, margin, "1", reach, status, verdict, reason)
+    return Clause(name, status, "1", shares.measured, limits.low, limits.high, margin, reach, verdict, reason)

@@ -9,6 +9,7 @@ import pytest
 
 import strikewave as sw
 from strikewave.analyses.record.report import record_report
+from strikewave.base import declare
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import plain
 
@@ -106,11 +107,11 @@ def test_a_guarded_verdict_takes_the_whole_and_says_what_it_holds(folder):
     peaks = [next(one for one, _ in verdict.clauses if one.clause == "peak") for verdict in (plain, whole)]
     assert [one.verdict for one in peaks] == ["pass", "cannot-tell"]  # 59.3 g of at most 60 g
     assert peaks[1].uncertainty / G == pytest.approx(2.0 * math.hypot(0.02 * 59.3, 0.5 / math.sqrt(3.0)), rel=1e-3)
-    document = whole.document()
+    document = declare.content(whole)
     assert document["uncertainty"] is None
-    assert document["uncertainty_holds"] == ["noise and baseline", "instants of sampling", "certificate", "offset"]
+    assert document["uncertainty_holds"] == ("noise and baseline", "instants of sampling", "certificate", "offset")
     assert "temperature" in document["uncertainty_not_stated"]
-    assert plain.document()["uncertainty_holds"] == ["noise and baseline"]
+    assert plain.asked.holds == ("noise and baseline",)
 
 
 @pytest.mark.verify
@@ -138,7 +139,7 @@ def test_a_spectrum_moves_with_its_gain_and_is_judged_by_it(folder):
         folder / "s0.csv", spec=str(folder / "levels.toml"), decision="guarded", uncertainty="10 %"
     )
     assert judged.verdict.verdict == "pass"
-    assert judged.verdict.document()["uncertainty"] == 0.1
+    assert judged.verdict.asked.share == 0.1
     assert judged.verdict.clauses[0].uncertainty == 0.0  # no share changes within 10 %
 
 
@@ -150,8 +151,9 @@ def test_spectra_of_two_kinds_are_as_uncertain_as_each_alone(folder):
     for one, kind in zip(together, kinds, strict=True):
         [alone] = sw.shock_spectra(folder / "s0.csv", kinds=[kind], **asked).uncertainties
         assert np.array_equal(one.standard, alone.standard)
-        assert [name for name, _ in one.contributions] == [name for name, _ in alone.contributions]
-        assert np.array_equal([each for _, each in one.contributions], [each for _, each in alone.contributions])
+        assert [each.name for each in one.contributions] == [each.name for each in alone.contributions]
+        both = ([each.standard for each in found.contributions] for found in (one, alone))
+        assert np.array_equal(*both)
 
 
 def test_a_spectrum_of_which_too_little_lies_before_the_blow_is_not_judged_by_an_unknown_uncertainty(folder, tmp_path):

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.analyses.record.rolling_window import Rolling
+from strikewave.base import declare
 from strikewave.records import ChannelReading
 from strikewave.records.budget.spectra import SpectrumUncertainty, spectrum_uncertainty
 from strikewave.records.health_notice import HealthNotice, worst
@@ -270,7 +271,7 @@ class SpectrumResult(measured.AskedResult):
     def content(self) -> dict[str, Any]:
         """Return what the JSON document holds beside its head."""
         first, reading = self.spectra[0], self.reading
-        judged: dict[str, Any] = {} if self.verdict is None else {"spec": self.verdict.document()}
+        judged: dict[str, Any] = {} if self.verdict is None else {"spec": declare.content(self.verdict)}
         judged |= {} if self.budget is None else {"budget": self.budget.document()}
         if self.shocks:
             return {**self._several(), **judged}
@@ -332,7 +333,7 @@ class SpectrumResult(measured.AskedResult):
     def _uncertain(self, known: Sequence[SpectrumUncertainty]) -> dict[str, Any]:
         """Return what the document holds of the uncertainty of the spectra of a channel."""
         pairs = zip(self.spectra, known, strict=False)
-        found = {one.kind: each.lowest(len(one.frequency)).document() for one, each in pairs}
+        found = {one.kind: declare.content(each.lowest(len(one.frequency))) for one, each in pairs}
         return {"uncertainty": found} if found else {}
 
     def highlights(self) -> list[tuple[str, str]]:

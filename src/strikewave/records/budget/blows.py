@@ -10,7 +10,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
+from strikewave.base.declare import Quantity
+from strikewave.base.shock_quantities import RATIO
 from strikewave.records.budget.contributions import (
     RECORD,
     BlowStretch,
@@ -54,27 +57,19 @@ IN_PLACE = {
 """Kinds that stand in place of what the record would tell of noise and baseline, where too little lies before the blow.
 Where none is stated, the uncertainty is not known."""
 BY_LAW, BY_TRIALS = "law of propagation", "Monte Carlo"
+AS_FIGURE = Quantity.of_data("as the figure")
 
 
-class BudgetLine(NamedTuple):
-    """What one contribution does to a figure.
+@declare.dataclass
+class BudgetLine:
+    """What one contribution does to a figure; NaN where it is not known."""
 
-    Attributes
-    ----------
-    name : str
-        Of the contribution.
-    standard : float
-        Standard uncertainty of the figure by it alone, in the figure's unit; NaN where it is not known.
-    share : float
-        Of the variance of the figure.
-    """
-
-    name: str
-    standard: float
-    share: float
+    name: str = declare.word("what contributes")
+    standard: float = declare.number(AS_FIGURE, "its part of the standard uncertainty")
+    share: float = declare.number(RATIO, "its share of the variance")
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class FigureUncertainty:
     """The uncertainty of one figure.
 
@@ -82,24 +77,14 @@ class FigureUncertainty:
     ----------
     value : float
         The figure.
-    standard : float
-        Its standard uncertainty.
-    expanded : float
-        Its expanded uncertainty.
-    coverage : float
-        Coverage factor of that.
-    contributions : tuple of BudgetLine
-        The largest first.
-    method : str
-        ``law of propagation``, or ``Monte Carlo`` where that does not validate it.
     """
 
     value: float
-    standard: float
-    expanded: float
-    coverage: float
-    contributions: tuple[BudgetLine, ...]
-    method: str = BY_LAW
+    standard: float = declare.number(AS_FIGURE, "its standard uncertainty")
+    expanded: float = declare.number(AS_FIGURE, "its expanded uncertainty")
+    coverage: float = declare.number(RATIO, "coverage factor of that")
+    method: str = declare.word("law of propagation, or Monte Carlo where that does not validate it")
+    contributions: tuple[BudgetLine, ...] = declare.rows(BudgetLine, "what contributes, the largest first")
 
     @property
     def by_law(self) -> float:
@@ -108,13 +93,7 @@ class FigureUncertainty:
 
     def document(self) -> dict[str, Any]:
         """Return the entry of a JSON document, in the unit of the figure."""
-        return {
-            "standard": self.standard,
-            "expanded": self.expanded,
-            "coverage": self.coverage,
-            "method": self.method,
-            "contributions": [one._asdict() for one in self.contributions],
-        }
+        return declare.content(self)
 
 
 @dataclass(frozen=True)
@@ -358,6 +337,6 @@ def _summed(
         shares.sort(key=lambda row: -row.standard if math.isfinite(row.standard) else 0.0)
         coverage = expanded / standard if standard > 0.0 else COVERAGE
         value = float(measured.figures[k]) * (1.0 if name == "width" else measured.sign)
-        figures[name] = FigureUncertainty(value, standard, expanded, coverage, tuple(shares), method)
+        figures[name] = FigureUncertainty(value, standard, expanded, coverage, method, tuple(shares))
     checked = {} if simulated is None else dict(zip(FIGURES, sound, strict=True))
     return BlowUncertainty(figures, 0 if simulated is None else simulated.trials, checked)

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
 from strikewave.records.budget.propagation import NORMAL, RECTANGULAR, InputQuantity
 
@@ -116,20 +117,59 @@ class Contribution:
             return np.asarray(0.5 * np.where(np.isfinite(bent[0]), bent[0] - bent[1], power * np.log1p(e)))
 
 
-class Budget(NamedTuple):
+@declare.dataclass
+class BudgetEntry:
+    """A contribution as a document has it."""
+
+    name: str = declare.word("what contributes")
+    kind: str = declare.word("what it changes; record, what the record itself tells")
+
+
+@declare.dataclass
+class StatedEntry(BudgetEntry):
+    """A contribution that is stated."""
+
+    stated: str = declare.word("its number as it stands in the budget")
+    distribution: str = declare.word("its distribution")
+    standard: float = declare.word("its standard uncertainty, in the unit of what it changes")
+    status: str | None = declare.word("how its number is known")
+    source: str | None = declare.word("from whom")
+
+
+@declare.dataclass
+class Budget:
     """The contributions of a channel, and what they are called together.
 
     Attributes
     ----------
     contributions : tuple of Contribution
         As they are stated.
-    title, file : str
-        Its title, and the file it stands in; empty where one share for all was stated.
     """
 
     contributions: tuple[Contribution, ...]
-    title: str = ""
-    file: str = ""
+    title: str | None = declare.word("its title", default=None)
+    file: str | None = declare.word("file that states it; null where one share for all was stated", default=None)
+
+    @declare.computed(declare.rows(StatedEntry, "what contributes", key="contributions"))
+    def entries(self) -> list[BudgetEntry]:
+        """What the record tells, and what is stated."""
+        stated = [
+            StatedEntry(
+                one.name,
+                one.kind,
+                one.typed,
+                one.distribution,
+                one.input.standard,
+                one.status or None,
+                one.source or None,
+            )
+            for one in self.contributions
+        ]
+        return [BudgetEntry(RECORD, "record"), BudgetEntry(SAMPLING, "record"), *stated]
+
+    def document(self) -> dict[str, Any]:
+        """Return the entry of a JSON document: what is stated, and what is not."""
+        return declare.content(self)
 
     @property
     def amount(self) -> float:
@@ -143,7 +183,7 @@ class Budget(NamedTuple):
         amounts = [one.input.standard for one in self.contributions if one.kind in ADDED and not one.relative]
         return math.hypot(*amounts)
 
-    @property
+    @declare.computed(declare.word("what nobody stated"))
     def not_stated(self) -> tuple[str, ...]:
         """What a budget holds as a rule, and this one does not.
 
@@ -156,28 +196,6 @@ class Budget(NamedTuple):
         if "acceleration" in stated:
             return ()
         return tuple(topic for topic, kinds in TOPICS.items() if not stated & set(kinds))
-
-    def document(self) -> dict[str, Any]:
-        """Return the entry of a JSON document: what is stated, and what is not."""
-        rows = [
-            {
-                "name": one.name,
-                "kind": one.kind,
-                "stated": one.typed,
-                "distribution": one.distribution,
-                "standard": one.input.standard,
-                "status": one.status or None,
-                "source": one.source or None,
-            }
-            for one in self.contributions
-        ]
-        told = [{"name": name, "kind": "record"} for name in (RECORD, SAMPLING)]
-        return {
-            "title": self.title or None,
-            "file": self.file or None,
-            "contributions": [*told, *rows],
-            "not_stated": list(self.not_stated),
-        }
 
     @property
     def indicative(self) -> tuple[str, ...]:

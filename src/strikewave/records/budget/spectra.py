@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
+from strikewave.base.declare import Quantity
+from strikewave.base.shock_quantities import RATIO
 from strikewave.records.budget.contributions import (
     GAINS,
     RECORD,
@@ -28,6 +29,7 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.record import Channel
 
 Array = NDArray[np.float64]
+AS_SPECTRUM = Quantity.of_data("as the spectrum")
 SpectrumOf = Callable[[Array], Array]
 """Spectrum of a record whose baseline is taken off, or several of them, a row each."""
 
@@ -37,39 +39,39 @@ WIDTHS = 7.0
 """Widths of a blow that must lie before it so that noise and baseline are known, as for the figures of blows."""
 
 
-@dataclass(frozen=True, eq=False)
+@declare.dataclass
+class SpectrumPart:
+    """What one contribution does to a spectrum."""
+
+    name: str = declare.word("what contributes")
+    standard: Array = declare.history(AS_SPECTRUM, "its part at each frequency")
+
+
+@declare.dataclass
 class SpectrumUncertainty:
-    """The uncertainty of a spectrum.
+    """The uncertainty of a spectrum, or of several, a row each; NaN where noise and baseline are not known."""
 
-    Attributes
-    ----------
-    standard : ndarray
-        Standard uncertainty at each natural frequency; NaN where noise and baseline are not known. A row a spectrum
-        where several were asked for.
-    contributions : sequence of (str, ndarray)
-        Name, and standard uncertainty by it alone.
-    """
+    standard: Array = declare.history(AS_SPECTRUM, "standard uncertainty at each frequency")
 
-    standard: Array
-    contributions: Sequence[tuple[str, Array]]
-
-    @property
+    @declare.computed(declare.history(AS_SPECTRUM, "expanded uncertainty at each frequency"))
     def expanded(self) -> Array:
         """Expanded uncertainty, k = 2."""
         return COVERAGE * self.standard
 
+    coverage: float = declare.number(RATIO, "coverage factor of that", default=COVERAGE)
+    contributions: Sequence[SpectrumPart] = declare.rows(SpectrumPart, "what contributes", default=())
+
     def lowest(self, count: int) -> SpectrumUncertainty:
         """Return that of the lowest natural frequencies alone."""
-        return SpectrumUncertainty(self.standard[:count], [(name, each[:count]) for name, each in self.contributions])
+        return self._only(slice(count))
 
     def of_row(self, row: int) -> SpectrumUncertainty:
         """Return that of one of several spectra."""
-        return SpectrumUncertainty(self.standard[row], [(name, each[row]) for name, each in self.contributions])
+        return self._only(row)
 
-    def document(self) -> dict[str, Any]:
-        """Return the entry of a JSON document, in the unit of the spectrum."""
-        rows = [{"name": name, "standard": each} for name, each in self.contributions]
-        return {"standard": self.standard, "expanded": self.expanded, "coverage": COVERAGE, "contributions": rows}
+    def _only(self, which: int | slice) -> SpectrumUncertainty:
+        parts = [SpectrumPart(one.name, one.standard[which]) for one in self.contributions]
+        return SpectrumUncertainty(self.standard[which], contributions=parts)
 
 
 def spectrum_uncertainty(
@@ -133,7 +135,7 @@ def spectrum_uncertainty(
     rows = [(RECORD, own), *((one.name, by(one)) for one in (sampling(channel.step), *budget.contributions))]
     stated = any(one.kind in ("acceleration", "offset", "noise") for one in budget.contributions)
     together = np.sqrt(np.sum([np.nan_to_num(each) ** 2 if stated else each**2 for _, each in rows], axis=0))
-    return SpectrumUncertainty(together, rows)
+    return SpectrumUncertainty(together, contributions=[SpectrumPart(name, each) for name, each in rows])
 
 
 def _of_record(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_sentence
+from strikewave.base import declare
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice
 from strikewave.base.units import si_value
@@ -33,7 +34,7 @@ from strikewave.signal.synthesis import (
     matching_half_sine,
     synthesized,
 )
-from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict
+from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict, asked_of_spectra
 from strikewave.specifications.reading import Specification, load_specification
 from strikewave.specifications.spectrum_limits import SpectrumLimits, judge_spectrum
 
@@ -142,7 +143,7 @@ class SynthesisResult(measured.AskedResult):
                 "values": judged.values,
                 "nominal": self.verdict.limits.nominal(judged.frequency),
             },
-            "spec": self.verdict.document(),
+            "spec": declare.content(self.verdict),
         }
 
     def highlights(self) -> list[tuple[str, str]]:
@@ -238,7 +239,7 @@ def synthesize(
     values = srs(found.acceleration, found.step, frequency, limits.q).side(limits.side)
     clauses = judge_spectrum(frequency, values, limits)
     judged = JudgedSpectrum(by, "", "", frequency, values, clauses)
-    verdict = SpectraVerdict(specification, limits, "simple", False, None, (judged,))
+    verdict = SpectraVerdict(specification, limits, asked_of_spectra(), (judged,))
     result = SynthesisResult(
         by=by,
         motion=found,

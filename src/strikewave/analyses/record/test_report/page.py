@@ -331,7 +331,7 @@ def _judged_by(result: RecordResult, found: RecordsVerdict, stated: StatedTest) 
     budget = result.budget
     stated_in = [
         ("specification", found.specification.path),
-        ("uncertainty budget", "" if budget is None else budget.file),
+        ("uncertainty budget", (budget and budget.file) or ""),
         ("test", stated.file),
     ]
     digests = digests_of([Path(file) for _, file in stated_in if file])

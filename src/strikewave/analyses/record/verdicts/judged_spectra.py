@@ -26,7 +26,8 @@ from strikewave.reporting.numbers import listed
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table
 from strikewave.reporting.terminal import table, tell
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, Rule
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
+from strikewave.specifications.judged_records import Asked
 from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict
 from strikewave.specifications.judging import Clause
 from strikewave.specifications.reading import Specification
@@ -42,9 +43,7 @@ class SpectraJudge:
     """What spectra are judged by, and how."""
 
     specification: Specification
-    rule: Rule
-    strict: bool
-    budget: Budget | None
+    asked: Asked
 
     def wanted(self, request: SpectrumRequest) -> SpectrumRequest:
         """Return what spectra are computed: those that the specification means, as far as sampling carries them.
@@ -75,7 +74,7 @@ class SpectraJudge:
                 allowed = fixed if isinstance(fixed, str) else f"{fixed:g}{' Hz' * (option in ('--from', '--to'))}"
                 raise InputError(option, getattr(value, "word", value), f"{allowed} with this --spec", FIXES)
         grid = (Typed(first, f"{first:g} Hz"), None, limits.per_octave)
-        known = Budget(()) if self.budget is None and self.rule == "guarded" else self.budget
+        known = Budget(()) if self.asked.budget is None and self.asked.told else self.asked.budget
         options = request.options._replace(budget=known)
         return request._replace(q=limits.q, grid=grid, side=limits.side, own_range=True, options=options)
 
@@ -107,9 +106,9 @@ class SpectraJudge:
             inside = frequency <= limits.frequency[-1] * (1.0 + 1e-9)
             values = (frequency[inside], one.side(side)[inside])
             share = known[0].expanded[inside] / values[1] if known else math.nan
-            found = judge_spectrum(*values, limits, share, self.rule, self.strict, harmed or lacks)
+            found = judge_spectrum(*values, limits, share, self.asked.rule, self.asked.strict, harmed or lacks)
             spectra.append(JudgedSpectrum(name, file, channel, *values, found))
-        verdict = SpectraVerdict(self.specification, limits, self.rule, self.strict, self.budget, tuple(spectra))
+        verdict = SpectraVerdict(self.specification, limits, self.asked, tuple(spectra))
         notices = verdict_notices(self.specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)
         return dataclasses.replace(result, verdict=verdict, notices=(*result.notices, *notices))
 
@@ -139,7 +138,7 @@ def print_spectra_verdict(found: SpectraVerdict) -> None:
     ]
     columns = [*keys("spectrum"), *texts("clause"), *numerals("limit", "value ± U"), *texts("verdict")]
     table(f"By {found.specification.title}", [*columns, *texts("status", priority=MORE)], rows)
-    tell(decision_words(found.rule, found.holds, found.not_stated))
+    tell(decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated))
     for one in found.spectra:
         for clause in one.clauses:
             if clause.reason:
@@ -167,7 +166,7 @@ def spectra_section(found: SpectraVerdict) -> Section:
         f"Q = {found.limits.q:g}, {found.limits.side}, {found.limits.per_octave:g} natural frequencies an octave. "
         f"Source: {file.source}." + (f" {' '.join(file.note.split())}" if file.note else "")
     )
-    text = f"{decision_words(found.rule, found.holds, found.not_stated)} {text}"
+    text = f"{decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated)} {text}"
     heads = ["spectrum", "verdict", "clause", "limit", "value ± U", "limit is", "why"]
     picture = Picture(spectrum_limits_figure(found.limits, drawn, found.specification.title), "Spectra and tolerance.")
     return Section("Verdict by the specification", text, [picture, Table("Clauses", heads, rows)])

@@ -84,11 +84,12 @@ class SpecificationOptions:
     def spectra_judge(self) -> SpectraJudge | None:
         """Return what spectra are judged by, and how; None for nothing."""
         from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge
+        from strikewave.specifications.judged_spectra import asked_of_spectra
 
         specification = self.specification()
         if specification is None:
             return None
-        return SpectraJudge(specification, self.decision, self.strict, self.uncertainty)
+        return SpectraJudge(specification, asked_of_spectra(self.decision, self.strict, self.uncertainty))
 
     def _nothing_else(self) -> None:
         """Refuse what makes no sense without a specification."""
