@@ -31,7 +31,11 @@ def kinds():
             yield one
             yield from below(one)
 
-    made = {kind for kind in below(Result) if not getattr(kind, "__abstractmethods__", None) and kind.command}
+    made = {
+        kind
+        for kind in below(Result)
+        if not getattr(kind, "__abstractmethods__", None) and getattr(kind, "command", "")
+    }
     return {kind for kind in made if kind.__module__.startswith("strikewave.")}
 
 

@@ -26,3 +26,5 @@ INDENTATION = Quantity("m", "um", decimals=2, digits=0)
 MASS = Quantity("kg", "gram")
 FREQUENCY = Quantity("Hz", "Hz")
 RATIO = Quantity(NO_UNIT, NO_UNIT)
+VARIATION = Quantity(NO_UNIT, "%", digits=3)
+"""Of a coefficient of variation: its bounds are wider than three digits."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from strikewave.base import declare
 from strikewave.base.result import Source
@@ -14,15 +15,36 @@ from strikewave.reporting.shown_result import ShownResult
 
 
 @declare.dataclass
-class CaseResult(ShownResult):
-    """A result of a case; see `Result` for what it shares with others."""
+class ResultOfCase(ShownResult):
+    """A result that begins with a case, its ``case``; see `Result` for what it shares with others."""
 
-    case: Case
+    if TYPE_CHECKING:
+
+        @property
+        def case(self) -> Case:
+            """What it is of."""
+
+    @property
+    def title(self) -> str:
+        """The title of the case."""
+        return self.case.title or self.case.name
+
+    @property
+    def test(self) -> Mapping[str, str]:
+        """What the case says of the test."""
+        return self.case.test.stated()
 
     @declare.computed(declare.word("name of the case", key="case"))
     def case_name(self) -> str:
         """What the case is called."""
         return self.case.name
+
+
+@declare.dataclass
+class CaseResult(ResultOfCase):
+    """The result of a case itself."""
+
+    case: Case
 
     @declare.computed(declare.word("paths of the values that were fitted"))
     def fitted_fields(self) -> list[str]:
@@ -33,11 +55,6 @@ class CaseResult(ShownResult):
     def stale_fits(self) -> list[StaleFit]:
         """The fits of the case that no longer apply."""
         return self.case.stale_fits()
-
-    @property
-    def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
-        return self.case.test.stated()
 
     @functools.cached_property
     def source(self) -> Source:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.declare import KEY, MORE, NO_UNIT, Declaration, GivenUnits, declarations
+from strikewave.base.declare import KEY, MORE, NO_UNIT, Declaration, GivenUnits, Quantity, declarations
 from strikewave.base.first_few import first_few
 from strikewave.base.result import Band, Result
 from strikewave.reporting.banded_numbers import table_decimals, with_band
@@ -285,6 +285,17 @@ def key_numbers(result: Result) -> list[tuple[str, str]]:
 def text_of(value: Any, name: str, given: GivenUnits = MappingProxyType({})) -> str:
     """Return what a sentence says of a field of a declared value, with its unit, as its key number does."""
     return _with_unit(declarations(type(value))[name], getattr(value, name), None, given)
+
+
+def amount(quantity: Quantity, value: float | None) -> str:
+    """Return what a sentence says of a number, with its unit, in the digits of its quantity.
+
+    Examples
+    --------
+    >>> amount(Quantity("1", "%", digits=3), 0.01234), amount(Quantity("m/s^2", "g"), 9806.65)
+    ('1.23 %', '1000 g')
+    """
+    return _with_unit(Declaration(kind="number", meaning="", quantity=quantity), value, None, {})
 
 
 def _with_unit(

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from strikewave.base import declare
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
@@ -23,27 +23,21 @@ TYPED_DIGITS = 9
 that was typed comes back."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Axis:
-    """A setting and the values that it takes.
+    """A setting and the values that it takes, ascending.
 
     Attributes
     ----------
-    path : str
-        Of the case.
     unit, si_unit : str
         In which it was typed, and is shown where no other was chosen; and its SI unit.
-    values : tuple of float
-        SI, ascending.
-    log : bool
-        Whether their spacing is logarithmic.
     """
 
-    path: str
+    path: str = declare.word("path of the setting: x, y, panels")
     unit: str
     si_unit: str
-    values: tuple[float, ...]
-    log: bool = False
+    values: tuple[float, ...] = declare.word("its values, SI")
+    log: bool = declare.word("whether they are spaced by the logarithm", default=False)
 
     def typed(self, value: float) -> str | float:
         """Return a value as a case file has it.

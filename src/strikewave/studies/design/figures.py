@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.reporting.numbers import axis_unit
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, mark_runs, quiet, sheet_title
 from strikewave.studies.design.study import DesignStudy, goal_of
 from strikewave.studies.log_ticks import plain_log_ticks
-from strikewave.studies.sweep.study import KeptNumber
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -51,15 +49,11 @@ def drawn_numbers(study: DesignStudy) -> list[str]:
     return list(dict.fromkeys(names))[:2]
 
 
-def _size(one: KeptNumber) -> float:
-    return 0.01 if one.usual == "%" else axis_unit(one.si, one.usual)[0]
-
-
 def _numbers(axes: Any, study: DesignStudy) -> None:
     """Draw runs over two numbers, with the area in which both goals are met; over their order where there is one."""
     names = drawn_numbers(study)
     kept = [study.kept(name) for name in names]
-    columns = [study.numbers[:, study.plan.evaluation.names.index(name)] / _size(study.kept(name)) for name in names]
+    columns = [study.numbers[:, study.plan.evaluation.names.index(name)] / study.kept(name).scale for name in names]
     order = np.arange(1.0, len(study.rows) + 1.0)
     x, y = columns if len(columns) == 2 else (order, columns[0])
     _dots(axes, study, x, y, legend=True)
@@ -70,7 +64,7 @@ def _numbers(axes: Any, study: DesignStudy) -> None:
         goal = goal_of(study, name)
         low, high = _extent(study, values, name)
         if goal is not None and low < high:
-            span(max(goal.low / _size(study.kept(name)), low), min(goal.high / _size(study.kept(name)), high), **AREA)
+            span(max(goal.low / study.kept(name).scale, low), min(goal.high / study.kept(name).scale, high), **AREA)
         if low < high:
             (axes.set_xlim if which == "x" else axes.set_ylim)(low, high)
 
@@ -87,7 +81,7 @@ def _extent(study: DesignStudy, values: Array, name: str) -> tuple[float, float]
     ends = list(np.percentile(known, SHOWN)) + [float(values[one.run]) for one in study.candidates]
     goal = goal_of(study, name)
     if goal is not None:
-        ends += [limit / _size(study.kept(name)) for limit in (goal.low, goal.high) if math.isfinite(limit)]
+        ends += [limit / study.kept(name).scale for limit in (goal.low, goal.high) if math.isfinite(limit)]
     ends = [end for end in ends if math.isfinite(end)]
     room = 0.05 * (max(ends) - min(ends))
     return min(ends) - room, max(ends) + room

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Source, Verdicts, worse
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
@@ -45,11 +46,11 @@ from strikewave.studies.design.runs import (
 from strikewave.studies.design.search import search
 from strikewave.studies.design.surrogate import SurrogateError, left_out_errors
 from strikewave.studies.design.trade_off import trade_off_search
+from strikewave.studies.engine.case_evaluation import KeptNumber, kept_number
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.sweep.study import KeptNumber, kept_number
 
 Array = NDArray[np.float64]
 
@@ -59,6 +60,8 @@ SURROGATE_SOURCES: tuple[str, ...] = ("sacks-1989", "dubrule-1983", "jones-1998"
 """The same by surrogate."""
 OPTUNA_SOURCES: tuple[str, ...] = ("ozaki-2022", "akiba-2019")
 """Those of the search for a whole front."""
+DERIVED = Quantity(NO_UNIT, "%", decimals=2, digits=0)
+"""Of a number that goals alone have: a share of a yield strength, of a range, or a least margin."""
 AT_LIMIT = 0.95
 """Share of its limit from which on the number of a check is said to limit what a goal comes to."""
 WEIGHTS = (0.25, 0.5, 0.75)
@@ -149,7 +152,7 @@ class DesignStudy(ShownResult):
     def kept(self, name: str) -> KeptNumber:
         """Return a number with the units in which it is kept and shown."""
         if is_derived(name):
-            return KeptNumber(name, "1", "%")
+            return KeptNumber(name, DERIVED._replace(label=name.replace(".", " ").replace("_", " ")))
         return kept_number(self.case, self.plan.analysis, name)
 
     def value(self, run: int, name: str) -> float:
@@ -323,7 +326,7 @@ class DesignStudy(ShownResult):
     def brief(self) -> dict[str, str]:
         """Return settings, numbers and margin."""
         settings = {one.path: one.axis.unit or "1" for one in self.plan.variables[:4]}
-        numbers = {name: self.kept(name).usual.replace("%", "1") for name in self.plan.evaluation.names[:4]}
+        numbers = {name: self.kept(name).quantity.usual.replace("%", "1") for name in self.plan.evaluation.names[:4]}
         return {"place": "", **settings, **numbers, **({"margin": "1"} if self.plan.goals else {}), "verdict": ""}
 
 

@@ -6,17 +6,30 @@ import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.notices import fast_not_judged, fast_verdict, run_verdict
+from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Verdict
+from strikewave.base.shock_quantities import (
+    ACCELERATION,
+    FORCE,
+    LENGTH,
+    MICROSECONDS,
+    RATIO,
+    STRESS,
+    VARIATION,
+)
 from strikewave.cases.case import Case
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.machines.blows import KINDS, Blow
+from strikewave.reporting.columns import Column, Values
+from strikewave.reporting.faces import amount, label_of
+from strikewave.reporting.numbers import FEWEST_DIGITS, axis_unit, headed
 from strikewave.studies.engine.evaluation import KeptHistory, RunOutcome, ordered
 from strikewave.studies.simulation import Simulation, checked_owner, name_and_owner, number_units
 from strikewave.uncertainty.statistics import variation
@@ -29,13 +42,26 @@ ANALYSES = ("run", "fast", "wave", "fem", "impact")
 elements; one impact on a free rigid object by the contact law alone."""
 HISTORIES = ("blows", "pulses")
 """What may be kept beside numbers: the table of blows; the acceleration of each blow, or of a bar or elements."""
+OF_BLOW = {name: one.quantity._replace(label=label_of(name, one)) for name, one in declarations(Blow).items()}
+"""What the numbers of a blow measure."""
 OF_TRAIN = {
-    "typical.velocity_change": "m/s", "interval": "s", "cv": "1", "cv_later": "1", "missed": "1",
-    "largest_displacement": "m", "energy_error": "1",
-}  # fmt: skip
-"""Further numbers of a machine's blows, and their SI units: `NUMBER_WORDS` says what they are."""
-OF_FAST = {"stop_force": "N"}
+    "interval": Quantity("s", "ms", "median interval"),
+    "cv": VARIATION._replace(label="coefficient of variation of the peaks"),
+    "cv_later": VARIATION._replace(label="coefficient of variation of the peaks, from the second blow"),
+    "missed": RATIO._replace(label="missed blows"),
+    "largest_displacement": OF_BLOW["largest_displacement"],
+    "energy_error": RATIO._replace(label="energy error"),
+}
+"""Further numbers of a machine's blows."""
+OF_FAST = {"stop_force": Quantity("N", "kN", "largest force of the stop")}
 """Numbers that the fast run alone has."""
+OF_ANY = {
+    "count": RATIO._replace(label="blows that struck"),
+    "window": Quantity("s", "ms", "from the first to the last blow"),
+}
+"""Numbers of a run that may be published too."""
+USUAL = {one.si: one.usual for one in (FORCE, STRESS, ACCELERATION, MICROSECONDS, LENGTH)}
+"""Unit in which other numbers are shown as a rule, such as those of bars and elements, by SI unit."""
 OF_FIRST = tuple(
     quantity
     for which, _, quantity in (name.partition(".") for name in PUBLISHED_QUANTITIES)
@@ -49,9 +75,9 @@ NOT_FAST = ("total_peak", "wave_peak", "sensor_peak", "sensor_width", "peak_forc
 OF_IMPACT = {"approach_speed": "m/s", "peak_force": "N", "peak_acceleration": "m/s^2", "duration": "s"}
 """Numbers of an impact, and their SI units."""
 BLOW_UNITS = {
-    "time": "s", "rigid_peak": "m/s^2", "width": "s", "velocity_change": "m/s", "approach_speed": "m/s",
-    "largest_displacement": "m", "kind": "1",
-}  # fmt: skip
+    name: OF_BLOW[name].si or NO_UNIT
+    for name in ("time", "rigid_peak", "width", "velocity_change", "approach_speed", "largest_displacement", "kind")
+}
 """What the table of blows holds, and SI units; kinds by their place in `KINDS`."""
 PULSE_DIGITS = np.float32
 """Histories are kept to seven digits, beyond the 1e-6 of their balances: packed, they take a third of the room."""
@@ -69,12 +95,14 @@ def numbers_of(case: Case, analysis: str) -> dict[str, str]:
     >>> numbers_of(case, "run")["cv"], "first.wave_peak" in numbers_of(case, "fast")
     ('1', False)
     """
-    if analysis == "fast":
-        units = number_units(case) | OF_TRAIN | OF_FAST
-        return {name: unit for name, unit in units.items() if name.partition(".")[2] not in NOT_FAST}
     if analysis == "impact":
         return OF_IMPACT
-    return number_units(case) | (OF_TRAIN if analysis == "run" else {})
+    units = number_units(case)
+    if analysis in ("run", "fast"):
+        of_train = OF_TRAIN | (OF_FAST if analysis == "fast" else {})
+        units |= {"typical.velocity_change": "m/s"} | {name: one.si for name, one in of_train.items()}
+    left_out = NOT_FAST if analysis == "fast" else ()
+    return {name: unit for name, unit in units.items() if name.partition(".")[2] not in left_out}
 
 
 def checked_analysis(case: Case, analysis: str) -> str:
@@ -303,31 +331,59 @@ EVALUATED: Mapping[str, Callable[[CaseEvaluation, Case], Evaluated]] = {
     "impact": _impact,
 }
 """How each analysis is made."""
-NUMBER_WORDS = {
-    **{
-        f"{which}.{name}": f"{name.replace('_', ' ')} of the {which} blow"
-        for which in ("first", "typical")
-        for name in OF_FIRST
-    },
-    "first.width": "pulse width at 10 % of the first blow",
-    "typical.width": "pulse width at 10 % of the typical blow",
-    "cv": "coefficient of variation of the peaks",
-    "cv_later": "coefficient of variation of the peaks, from the second blow",
-    "missed": "missed blows",
-    "count": "blows that struck",
-    "window": "from the first to the last blow",
-    "interval": "median interval",
-    "stop_force": "largest force of the stop",
-}
-"""What numbers are called in pictures and tables, where their name alone does not say it."""
 
 
-def called(name: str) -> str:
-    """Return what a number is called.
+class KeptNumber(NamedTuple):
+    """A number that is kept of each run: its name, and what it measures."""
+
+    name: str
+    quantity: Quantity
+
+    @property
+    def si(self) -> str:
+        """Its SI unit."""
+        return self.quantity.si
+
+    @property
+    def called(self) -> str:
+        """What it is called."""
+        return self.quantity.label
+
+    @property
+    def label(self) -> str:
+        """What it is called, with the unit in which it is shown."""
+        return headed(self.called, self.si, self.quantity.usual)
+
+    @property
+    def scale(self) -> float:
+        """Size of that unit, in SI."""
+        return 0.01 if self.quantity.usual == "%" else axis_unit(self.si, self.quantity.usual)[0]
+
+    def column(self, values: Values, is_shown: bool = True) -> Column:
+        """Return its values in SI as a column of a table."""
+        return Column(self.name, values, self.si, "", self.quantity.usual if is_shown else None, self.called)
+
+    def words(self, value: float) -> str:
+        """Write a value with its unit."""
+        return amount(self.quantity, value)
+
+
+def kept_number(case: Case, analysis: str, name: str) -> KeptNumber:
+    """Return a number of an analysis of a case, with its units and what it is called.
 
     Examples
     --------
-    >>> called("first.rigid_peak"), called("von_mises ball")
-    ('rigid peak of the first blow', 'von mises ball')
+    >>> from strikewave import load_case
+    >>> case = load_case("li-ma-2019")
+    >>> kept_number(case, "run", "first.width").label, kept_number(case, "run", "interval").label
+    ('pulse width at 10 % of the first blow (µs)', 'median interval (ms)')
+    >>> kept_number(load_case("two-bars-fem"), "fem", "von_mises bar").called
+    'von mises bar'
     """
-    return NUMBER_WORDS.get(name, name.replace(".", " ").replace("_", " "))
+    which, _, of_blow = name.partition(".")
+    si = unit_of(case, analysis, name)
+    if which in ("first", "typical") and of_blow in OF_BLOW:
+        quantity = OF_BLOW[of_blow]._replace(label=f"{OF_BLOW[of_blow].label} of the {which} blow")
+        return KeptNumber(name, quantity._replace(decimals=None, digits=FEWEST_DIGITS))
+    other = Quantity(si, USUAL.get(si, si), name.replace(".", " ").replace("_", " "))
+    return KeptNumber(name, (OF_TRAIN | OF_FAST | OF_ANY).get(name, other))

@@ -6,16 +6,20 @@ A range has as many values as stand behind its colon, ``log`` at its end for log
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from strikewave.analyses.check import check
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.first_few import first_few
 from strikewave.base.quantities import Range, Value
 from strikewave.base.units import DIMENSIONS, range_ends, take_apart, with_last_unit
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.written_case import dump_case
+from strikewave.reporting.columns import Column, Values
 from strikewave.reporting.numbers import with_unit
 from strikewave.studies.axes import Axis, range_axis, units_of
 from strikewave.uncertainty.draws import range_of
@@ -24,13 +28,15 @@ POINTS = 11
 """Values of a range where no number of them stands behind it: eleven show a curve."""
 MOST_VALUES = 100_000
 """Most values of one variable."""
+MOST_LISTED = 12
+"""Values of a list that a table of a page names."""
 EXAMPLE = 'such as machine.speed="400..900 rpm:11" or contact.damping=hunt-crossley,exact'
 _RANGE = re.compile(
     r"(?P<low>[^:]*?)\s*\.\.\s*(?P<high>[^:]+?)\s*(:\s*(?P<count>\d{1,7})?)?\s*(?P<log>(?<=[\s:\d])log)?\s*"
 )
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class StudyVariable:
     """What is varied: a quantity with its values, or one of some words.
 
@@ -48,10 +54,54 @@ class StudyVariable:
     words: tuple[str, ...] = ()
     is_range: bool = False
 
-    @property
+    @declare.computed(declare.word("path of a setting", label="setting", column=KEY, tables="grid range"))
     def path(self) -> str:
         """In the case."""
         return self.axis.path
+
+    @declare.computed(declare.word("what it is varied between, where it is a word", key="words", optional=True))
+    def named(self) -> tuple[str, ...] | None:
+        """Its words; None of a quantity."""
+        return self.words or None
+
+    @declare.computed(declare.word("low end of its range, SI", optional=True))
+    def low(self) -> float | None:
+        """Its first value; None of a list."""
+        return self.axis.values[0] if self.is_range else None
+
+    @declare.computed(declare.word("high end of its range, SI", optional=True))
+    def high(self) -> float | None:
+        """Its last value; None of a list."""
+        return self.axis.values[-1] if self.is_range else None
+
+    @declare.computed(declare.word("whether it is spaced by its logarithm", optional=True))
+    def log(self) -> bool | None:
+        """Whether its range is logarithmic; None of a list."""
+        return self.axis.log if self.is_range else None
+
+    @declare.computed(declare.word("its values where they are a list, SI", optional=True))
+    def values(self) -> tuple[float, ...] | None:
+        """Its values; None of words and of a range."""
+        return None if self.words or self.is_range else self.axis.values
+
+    @declare.computed(declare.word("how it is spaced", column=MAIN, tables="grid range", in_document=False))
+    def spacing(self) -> str:
+        """Whether it is of words, a list, or a range, and how that is spaced."""
+        return "words" if self.words else "logarithmic" if self.log else "linear" if self.is_range else "list"
+
+    @declare.computed(
+        declare.word("what it takes", label="values", column=MAIN, tables="grid range", in_document=False)
+    )
+    def extent(self) -> str:
+        """Both ends of a range, else the first values."""
+        if self.is_range:
+            return f"{self.brief(self.axis.values[0])} to {self.brief(self.axis.values[-1])}"
+        return first_few([self.brief(value) for value in self.axis.values], MOST_LISTED)
+
+    @declare.computed(declare.count("how many", label="count", column=MAIN, tables="grid", in_document=False))
+    def count(self) -> int:
+        """How many values."""
+        return len(self.axis.values)
 
     def at(self, share: float) -> float:
         """Return the value at a share of the range from 0 to 1, or that of the list.
@@ -83,6 +133,13 @@ class StudyVariable:
         return (
             self.words[int(value)] if self.words else with_unit(value, self.axis.si_unit or "1", self.axis.unit or "1")
         )
+
+    def column(self, values: Values, is_shown: bool = True) -> Column:
+        """Return its values in SI, or its words, as a column of a table."""
+        if self.words:
+            return Column(self.path, values, shown="" if is_shown else None)
+        unit = self.axis.unit
+        return Column(self.path, values, self.axis.si_unit or NO_UNIT, unit, (unit or NO_UNIT) if is_shown else None)
 
     @property
     def label(self) -> str:

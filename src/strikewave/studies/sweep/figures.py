@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.result import RUN_BROKEN
-from strikewave.reporting.numbers import axis_unit, share_with_error
+from strikewave.reporting.numbers import share_with_error
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, mark_runs, quiet, sheet_title
+from strikewave.studies.engine.case_evaluation import KeptNumber
 from strikewave.studies.engine.plan import GRID
 from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.log_ticks import plain_log_ticks
-from strikewave.studies.sweep.study import KeptNumber, SweepStudy
+from strikewave.studies.sweep.study import SweepStudy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -49,8 +50,7 @@ def sweep_picture(study: SweepStudy) -> Figure:
 
 def shown_number(study: SweepStudy, one: KeptNumber) -> Array:
     """Return a number of each run in the unit in which it is shown."""
-    size = 0.01 if one.usual == "%" else axis_unit(one.si, one.usual)[0]
-    return np.asarray(study.number(one.name) / size)
+    return np.asarray(study.number(one.name) / one.scale)
 
 
 def _figure(study: SweepStudy, rows: int, columns: int, height: float) -> tuple[Figure, Any]:
@@ -94,11 +94,7 @@ def _mark_failures(axes: Any, study: SweepStudy, x: Array) -> None:
 
 def _extent(study: SweepStudy, one: KeptNumber) -> str:
     """Return between what a number lies."""
-    ends = study.best(one.name)
-    if ends is None:
-        return "no run has it"
-    low, high = (one.words(float(study.number(one.name)[run])) for run in ends)
-    return f"{low} to {high}"
+    return study.range_of(one).extent or "no run has it"
 
 
 def _setting(study: SweepStudy, k: int) -> Array:
@@ -245,12 +241,11 @@ def _effect(axes: Any, study: SweepStudy, k: int, one: KeptNumber, first: bool) 
     """Draw all runs over one setting, and the means of its groups."""
     variable = study.plan.variables[k]
     effect = study.effects[one.name][variable.path]
-    size = 0.01 if one.usual == "%" else axis_unit(one.si, one.usual)[0]
     x = effect.places if variable.words else variable.axis.shown(effect.places)
     dots = axes.plot(_setting(study, k), shown_number(study, one), ".", color=GREY, markersize=3, alpha=0.35)[0]
     dots.set_rasterized(True)
     mark_runs(axes, _setting(study, k), shown_number(study, one), study.verdicts, size=3.5)
-    axes.plot(x, effect.means / size, "o-", color=ORANGE, markersize=4, linewidth=1.8)
+    axes.plot(x, effect.means / one.scale, "o-", color=ORANGE, markersize=4, linewidth=1.8)
     chance = 100.0 * study.chance(effect)
     share = share_with_error(effect.share, effect.standard_error)
     words = "no variance" if np.isnan(effect.share) else f"share {share}"

@@ -4,18 +4,10 @@ from __future__ import annotations
 
 from strikewave.base.result import RUN_BROKEN, RUN_FAILED
 from strikewave.reporting import chapters
+from strikewave.reporting.faces import face_table
+from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table
-from strikewave.reporting.table_columns import page_table
-from strikewave.studies.engine.case_evaluation import called
 from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL, TOLERANCES
-from strikewave.studies.sweep.columns import (
-    EFFECT_COLUMNS,
-    NUMBER_COLUMNS,
-    effect_rows,
-    number_rows,
-    run_columns,
-    run_rows,
-)
 from strikewave.studies.sweep.figures import MOST_NUMBERS, MOST_SETTINGS, sweep_picture
 from strikewave.studies.sweep.study import SweepStudy
 
@@ -56,22 +48,16 @@ def sweep_words(study: SweepStudy) -> str:
     """Say in words what came out."""
     plan = study.plan
     words = [f"{plan.words}{f'; {study.verdicts.words}' if study.verdicts.words else ''}."]
-    for one in plan.kept[:1]:
-        ends = study.best(one.name)
-        if ends is None:
-            words.append(f"No run has a {called(one.name)}.")
-            continue
-        low, high = (one.words(float(study.number(one.name)[run])) for run in ends)
-        words.append(f"{called(one.name).capitalize()}: {low} ({study.at(ends[0])}) to {high} ({study.at(ends[1])}).")
-    rows = [row for row in effect_rows(study) if row.number == plan.kept[0]]
-    if rows and rows[0].stands_out:
-        words.append(f"Of its variance, {row_words(rows[0].share)} comes from {rows[0].path} alone.")
+    first, one = plan.kept[0], study.ranges[0]
+    if one.smallest is None or one.largest is None:
+        words.append(f"No run has a {one.name}.")
+    else:
+        low, high = (first.words(end) for end in (one.smallest, one.largest))
+        words.append(f"{one.name.capitalize()}: {low} ({one.smallest_at}) to {high} ({one.largest_at}).")
+    effect = next((effect for effect in study.largest_effects if effect.kept == first), None)
+    if effect is not None and effect.stands_out:
+        words.append(f"Of its variance, {percent(effect.share, 0)} comes from {effect.setting} alone.")
     return " ".join(words)
-
-
-def row_words(share: float) -> str:
-    """Write a share without decimals."""
-    return f"{100.0 * share:.0f} %"
 
 
 def _caption(study: SweepStudy) -> str:
@@ -97,9 +83,9 @@ def _caption(study: SweepStudy) -> str:
 
 
 def _number_section(study: SweepStudy) -> Section:
-    parts: list[Part] = [page_table("Each number over all runs", NUMBER_COLUMNS, number_rows(study))]
-    if run_rows(study):
-        parts.append(page_table("All runs", run_columns(study), run_rows(study)))
+    parts: list[Part] = [face_table(study, "ranges")]
+    if study.run_rows()[1]:
+        parts.append(Table("All runs", *study.run_rows()))
     parts.append(Link("runs.csv", "All runs, runs.csv"))
     parts.append(Link("runs.parquet", "The same as Parquet, runs.parquet"))
     return Section("Numbers", "", parts)
@@ -117,20 +103,13 @@ def _effect_section(study: SweepStudy) -> Section:
             "the one by chance tells nothing: in 95 of 100 studies of settings that do nothing, none exceeds it."
         )
     )
-    return Section("Main effects", text, [page_table("Main effects", EFFECT_COLUMNS, effect_rows(study))])
+    return Section("Main effects", text, [face_table(study, "largest_effects", caption="Main effects")])
 
 
 def _plan_section(study: SweepStudy) -> Section:
-    rows: list[list[Cell]] = []
-    for variable in study.plan.variables:
-        if variable.words:
-            rows.append([variable.path, "words", ", ".join(variable.words), "", len(variable.words)])
-            continue
-        ends = (variable.brief(variable.axis.values[0]), variable.brief(variable.axis.values[-1]))
-        rows.append([variable.path, "logarithmic" if variable.axis.log else "linear", *ends, len(variable.axis.values)])
     random = "" if study.plan.design == GRID else f", random seed {study.plan.seed}"
     text = f"Each run is {ANALYSES[study.plan.evaluation.analysis]}. Runs: {CHOSEN[study.plan.design]}{random}."
-    tables: list[Part] = [Table("What was varied", ["setting", "spacing", "from", "to", "values"], rows)]
+    tables: list[Part] = [face_table(study, "vary")]
     failures: list[list[Cell]] = [[reason, count] for reason, count in list(study.reasons.items())[:MOST_REASONS]]
     if failures:
         tables.append(Table("Runs that failed", ["why", "runs"], failures))

@@ -13,20 +13,13 @@ from strikewave.cases.written_case import dump_case
 from strikewave.reporting.histories import write_parquet
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options.output import Output
+from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
-from strikewave.reporting.terminal import print_json, print_rows, progress_bar, say, tell
+from strikewave.reporting.terminal import print_face, print_json, progress_bar, report_table, say, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress, finished_before
 from strikewave.studies.engine.store import RunStore, runs_beside
 from strikewave.studies.resumable import ResumableCommand
-from strikewave.studies.sweep.columns import (
-    EFFECT_COLUMNS,
-    NUMBER_COLUMNS,
-    effect_rows,
-    number_rows,
-    run_columns,
-    run_rows,
-)
 from strikewave.studies.sweep.estimate import estimated
 from strikewave.studies.sweep.study import SweepPlan, SweepStudy, make_sweep
 
@@ -106,12 +99,10 @@ class SweepCommand(ResumableCommand[SweepStudy]):
 
     def show(self, result: SweepStudy) -> None:
         """Print the range of each number, and the main effects."""
-        print_rows("Each number over all runs", NUMBER_COLUMNS, number_rows(result))
-        if run_rows(result):
-            print_rows("All runs", run_columns(result), run_rows(result))
-        rows = effect_rows(result)
-        if rows:
-            print_rows("Main effects", EFFECT_COLUMNS, rows)
+        print_face(result, "ranges", "Each number over all runs")
+        if result.run_rows()[1]:
+            report_table(Table("All runs", *result.run_rows()), keys=2)
+        print_face(result, "largest_effects", "Main effects")
         for reason, count in list(result.reasons.items())[:3]:
             tell(f"{count} runs failed: {reason}")
 

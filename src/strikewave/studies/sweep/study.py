@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import hashlib
+import math
+from collections import Counter
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.first_few import first_few
 from strikewave.base.result import Notice, Source
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
+from strikewave.reporting.case_result import ResultOfCase
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import headed, percent, with_unit
-from strikewave.reporting.shown_result import ShownResult
-from strikewave.studies.axes import Axis
-from strikewave.studies.engine.case_evaluation import CaseEvaluation, called, checked_device, unit_of
+from strikewave.reporting.numbers import share_with_error
+from strikewave.reporting.shown_result import shown_table
+from strikewave.studies.engine.case_evaluation import CaseEvaluation, KeptNumber, checked_device, kept_number
 from strikewave.studies.engine.evaluation import Job, Row, Variation
 from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL, TOLERANCES
 from strikewave.studies.engine.pools import Pool, ProcessPool
@@ -33,48 +37,78 @@ Array = NDArray[np.float64]
 
 NOTE = "chosen by strikewave sweep"
 """What a case says of a value that a sweep has changed."""
-USUAL = {"m/s^2": "g", "s": "us", "N": "kN", "m": "mm", "Pa": "MPa"}
-"""Unit in which numbers are shown as a rule, by SI unit."""
-SLOW = ("window", "interval")
-"""Numbers that are times between blows, which are shown in ms."""
-SHARES = ("cv", "cv_later", "energy_error", "momentum_error", "hourglass_share")
-"""Numbers that are shares, which are shown in per cent."""
-
-
+MOST_SHOWN = 4
+"""Settings, and numbers, that the table of runs shows of a sweep over several: more make no line. Files have all."""
+MOST_RUN_ROWS = 100
+"""Runs of a sweep over one setting that are printed: more are read in runs.csv, and in the picture."""
+MOST_EFFECTS = 12
+"""Settings that a table of main effects names, those with the largest shares."""
 SOURCES = {HYPERCUBE: ("mckay-1979",), SOBOL: ("joe-kuo-2008",)}
 """Keys of the sources of a design."""
 
 
-class KeptNumber(NamedTuple):
-    """A number that is kept of each run: its name, SI unit, and the unit in which it is shown as a rule."""
+OF_NUMBER = Quantity.of_data("as the number")
+SHARE = Quantity(NO_UNIT, "%", "share of the variance")
 
-    name: str
-    si: str
-    usual: str
+
+@declare.dataclass
+class RunRange:
+    """A number over all runs."""
+
+    kept: KeptNumber
+    name: str = declare.word("which number", label="number", column=KEY)
+    smallest: float | None = declare.number(OF_NUMBER, "its smallest value", column=MAIN)
+    median: float | None = declare.number(OF_NUMBER, "its median over the runs that have it", column=MAIN)
+    largest: float | None = declare.number(OF_NUMBER, "its largest value", column=MAIN)
+    smallest_at: str | None = declare.word("settings of its smallest value", column=MORE)
+    largest_at: str | None = declare.word("settings of its largest value", column=MORE)
 
     @property
-    def label(self) -> str:
-        """What it is called, with the unit in which it is shown."""
-        name = called(self.name)
-        return f"{name} (%)" if self.usual == "%" else headed(name, self.si, self.usual)
+    def given_units(self) -> declare.GivenUnits:
+        """What the number measures."""
+        return {OF_NUMBER.given_by: self.kept.quantity}
 
-    def words(self, value: float) -> str:
-        """Write a value with its unit."""
-        return percent(value, 2) if self.usual == "%" else with_unit(value, self.si, self.usual)
+    @declare.computed(declare.word("between what it lies", headline="{name}"))
+    def extent(self) -> str | None:
+        """Both ends; None where no run has it."""
+        if self.smallest is None or self.largest is None:
+            return None
+        return f"{self.kept.words(self.smallest)} to {self.kept.words(self.largest)}"
 
 
-def kept_number(case: Case, analysis: str, name: str) -> KeptNumber:
-    """Return a number of an analysis of a case, with the units in which it is kept and shown.
+@declare.dataclass
+class EffectShare:
+    """The main effect of a setting on a number."""
 
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> kept_number(load_case("li-ma-2019"), "run", "interval")
-    KeptNumber(name='interval', si='s', usual='ms')
-    """
-    si = unit_of(case, analysis, name)
-    usual = "%" if name in SHARES else "ms" if name in SLOW else USUAL.get(si, si)
-    return KeptNumber(name, si, usual)
+    kept: KeptNumber
+    number: str = declare.word("which number", column=KEY, in_document=False)
+    setting: str = declare.word("path of the setting", column=KEY, in_document=False)
+    share: float = declare.number(SHARE, "share of the setting in the variance of the number")
+    standard_error: float = declare.number(SHARE, "its standard error")
+    share_by_chance: float = declare.number(
+        Quantity(NO_UNIT, "%", "by chance below", 1, 0), "the share that chance would give", column=MAIN, order=1
+    )
+    smallest_mean: float = declare.number(OF_NUMBER, "smallest mean", column=MAIN, order=1, in_document=False)
+    largest_mean: float = declare.number(OF_NUMBER, "largest mean", column=MAIN, order=1, in_document=False)
+
+    given_units = RunRange.given_units
+
+    @declare.computed(declare.word("share with its error", quantity=SHARE, column=MAIN, in_document=False))
+    def shown_share(self) -> str:
+        """The share with its standard error."""
+        return share_with_error(self.share, self.standard_error, 1).removesuffix(" %")
+
+    @property
+    def stands_out(self) -> bool:
+        """Whether the share is beyond chance."""
+        return self.share > self.share_by_chance
+
+
+@declare.dataclass
+class NumberEffects:
+    """The main effects on a number."""
+
+    of_settings: dict[str, EffectShare] = declare.named(EffectShare, "by the paths of the settings", inline=True)
 
 
 @dataclass(frozen=True)
@@ -144,8 +178,8 @@ class SweepPlan:
         return f"# strikewave sweep: {self.words}; kept: {kept}; plan {key}\n{dump_case(self.case)}"
 
 
-@dataclass(frozen=True, eq=False)
-class SweepStudy(ShownResult):
+@declare.dataclass
+class SweepStudy(ResultOfCase):
     """A sweep; see `Result` for what it shares with others.
 
     Attributes
@@ -164,6 +198,7 @@ class SweepStudy(ShownResult):
 
     command: ClassVar[str] = "sweep"
     table_name: ClassVar[str] = "runs"
+    main_rows: ClassVar[str] = "run_table"
 
     plan: SweepPlan
     numbers: Array
@@ -176,33 +211,123 @@ class SweepStudy(ShownResult):
         """What was varied."""
         return self.plan.case
 
-    @property
-    def title(self) -> str:
-        """The title of the case."""
-        return self.case.title or self.case.name
-
-    @property
-    def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
-        return self.case.test.stated()
-
     @cached_property
     def source(self) -> Source:
         """The case, and above it what was asked."""
         return Source("case", self.case.name, self.plan.text, asked=self.asked)
 
-    @property
+    @declare.computed(declare.word("run, fast, wave, fem or impact"))
+    def analysis(self) -> str:
+        """What each run is."""
+        return self.plan.evaluation.analysis
+
+    @declare.computed(declare.word("grid, latin-hypercube, sobol or tolerances"))
+    def design(self) -> str:
+        """How the runs were chosen."""
+        return self.plan.design
+
+    @declare.computed(declare.word("of the draws; null of a grid"))
+    def seed(self) -> int | None:
+        """Seed of a design that is random."""
+        return None if self.design == GRID else self.plan.seed
+
+    @declare.computed(declare.count("how many runs", key="runs", headline="runs"))
+    def run_count(self) -> int:
+        """How many runs."""
+        return len(self.plan.rows)
+
+    @declare.computed(declare.count("how many of them failed"))
     def failed(self) -> int:
         """How many runs failed."""
         return sum(bool(failure) for failure in self.failures)
 
+    @declare.computed(declare.rows(StudyVariable, "what was varied"))
+    def vary(self) -> tuple[StudyVariable, ...]:
+        """What was varied."""
+        return self.plan.variables
+
+    @declare.computed(declare.word("names of what is kept"))
+    def keep(self) -> list[str]:
+        """Names of numbers and histories that are kept of each run."""
+        return [*self.plan.evaluation.names, *self.plan.evaluation.histories]
+
+    @declare.computed(declare.word("of each run: the setting, SI or words", key="settings"))
+    def setting_lists(self) -> dict[str, list[Any]]:
+        """The settings of the runs by their paths."""
+        return {
+            one.path: [one.words[int(value)] for value in column] if one.words else column
+            for one, column in zip(self.plan.variables, self.settings.T.tolist(), strict=True)
+        }
+
+    @declare.computed(declare.word("of each run: the number, SI", key="numbers"))
+    def number_arrays(self) -> dict[str, Array]:
+        """The numbers of the runs by their names."""
+        return {name: self.number(name) for name in self.plan.evaluation.names}
+
+    @declare.computed(
+        declare.word("what the checks of each run came to: passed, broken with the checks that failed, or failed")
+    )
+    def verdict(self) -> list[str]:
+        """Verdict of each run."""
+        return list(self.verdicts.texts)
+
+    @declare.computed(declare.word("why runs failed, by their numbers from 1", key="failures"))
+    def failures_by_run(self) -> dict[str, str]:
+        """Why runs failed."""
+        return {str(k): failure for k, failure in enumerate(self.failures, 1) if failure}
+
+    @declare.computed(declare.named(NumberEffects, "main effects on each number, by its name", key="effects"))
+    def number_effects(self) -> dict[str, NumberEffects]:
+        """What the document has of the main effects."""
+        return {
+            one.name: NumberEffects({path: self._effect(one, path) for path in self.effects[one.name]})
+            for one in self.plan.kept
+            if self.effects
+        }
+
+    @declare.computed(declare.rows(EffectShare, "main effects, the largest first", in_document=False))
+    def largest_effects(self) -> list[EffectShare]:
+        """The main effects on each number, those with the largest shares first; of settings with any run."""
+        found = []
+        for name, effects in self.number_effects.items():
+            known = [one for path, one in effects.of_settings.items() if self.effects[name][path].means.size]
+            found += sorted(known, key=lambda one: -np.nan_to_num(one.share, nan=-1.0))[:MOST_EFFECTS]
+        return found
+
+    @declare.computed(declare.rows(RunRange, "each number over all runs", headline="3", in_document=False))
+    def ranges(self) -> list[RunRange]:
+        """Each number over all runs."""
+        return [self.range_of(one) for one in self.plan.kept]
+
+    @declare.computed(declare.table("the runs: settings, numbers, verdicts, and why one failed"))
+    def run_table(self) -> list[Column]:
+        """All runs; with histories the keys by which they are found."""
+        columns = [Column("run", range(1, self.run_count + 1), shown="")]
+        columns += [one.column(self.setting_lists[one.path], k < MOST_SHOWN) for k, one in enumerate(self.vary)]
+        most = None if len(self.vary) == 1 else MOST_SHOWN
+        shown = self.plan.kept[:most]
+        columns += [one.column(self.number(one.name), one in shown) for one in self.plan.kept]
+        if self.plan.evaluation.histories:
+            columns.append(Column("key", self.keys))
+        return [*columns, Column("verdict", self.verdicts.texts, shown=""), Column("failure", self.failures)]
+
+    @property
+    def named_units(self) -> Mapping[str, str]:
+        """SI units of settings and numbers."""
+        settings = {one.path: one.axis.si_unit or NO_UNIT for one in self.vary if not one.words}
+        return {**settings, **{one.name: one.si for one in self.plan.kept}}
+
+    def run_rows(self) -> tuple[list[str], list[list[str]]]:
+        """Return heads and rows of the runs over a single setting, in its order; no rows over several, or of many."""
+        heads, rows = shown_table(self)
+        if len(self.vary) != 1 or len(rows) > MOST_RUN_ROWS:
+            return heads, []
+        return heads, [rows[run] for run in np.argsort(self.settings[:, 0], kind="stable")]
+
     @property
     def reasons(self) -> dict[str, int]:
         """Why runs failed, the most frequent reason first."""
-        counts: dict[str, int] = {}
-        for failure in filter(None, self.failures):
-            counts[failure] = counts.get(failure, 0) + 1
-        return dict(sorted(counts.items(), key=lambda pair: -pair[1]))
+        return dict(Counter(filter(None, self.failures)).most_common())
 
     def number(self, name: str) -> Array:
         """Return a number of each run, SI."""
@@ -227,18 +352,27 @@ class SweepStudy(ShownResult):
             for name in self.plan.evaluation.names
         }
 
+    def _effect(self, kept: KeptNumber, path: str) -> EffectShare:
+        """Return what faces show of the main effect of a setting on a number."""
+        effect = self.effects[kept.name][path]
+        ends = float(effect.means.min(initial=math.inf)), float(effect.means.max(initial=-math.inf))
+        shares = effect.share, effect.standard_error, self.chance(effect)
+        return EffectShare(kept, kept.called, path, *shares, *ends)
+
     def chance(self, effect: MainEffect) -> float:
         """Return the share below which an effect may be one of chance; 0 in a grid, which leaves nothing to it."""
         if self.plan.design == GRID:
             return 0.0
         return share_by_chance(effect.runs, effect.means.size, len(self.plan.variables))
 
-    def best(self, name: str) -> tuple[int, int] | None:
-        """Return which runs have the smallest and the largest value of a number; None where no run has it."""
-        values = self.number(name)
+    def range_of(self, kept: KeptNumber) -> RunRange:
+        """Return a number over all runs; nothing of it where no run has it."""
+        values = self.number(kept.name)
         if not np.isfinite(values).any():
-            return None
-        return int(np.nanargmin(values)), int(np.nanargmax(values))
+            return RunRange(kept, kept.called, None, None, None, None, None)
+        low, high = int(np.nanargmin(values)), int(np.nanargmax(values))
+        numbers = float(values[low]), float(np.nanmedian(values)), float(values[high])
+        return RunRange(kept, kept.called, *numbers, self.at(low), self.at(high))
 
     def at(self, run: int) -> str:
         """Return the settings of a run in words."""
@@ -255,96 +389,13 @@ class SweepStudy(ShownResult):
                 notices.append(Notice("number-missing", message, float(lacking), 0.0))
         return tuple(notices)
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the number of runs, and the range of the first numbers."""
-        numbers = [("runs", str(len(self.failures)))]
-        for one in self.plan.kept[:3]:
-            ends = self.best(one.name)
-            if ends is not None:
-                low, high = (one.words(float(self.number(one.name)[run])) for run in ends)
-                numbers.append((called(one.name), f"{low} to {high}"))
-        return numbers
-
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        settings = {
-            variable.path: variable.axis.si_unit or "1" for variable in self.plan.variables if not variable.words
-        }
-        return {
-            **settings,
-            **{one.name: one.si for one in self.plan.kept},
-            "share": "1",
-            "standard_error": "1",
-            "share_by_chance": "1",
-        }
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        plan = self.plan
-        return {
-            "case": self.case.name,
-            "analysis": plan.evaluation.analysis,
-            "design": plan.design,
-            "seed": None if plan.design == GRID else plan.seed,
-            "runs": len(plan.rows),
-            "failed": self.failed,
-            "vary": [_variable(variable) for variable in plan.variables],
-            "keep": [*plan.evaluation.names, *plan.evaluation.histories],
-            "settings": {v.path: self._setting(k) for k, v in enumerate(plan.variables)},
-            "numbers": {name: self.number(name) for name in plan.evaluation.names},
-            "verdict": list(self.verdicts.texts),
-            "failures": {str(k + 1): failure for k, failure in enumerate(self.failures) if failure},
-            "effects": {
-                name: {
-                    path: {
-                        "share": effect.share,
-                        "standard_error": effect.standard_error,
-                        "share_by_chance": self.chance(effect),
-                    }
-                    for path, effect in effects.items()
-                }
-                for name, effects in self.effects.items()
-            },
-        }
-
-    def _setting(self, k: int) -> list[Any]:
-        variable = self.plan.variables[k]
-        values = self.settings[:, k].tolist()
-        return [variable.words[int(value)] for value in values] if variable.words else values
-
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
         return {"sweep.json": self.document_text()}
 
     def tables(self) -> dict[str, str]:
         """Return the table of runs."""
-        return {"runs.csv": csv_table(self.columns(), HISTORY_DIGITS)}
-
-    def columns(self) -> list[Column]:
-        """Return all runs: settings, numbers, and why one failed; with histories the keys by which they are found."""
-        columns = [Column("run", range(1, len(self.failures) + 1))]
-        for k, variable in enumerate(self.plan.variables):
-            axis, values = variable.axis, self._setting(k)
-            columns.append(Column(axis.path, values, *(() if variable.words else (axis.si_unit or "1", axis.unit))))
-        columns += [Column(one.name, self.number(one.name), one.si) for one in self.plan.kept]
-        if self.plan.evaluation.histories:
-            columns.append(Column("key", self.keys))
-        return [*columns, Column("verdict", self.verdicts.texts), Column("failure", self.failures)]
-
-    def brief(self) -> dict[str, str]:
-        """Return settings and numbers."""
-        settings = {variable.path: variable.axis.unit or "1" for variable in self.plan.variables[:4]}
-        numbers = {one.name: one.usual.replace("%", "1") for one in self.plan.kept[:4]}
-        return {"run": "", **settings, **numbers, "verdict": ""}
-
-
-def _variable(variable: StudyVariable) -> dict[str, Any]:
-    axis: Axis = variable.axis
-    if variable.words:
-        return {"path": axis.path, "words": list(variable.words)}
-    if variable.is_range:
-        return {"path": axis.path, "low": axis.values[0], "high": axis.values[-1], "log": axis.log}
-    return {"path": axis.path, "values": list(axis.values)}
+        return {"runs.csv": csv_table(self.run_table, HISTORY_DIGITS)}
 
 
 @compiling_shown()

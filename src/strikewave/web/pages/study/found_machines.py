@@ -9,7 +9,6 @@ import numpy as np
 
 from strikewave.base.result import RUN_BROKEN, RUN_FAILED, RUN_PASSED, Verdicts, status_of
 from strikewave.cases.case import Case
-from strikewave.reporting.numbers import axis_unit
 from strikewave.studies.design.figures import drawn_numbers
 from strikewave.studies.design.study import DesignStudy
 from strikewave.studies.engine.evaluation import Row
@@ -17,7 +16,7 @@ from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.fit.result import FitStudy
 from strikewave.studies.map.study import MapStudy
 from strikewave.studies.settings.result import SettingsStudy
-from strikewave.studies.sweep.study import KeptNumber, SweepStudy
+from strikewave.studies.sweep.study import SweepStudy
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource, CaseState, address
 from strikewave.web.case.view import PAGES_OF
@@ -149,7 +148,7 @@ def _numbers(study: DesignStudy, name: str | None) -> tuple[Any, str]:
     if name is None:
         return np.arange(1.0, len(study.rows) + 1.0), "run"
     kept = study.kept(name)
-    return study.numbers[:, study.plan.evaluation.names.index(name)] / _size(kept), kept.label
+    return study.numbers[:, study.plan.evaluation.names.index(name)] / kept.scale, kept.label
 
 
 def _sweep_chart(study: SweepStudy, link: Linker) -> PickedChart:
@@ -167,7 +166,7 @@ def _sweep_chart(study: SweepStudy, link: Linker) -> PickedChart:
     listed = [(words, [run for run in of_group if not marked[run]]) for words, of_group in listed]
     listed += _marked_groups(study.verdicts)
     links = [link.of_row(variables, row) for row in study.plan.rows]
-    options = dot_chart("Runs", first.label, kept.label, _dots(listed, x, study.number(kept.name) / _size(kept)))
+    options = dot_chart("Runs", first.label, kept.label, _dots(listed, x, study.number(kept.name) / kept.scale))
     return PickedChart(options, links)
 
 
@@ -203,10 +202,6 @@ def _map_chart(study: MapStudy, link: Linker) -> PickedChart:
     columns, rows = ([f"{float(axis.shown(value)):.3g}" for value in axis.values] for axis in (x, y))
     options = heat_chart("Scatter of the peaks (CV)", x.label, y.label, columns, rows, cells, "%", signed=False)
     return PickedChart(options, links)
-
-
-def _size(kept: KeptNumber) -> float:
-    return 0.01 if kept.usual == "%" else axis_unit(kept.si, kept.usual)[0]
 
 
 def _short(value: float) -> float:
