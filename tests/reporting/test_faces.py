@@ -356,12 +356,12 @@ class Spoken:
 
     @declare.phrase("so", column=MAIN, tables="short long")
     def text(self):
-        """The peak, in the unit that is shown."""
+        """Return the peak, in the unit that is shown."""
         return faces.text_of(self, "peak")
 
     @declare.phrase("small", column=MAIN, tables="long")
     def small(self):
-        """A tag of another word than its colour."""
+        """Return a tag of another word than its colour."""
         return Tag("small", "good") if self.peak < G else None
 
 

@@ -229,15 +229,14 @@ def phrase(label: str, **rest: Any) -> Callable[[Callable[[Any], T]], ComputedFi
     ...     low: float = number(Quantity("s", "us"), "begin")
     ...     @phrase("lasts", column=MAIN)
     ...     def text(self) -> str:
-    ...         '''From when on.'''
+    ...         '''Return from when on.'''
     ...         return f"from {self.low} s"
     >>> Span(2.0).text, content(Span(2.0)), declarations(Span)["text"].meaning
     ('from 2.0 s', {'low': 2.0}, 'from when on')
     """
 
     def declared(function: Callable[[Any], T]) -> ComputedField[T]:
-        said = (function.__doc__ or "").rstrip(".")
-        meaning = said[:1].lower() + said[1:]
+        meaning = (function.__doc__ or label).removeprefix("Return ").rstrip(".")
         return ComputedField(
             Declaration(kind="word", meaning=meaning, label=label, in_document=False, **rest), function
         )
