@@ -180,6 +180,10 @@ def test_of_a_stretch_that_ends_above_one_side_is_known():
     _, right = read_off._by_sampling(bowl()[13:], 7.3, 10.0)
     assert right == pytest.approx(0.2 / 8.0 / math.sqrt(3.0) / (0.1 * (9.7**2 - 8.7**2)))
     assert read_off._by_sampling(bowl()[13:28], 7.3, 10.0)[1] == 0.0
+    assert read_off._by_sampling(bowl()[10:28], 10.3, 10.0)[1] == pytest.approx(left)  # between its first two samples
+    assert read_off._by_sampling(bowl()[11:28], 9.3, 10.0)[1] == 0.0
+    assert read_off._by_sampling(bowl()[13:31], 7.3, 10.0)[1] == pytest.approx(right)  # and between its last two
+    assert read_off._by_sampling(bowl()[13:30], 7.3, 10.0)[1] == 0.0
 
 
 @pytest.mark.parametrize(("place", "seen"), [(16, False), (17, True), (24, True), (25, False)])

@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -329,3 +330,42 @@ def test_a_window_lasts_until_both_channels_have_settled(settles, length):
     assert two_sensors._window(first, second, 1e-3, 0.0, [blow, dataclasses.replace(blow, begin=0.52)], 0) is None
     assert found.noises == (0.0, 0.0)
     assert np.array_equal(found.first, first[490 : 490 + found.first.size])
+
+
+@pytest.mark.parametrize(("height", "length"), [(0.81, 311), (0.79, 210)])
+def test_a_window_lasts_until_both_channels_stay_below_four_noises(height, length):
+    """Zeros of 3 and -7 with noise of 0.2 and 0.1 to both sides; in the first what stands above 0.8 counts."""
+    [blow] = find_pulses(np.where((np.arange(3000) >= 500) & (np.arange(3000) < 510), 5.0, 0.0), 1e-3)
+    blow = dataclasses.replace(blow, begin=0.5, end=0.51, width=0.01, noise=0.7)
+    swing = (-1.0) ** np.arange(3000)
+    first, second = 3.0 + 0.2 * swing, -7.0 + 0.1 * swing
+    first[500:510] += 5.0
+    second[500:510] += 5.0
+    first[790] = 3.0 + height
+    found = two_sensors._window(first, second, 1e-3, 0.0, [blow], 0)
+    assert (found.first.size, found.second.size) == (length, length)
+    assert found.noises == (pytest.approx(0.2), pytest.approx(0.1))
+    assert found.cutoff == math.inf
+    assert (found.first[300] if length > 300 else height) == pytest.approx(height)
+    assert found.second[:10] == pytest.approx(0.1 * swing[:10])
+    early = dataclasses.replace(blow, begin=0.041, end=0.051)  # 31 samples before it tell no noise
+    few = two_sensors._window(np.roll(first, -459), np.roll(second, -459), 1e-3, 0.0, [early], 0)
+    assert few.noises == (0.7, 0.7)
+    for separable, cutoff in ((True, 900.0), (False, math.inf)):
+        part = SimpleNamespace(separable=separable, cutoff=900.0)
+        known = two_sensors._window(first, second, 1e-3, 0.0, [dataclasses.replace(blow, split=part)], 0)
+        assert known.cutoff == cutoff
+
+
+@pytest.mark.parametrize(("strongest", "low", "high"), [(4, 3, 5), (8, 7, 9)])
+def test_lines_are_trusted_around_the_strongest_up_to_one_that_is_not(strongest, low, high):
+    """Lines 3 to 9, of which the sixth is a quarter of the power that noise leaves sure; all are alike."""
+    size = 64
+    k = np.arange(size)
+    heights = {j: 0.5 if j == 6 else 1.0 for j in range(3, 10)} | {strongest: 1.1}
+    first = sum(height * np.cos(2.0 * np.pi * j * k / size) for j, height in heights.items())
+    noise = 0.97 * math.sqrt(size / 4.0 / 10.0)
+    windows = [two_sensors.Window(first, 1.05 * first, (noise, 0.0))] * 5
+    found = two_sensors._transfer(windows, 1e-3, 0.0)
+    assert found.trusted == pytest.approx((low * 1e3 / size, high * 1e3 / size))
+    assert found.alike_to == pytest.approx(high * 1e3 / size)
