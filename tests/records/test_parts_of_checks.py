@@ -453,6 +453,8 @@ def test_a_noisy_blow_is_suspect_below_15_db(peak, severity):
     [notice] = noise.noisy(record(np.zeros(900), one))
     assert notice.value == pytest.approx(20.0 * math.log10(peak))
     assert notice.severity == severity
+    small = dataclasses.replace(one, peak=1e-3 * one.peak, noise=1e-3)
+    assert noise.noisy(record(np.zeros(900), small))[0].value == pytest.approx(notice.value)
     assert noise.noisy(record(np.zeros(900), dataclasses.replace(one, method="record"))) == []
 
 
@@ -1027,6 +1029,13 @@ def test_blips_of_the_mains_are_as_even_and_as_many_as_they_must_be(how, blips):
 @pytest.mark.parametrize("period", [10e-3, 1.0 / 60.0, 1.0 / 120.0])
 def test_blips_of_all_mains_are_told(period):
     assert [one.value for one in train.mains_blips(locked(period=period))] == [period]
+
+
+def test_a_place_for_a_blip_is_counted_to_the_last_sample():
+    """1.25 periods of 2001 samples are 2501.25 of them."""
+    for samples, blips in ((2501, True), (2502, False)):
+        assert bool(train.mains_blips(locked(after=samples / 2001.0, period=20.01e-3))) is blips
+        assert bool(train.mains_blips(locked(before=samples / 2001.0, period=20.01e-3))) is blips
 
 
 # ringing beside its model

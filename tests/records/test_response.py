@@ -322,6 +322,16 @@ def test_a_response_in_closed_form():
     assert response._measure(2, np.zeros(99), 1e-5, 3.0, blow, True).zero == 0.0
 
 
+def test_a_blow_at_the_end_of_a_record_has_its_last_samples_for_its_response():
+    """Twenty-four are the fewest in which a swing is sought."""
+    values = np.zeros(100)
+    values[80] = 5.0
+    for begin in (90.0, 1000.0):
+        [found] = response.measure_responses(values, 1.0, 0.0, [BaseBlow(begin, begin, begin, 2.0)])
+        assert (found.time, found.peak) == (80.0, 5.0)
+    assert response.measure_responses(values[:23], 1.0, 0.0, [BaseBlow(9.0, 9.0, 9.0, 2.0)]) == ()
+
+
 @pytest.mark.parametrize("n", [30, 200])
 def test_the_covariance_of_a_mean_in_coloured_noise_is_that_of_newey_and_west(rng, n):
     """One column of ones: the triangle over a twentieth of the samples, and what the mean takes of the noise put back.

@@ -1,0 +1,115 @@
+"""What is read of a record is the same in any unit, with the other sign, and whenever the record began."""
+
+import numpy as np
+import pytest
+
+from strikewave.records import Channel, Record, Request, read_file
+
+STEP, SIZE = 1e-5, 3000
+TIME = STEP * np.arange(SIZE)
+NOISE = np.random.default_rng(5).normal(size=SIZE)
+SINCE = np.maximum(TIME - 0.01, 0.0)
+
+
+def half_sine(begin, length, height):
+    u = (TIME - begin) / length
+    return np.where((u > 0.0) & (u < 1.0), height * np.sin(np.pi * np.clip(u, 0.0, 1.0)), 0.0)
+
+
+def coupled(values, constant):
+    """Return values behind a high-pass of first order."""
+    passed = np.zeros(SIZE)
+    for k in range(1, SIZE):
+        passed[k] = passed[k - 1] * np.exp(-STEP / constant) + values[k] - values[k - 1]
+    return passed
+
+
+ONE = half_sine(0.01, 5e-4, 100.0)
+SWING = np.exp(-SINCE / 1e-3) * np.sin(2.0 * np.pi * 6e3 * SINCE)
+RECORDS = {
+    "plain": ONE + 7.0 + 0.1 * NOISE,
+    "noisy": 0.1 * ONE + 1.6 * NOISE,
+    "ringing": -ONE - 25.0 * SWING + 0.1 * NOISE,
+    "clipped": np.minimum(ONE, 70.0),
+    "train": sum(half_sine(4e-3 * k + 2e-3, 3e-4, 100.0) for k in range(6))
+    + sum(half_sine(4e-3 * k + 3e-3, 3e-4, 30.0) for k in range(6))
+    + 0.1 * NOISE,
+    "coupled": coupled(ONE, 4e-3) + 0.05 * NOISE,
+    "shifted": ONE + 5.0 * (TIME > 0.0102) + 0.1 * NOISE,
+    "drifting": ONE + 30.0 * TIME / TIME[-1] + 0.1 * NOISE,
+    "humming": ONE + 8.0 * np.sin(2.0 * np.pi * 50.0 * TIME) + 0.1 * NOISE,
+    "empty": 3.0 + 0.1 * NOISE,
+    "swinging": 50.0 * np.exp(-TIME / 5e-3) * np.cos(2.0 * np.pi * 900.0 * TIME) + 0.1 * NOISE,
+}
+CODES = {
+    "plain": ["not-settled"],
+    "noisy": ["noise", "noisy"],
+    "ringing": ["ringing"],
+    "clipped": ["clipped", "flat-top"],
+    "train": ["rebound"],
+    "coupled": ["ac-coupling"],
+    "shifted": ["slew-rate", "zero-shift", "velocity-drift", "no-foot"],
+    "drifting": ["velocity-drift", "drift", "not-settled"],
+    "humming": ["hum", "velocity-drift"],
+    "empty": ["no-pulse"],
+    "swinging": ["not-settled", "no-pulse"],
+}
+SMALL = 2.0**-24
+"""A power of two scales all numbers without rounding: nothing may differ at all."""
+
+
+def read(values, start=0.0):
+    [channel] = read_file(Record("a", "text", (Channel("c", values, STEP, start, "m/s^2"),)), {}, Request()).channels
+    return [f for f in channel.findings if f.code != "polarity"], channel.pulses
+
+
+def figures(pulse):
+    """Return figures in the unit of the record with and without a sign, those in other units, and times."""
+    base, rigid = pulse.baseline, pulse.rigid
+    scaled = [pulse.peak, pulse.velocity_change, pulse.offset, pulse.rigid_peak, pulse.split_peak]
+    scaled += [base.level, base.slope, *(one.peak for one in pulse.rebounds), pulse.smooth.peak]
+    sizes = [pulse.noise, base.wander, base.ripple, pulse.uncertainty.peak, pulse.uncertainty.velocity_change]
+    other = [
+        pulse.rise,
+        pulse.width,
+        pulse.ringing_frequency,
+        pulse.rigid_width,
+        pulse.split_width,
+        pulse.methods_apart,
+    ]
+    other += [pulse.uncertainty.width, base.alike, *(pulse.smooth[2:] if rigid is None else rigid[8:10])]
+    times = [pulse.time, pulse.begin, pulse.end, *(one.time for one in pulse.rebounds)]
+    return [np.array(part) for part in (scaled, sizes, other, times)]
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_a_record_in_a_small_unit_is_the_same(name):
+    found, pulses = read(RECORDS[name])
+    assert [one.code for one in found] == CODES[name]
+    small, others = read(SMALL * RECORDS[name])
+    for one, other in zip(found, small, strict=True):
+        assert (one.code, one.severity, one.harms, one.effects) == (
+            other.code, other.severity, other.harms, other.effects,
+        )  # fmt: skip
+        np.testing.assert_equal((other.start, other.end), (one.start, one.end))
+    for pulse, other in zip(pulses, others, strict=True):
+        assert (other.method, len(other.rebounds)) == (pulse.method, len(pulse.rebounds))
+        for factor, one, of_other in zip((SMALL, SMALL, 1.0, 1.0), figures(pulse), figures(other), strict=True):
+            np.testing.assert_array_equal(of_other, factor * one)
+
+
+@pytest.mark.parametrize("name", ["plain", "noisy", "clipped", "train", "coupled", "shifted", "drifting", "swinging"])
+def test_a_record_turned_round_that_began_later_is_the_same(name):
+    """Eight seconds later, which costs four digits of a time."""
+    found, pulses = read(RECORDS[name])
+    turned, others = read(-RECORDS[name], 8.0)
+    assert [(one.code, one.severity, one.harms) for one in turned] == [
+        (one.code, one.severity, one.harms) for one in found
+    ]
+    for one, other in zip(found, turned, strict=True):
+        np.testing.assert_allclose((other.start, other.end), (one.start + 8.0, one.end + 8.0), atol=1e-9)
+    for pulse, other in zip(pulses, others, strict=True):
+        scaled, sizes, same, times = zip(figures(pulse), figures(other), strict=True)
+        for sign, (one, of_other) in ((-1.0, scaled), (1.0, sizes), (1.0, same)):
+            np.testing.assert_allclose(of_other, sign * one, rtol=1e-5, atol=1e-9)
+        np.testing.assert_allclose(times[1], times[0] + 8.0, rtol=0.0, atol=1e-9)
