@@ -1032,10 +1032,9 @@ def test_blips_of_all_mains_are_told(period):
 
 
 def test_a_place_for_a_blip_is_counted_to_the_last_sample():
-    """1.25 periods of 2001 samples are 2501.25 of them."""
-    for samples, blips in ((2501, True), (2502, False)):
-        assert bool(train.mains_blips(locked(after=samples / 2001.0, period=20.01e-3))) is blips
-        assert bool(train.mains_blips(locked(before=samples / 2001.0, period=20.01e-3))) is blips
+    """1.25 periods are 2500 samples; the last blip lies a fifth of a sample behind one."""
+    for samples, blips in ((2499.8, True), (2500.8, False)):
+        assert bool(train.mains_blips(locked(before=0.6001, after=samples / 2000.0))) is blips
 
 
 # ringing beside its model
