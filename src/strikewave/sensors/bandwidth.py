@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import MAIN, MORE, NO_UNIT, Quantity
+from strikewave.base.shock_quantities import RATIO
 from strikewave.sensors.mounting import RESOLVED, Mounting, transmission
 
 Array = NDArray[np.float64]
 
+BANDWIDTH = Quantity("Hz", "kHz", digits=3)
 LOWEST = 10.0
 """Frequency from which a mounting is looked at, Hz: below, no mounting of a sensor has a resonance."""
 
@@ -23,34 +26,57 @@ ZOOMS, ZOOMED = 3, 33
 """Times that a crossing or a peak is looked at more closely, and points each time: 2e-7 of a frequency is left."""
 
 
-class PassBand(NamedTuple):
-    """What the transmissibility |H| = |a_sensor / a_surface| of a mounting passes; frequencies in Hz.
+@declare.dataclass
+class PassBand:
+    """What the transmissibility |H| = |a_sensor / a_surface| of a mounting passes.
 
-    Attributes
-    ----------
-    within_5 : float
-        Lowest frequency at which |H| is more than 5 % from one; infinite where it is not below 200 kHz.
-    within_10 : float
-        Lowest frequency at which |H| is more than 10 % from one; infinite alike.
-    half_power : float
-        Lowest frequency at which |H| is below 1/sqrt(2), -3 dB; infinite alike.
-    resonance : float
-        First frequency at which |H| is largest about it; NaN where there is none below 200 kHz.
-    quality : float
-        |H| there; infinite where nothing has loss.
-    largest : float
-        Largest |H| below 200 kHz; one where the sensor follows exactly, infinite where nothing has loss.
-    largest_at : float
-        Frequency of the largest |H|, the first resonance where nothing has loss; NaN where the sensor follows exactly.
+    What is null in documents is infinite here; the two places, where there are none, NaN.
     """
 
-    within_5: float
-    within_10: float
-    half_power: float
-    resonance: float
-    quality: float
-    largest: float
-    largest_at: float
+    within_5: float = declare.number(
+        BANDWIDTH,
+        "lowest frequency at which |H| is more than 5 % from one; null where it is not below 200 kHz",
+        label="within 5 % up to",
+        column=MORE,
+        tables="screen",
+    )
+    within_10: float = declare.number(
+        BANDWIDTH,
+        "lowest frequency at which |H| is more than 10 % from one; null alike",
+        label="within 10 % up to",
+        column=MAIN,
+        tables="screen page",
+        headline="amplitude within 10 % up to, first",
+    )
+    half_power: float = declare.number(
+        BANDWIDTH,
+        "lowest frequency at which |H| is below 1/sqrt(2), -3 dB; null alike",
+        label="-3 dB at",
+        column=MORE,
+        tables="screen",
+    )
+    resonance: float = declare.number(
+        BANDWIDTH,
+        "first frequency at which |H| is largest about it; null where there is none below 200 kHz",
+        column=MORE,
+        tables="screen page",
+        headline="resonance of the first",
+    )
+    quality: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, "Q", digits=3),
+        "|H| there; null where nothing has loss",
+        column=MORE,
+        tables="screen",
+    )
+    largest: float = declare.number(
+        RATIO,
+        "largest |H| below 200 kHz; one where the sensor follows exactly, null where nothing has loss",
+    )
+    largest_at: float = declare.number(
+        BANDWIDTH,
+        "frequency of the largest |H|, the first resonance where nothing has loss; null where the sensor follows "
+        "exactly",
+    )
 
 
 def band(mounting: Mounting) -> PassBand:

@@ -288,7 +288,7 @@ def test_the_title_says_that_nothing_is_robust_or_carries_the_pulse(study):
     goal = BufferGoal(study.goal.limit, "robust")
     frail = tuple(dataclasses.replace(c, leading=None) for c in study.candidates)
     assert "none is known to be robust" in dataclasses.replace(study, candidates=frail, goal=goal).order
-    slow = tuple(dataclasses.replace(c, band=c.band._replace(within_10=1.0)) for c in study.candidates)
+    slow = tuple(dataclasses.replace(c, band=dataclasses.replace(c.band, within_10=1.0)) for c in study.candidates)
     assert "none carries the pulse" in dataclasses.replace(study, candidates=slow).order
 
 

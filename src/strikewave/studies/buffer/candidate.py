@@ -11,9 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import material
+from strikewave.base.shock_quantities import LENGTH, PULSE_WIDTH, RATIO, STRESS
 from strikewave.sensors import Mounting, Reading, Sensor, output
 from strikewave.sensors.bandwidth import PassBand, band
 from strikewave.sensors.channel import sensor_pulse
@@ -23,6 +26,10 @@ from strikewave.studies.buffer.mounting_site import BaseMotion, GasketStack, Mou
 
 Array = NDArray[np.float64]
 
+READING = Quantity("m/s^2", "g", "reading", digits=5)
+OTHER_PEAK = Quantity("m/s^2", "g")
+CUT_OFF = "cut off"
+"""What a reading is called that a range ends."""
 ALIKE = 0.05
 """Stacks whose peak and bandwidth differ by less are not distinct: the moduli of a gasket are known within a factor of
 two at best, which moves both by far more."""
@@ -62,108 +69,152 @@ class BufferGoal:
             raise InputError("--rank", self.rank, "one of " + ", ".join(RANKS), nearest(self.rank, RANKS))
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Leading:
-    """What is computed only of the first of a ranking and of Pareto-optimal stacks.
+    """What is computed only of the first of a ranking and of Pareto-optimal stacks; peaks as `true_peak`."""
 
-    Peaks are as `BufferCandidate.true_peak`.
+    softer: float = declare.number(
+        OTHER_PEAK,
+        "peak with the moduli of all gaskets at the low end of their spread",
+        column=MORE,
+        tables="screen moduli",
+    )
+    stiffer: float = declare.number(
+        OTHER_PEAK,
+        "peak with the moduli of all gaskets at the high end of their spread",
+        column=MAIN,
+        tables="screen moduli",
+    )
+    confined: float | None = declare.number(
+        OTHER_PEAK,
+        "peak with the moduli of the table where the faces of elastomers cannot slip; null without elastomers",
+        label="no slip",
+        column=MORE,
+        tables="screen moduli",
+    )
+    robust: bool = declare.word(
+        "whether all variants keep the limit, in a history that is long enough for the softest",
+        column=MAIN,
+        tables="screen page",
+        is_tag=True,
+    )
+    stress: tuple[float, ...] = declare.history(
+        STRESS, "largest of each gasket: force of what lies above its middle over its area"
+    )
+    strain: tuple[float, ...] = declare.history(NO_UNIT, "that over the modulus")
 
-    Attributes
-    ----------
-    softer : float
-        Peak, m/s^2, with the moduli of all gaskets at the low end of their spread.
-    stiffer : float
-        Peak, m/s^2, with the moduli of all gaskets at the high end of their spread.
-    confined : float or None
-        Peak, m/s^2, with the moduli of the table where the faces of elastomers cannot slip; None without elastomers.
-    robust : bool
-        Whether all `variants` keep the limit, in a history that is long enough for the softest.
-    stress : tuple of float
-        Largest of each gasket: force of what lies above its middle over its area, Pa.
-    strain : tuple of float
-        That over the modulus.
-    """
 
-    softer: float
-    stiffer: float
-    confined: float | None
-    robust: bool
-    stress: tuple[float, ...]
-    strain: tuple[float, ...]
+@declare.dataclass
+class StackGasket:
+    """A gasket of a stack: what it is, what it bears, what is known of its modulus."""
+
+    material: str = declare.word("material of a gasket", column=KEY)
+    thickness: float = declare.number(LENGTH, "its thickness", column=MAIN)
+    stress: float | None = declare.number(
+        Quantity("Pa", "MPa", digits=3), "what it bears at most", label="largest stress", column=MAIN, in_document=False
+    )
+    strain: float | None = declare.number(
+        Quantity(NO_UNIT, "%", digits=3), "that over the modulus", column=MAIN, in_document=False
+    )
+    moduli: str = declare.word("moduli that are tried", label="modulus, times", column=MAIN, in_document=False)
+    source: str = declare.word("where the modulus is from", column=MAIN, in_document=False)
 
 
-@dataclass(frozen=True, eq=False)
+@declare.dataclass
 class BufferCandidate:
-    """A stack, and what the sensor reads on it.
+    """A stack, and what the sensor reads on it; see `Leading` for what is computed only of some.
 
     Attributes
     ----------
     stack : tuple of GasketLayer
         From the surface to the sensor.
-    height : float
-        Of the whole stack, m.
-    peak : float
-        Of the reading, with its sign, m/s^2.
-    width : float
-        Of the reading at 10 % of its peak, s.
-    clipped : bool
-        Whether sensor or recorder cut it off.
-    element_peak : float
-        What the element would put out without its range, m/s^2.
-    true_peak : float
-        Largest magnitude of the reading; of the element where the reading is cut off. m/s^2.
-    keeps : bool
-        Whether the reading keeps the limit without being cut off.
-    margin : float
-        One less the true peak over the limit, or over the range of sensor or recorder where that is lower.
-    band : PassBand
-        What the mounting passes.
-    rigid_ratio : float
-        Peak over that of the rigid body; NaN where that is unknown.
-    velocity_error : float
-        Velocity change against that of the surface, relative; NaN where the sensor still rings (see ``ringing``) or
-        the surface hardly changes its speed.
-    ringing : float
-        Half the swing of sensor against surface in the last period of the resonance, over the velocity change.
-    loss_error : float
-        Deviation of the loss factors over their band.
-    sag : float
-        Compression by the weight of what lies above, at the moduli of the table, m.
-    whole : bool
-        Whether the history lasts half a period of the resonance after the surface's largest value: else the largest
-        reading may come after its end.
-    pareto : bool
-        Whether it is Pareto-optimal: no other stack has both a lower true peak and more bandwidth.
-    leading : Leading or None
-        What is computed only of the first ones, and of the Pareto-optimal ones.
     label : str
         What it is called, where not by its gaskets.
     """
 
     stack: GasketStack
-    height: float
-    peak: float
-    width: float
-    clipped: bool
-    element_peak: float
-    true_peak: float
-    keeps: bool
-    margin: float
-    band: PassBand
-    rigid_ratio: float
-    velocity_error: float
-    ringing: float
-    loss_error: float
-    sag: float
-    whole: bool
-    pareto: bool = False
-    leading: Leading | None = None
-    label: str = ""
+    place: int | None = declare.count(
+        "in the ranking, from 1", label="#", column=KEY, tables="screen page moduli", optional=True
+    )
 
-    @property
+    @declare.computed(
+        declare.word(
+            "materials and thicknesses from the surface up",
+            label="stack, from the surface up",
+            column=MAIN,
+            tables="screen page moduli",
+            headline="first",
+        )
+    )
     def name(self) -> str:
         """What it is called: its gaskets from the surface to the sensor."""
         return self.label or " | ".join(str(layer) for layer in self.stack) or "direct"
+
+    @declare.computed(declare.rows(StackGasket, "gaskets, from the surface up", optional=True))
+    def gaskets(self) -> list[StackGasket] | None:
+        """The gaskets, with what each bears where that was computed."""
+        if self.label:
+            return None
+        listed = list[StackGasket]()
+        for k, layer in enumerate(self.stack):
+            row = material(layer.material)
+            low, high = spread(row)
+            stress, strain = (self.leading.stress[k], self.leading.strain[k]) if self.leading else (None, None)
+            listed.append(
+                StackGasket(layer.material, layer.thickness.si, stress, strain, f"{low:g} to {high:g}", row.source)
+            )
+        return listed
+
+    height: float = declare.number(LENGTH, "of the whole stack")
+    peak: float = declare.number(READING, "of the reading, with its sign")
+    width: float = declare.number(PULSE_WIDTH, "of the reading at 10 % of its peak")
+    clipped: bool = declare.word(
+        "whether sensor or recorder cut it off", label=CUT_OFF, column=MAIN, tables="screen page"
+    )
+    element_peak: float = declare.number(READING, "what the element would put out without its range")
+    true_peak: float = declare.number(
+        READING,
+        "largest magnitude of the reading; of the element where the reading is cut off",
+        column=MAIN,
+        tables="screen page",
+        headline="reading on the first",
+    )
+    keeps: bool = declare.word(
+        "whether the reading keeps the limit without being cut off", column=MAIN, tables="notebook", is_tag=True
+    )
+    margin: float = declare.number(
+        Quantity(NO_UNIT, "%", decimals=1, digits=0),
+        "one less the true peak over the limit, or over the range of sensor or recorder where that is lower",
+        column=MAIN,
+        tables="screen page",
+    )
+    pareto: bool = declare.word(
+        "whether it is Pareto-optimal: no other stack has both a lower true peak and more bandwidth"
+    )
+    rigid_ratio: float = declare.number(RATIO, "peak over that of the rigid body; null where that is unknown")
+    velocity_error: float = declare.number(
+        Quantity(NO_UNIT, "%", "velocity change off by", digits=2),
+        "velocity change against that of the surface, relative; null where the sensor still rings (see ringing) or the "
+        "surface hardly changes its speed",
+        column=MORE,
+        tables="page",
+    )
+    ringing: float = declare.number(
+        RATIO, "half the swing of sensor against surface in the last period of the resonance, over the velocity change"
+    )
+    loss_error: float = declare.number(RATIO, "deviation of the loss factors over their band")
+    sag: float = declare.number(
+        Quantity("m", "um", digits=3), "compression by the weight of what lies above, at the moduli of the table"
+    )
+    whole: bool = declare.word(
+        "whether the history lasts half a period of the resonance after the surface's largest value: else the largest "
+        "reading may come after its end"
+    )
+    band: PassBand = declare.part(PassBand, "what the mounting passes", inline=True)
+    leading: Leading | None = declare.part(
+        Leading, "what is computed only of the first ones, and of the Pareto-optimal ones", inline=True, default=None
+    )
+    label: str = ""
 
     @property
     def robust(self) -> bool:
@@ -198,6 +249,7 @@ def assess_mounting(
     error, ringing = _velocity(reading, motion, passed.resonance)
     return BufferCandidate(
         stack=(),
+        place=None,
         height=sum(layer.thickness for layer in mounting.gaskets),
         peak=pulse.peak,
         width=pulse.width,
@@ -206,6 +258,7 @@ def assess_mounting(
         true_peak=highest,
         keeps=bool(highest <= goal.limit and not reading.clipped),
         margin=1.0 - highest / min(goal.limit, site.range),
+        pareto=False,
         band=passed,
         rigid_ratio=pulse.peak / motion.rigid_peak if motion.rigid_peak else math.nan,
         velocity_error=error if whole and ringing <= RINGING else math.nan,

@@ -17,10 +17,13 @@ from strikewave.analyses.machine.notices import balance_of, notices, wave_notice
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.yielding import contact_answers
 from strikewave.analyses.wave.run import run_wave
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, Quantity
 from strikewave.base.errors import MISSING, InputError, checked, nearest
 from strikewave.base.materials import material, materials
 from strikewave.base.quantities import Value
 from strikewave.base.result import Notice, Verdict, balance_notices
+from strikewave.base.shock_quantities import MICROSECONDS, PULSE_WIDTH
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import area_of, need
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+SURFACE = Quantity("m/s^2", "g")
 MOST_LISTED = 40
 """Blows that an error lists: more would not stand in a line of a screen."""
 
@@ -132,32 +136,79 @@ def gasket(layer: GasketLayer, area: float, stiffer: float = 1.0) -> Gasket:
     return Gasket(row.density, modulus, area, layer.thickness.si, row.loss_factor or 0.0)
 
 
-@dataclass(frozen=True, eq=False)
+@declare.dataclass
 class BaseMotion:
     """How the surface below the sensor moves in one blow.
 
     Attributes
     ----------
-    name : str
-        Which blow, in words.
     acceleration : ndarray
         m/s^2, at even steps, from rest.
     step, start : float
         Time between samples, and of the first one, s.
     touched : float
         Time of first touch after a sampling instant of the recorder, s; the first sample where ``start`` is 0.
-    rigid_peak, rigid_width : float or None
-        Of the rigid-body acceleration, where it is known, m/s^2, and at 10 % of its peak, s.
+    rigid_width : float or None
+        Of the rigid-body acceleration, where it is known, at 10 % of its peak, s.
     recorded : RecordedPulse or None
         The blow as `strikewave record` measures it, where it was measured: above its own baseline, without noise.
     """
 
-    name: str
+    name: str = declare.word("blow at which the stacks are compared", label="blow", column=KEY)
     acceleration: Array = field(repr=False)
     step: float
     start: float = 0.0
     touched: float = 0.0
-    rigid_peak: float | None = None
+
+    @declare.computed(
+        declare.number(
+            SURFACE,
+            "peak of the acceleration of the surface",
+            key="surface_peak",
+            label="peak of the surface",
+            column=MAIN,
+        )
+    )
+    def peak(self) -> float:
+        """Peak of the surface: of a record that of its blow, else the value of largest magnitude."""
+        return self.largest_sample if self.recorded is None else self.recorded.peak
+
+    @declare.computed(
+        declare.number(SURFACE, "largest value of the surface: of a record with its noise, of which its peak is free")
+    )
+    def largest_sample(self) -> float:
+        """Value of largest magnitude: of a record with its noise, which every stack passes on."""
+        return largest(self.acceleration)
+
+    @declare.computed(
+        declare.number(
+            Quantity("m/s", "m/s", digits=3),
+            "velocity change of the surface",
+            key="surface_velocity_change",
+            label="velocity change of the surface",
+            column=MAIN,
+        )
+    )
+    def surface_change(self) -> float:
+        """Velocity change of the surface: of a record that of its blow, else over the history."""
+        return self.velocity_change if self.recorded is None else self.recorded.velocity_change
+
+    rigid_peak: float | None = declare.number(
+        SURFACE, "peak of the rigid-body acceleration", label="rigid-body peak", column=MAIN, default=None
+    )
+
+    @declare.computed(declare.number(PULSE_WIDTH, "width of that pulse", key="pulse_width"))
+    def width(self) -> float:
+        """Width of the pulse at 10 % of its peak: of the rigid body where it is known, else of the surface."""
+        if self.recorded is not None:
+            return self.recorded.width
+        return pulse_width(self.acceleration, self.step) if self.rigid_width is None else self.rigid_width
+
+    @declare.computed(declare.number(MICROSECONDS, "length of the history"))
+    def duration(self) -> float:
+        """Time from the first sample to the last."""
+        return self.step * (self.acceleration.size - 1)
+
     rigid_width: float | None = None
     recorded: RecordedPulse | None = field(default=None, repr=False)
 
@@ -165,28 +216,6 @@ class BaseMotion:
     def text(self) -> str:
         """All that it is, as a text."""
         return f"{self} {hashlib.sha256(np.asarray(self.acceleration, '<f8').tobytes()).hexdigest()}"
-
-    @property
-    def width(self) -> float:
-        """Width of the pulse at 10 % of its peak, s: of the rigid body where it is known, else of the surface."""
-        if self.recorded is not None:
-            return self.recorded.width
-        return pulse_width(self.acceleration, self.step) if self.rigid_width is None else self.rigid_width
-
-    @property
-    def peak(self) -> float:
-        """Peak of the surface, m/s^2: of a record that of its blow, else the value of largest magnitude."""
-        return self.largest_sample if self.recorded is None else self.recorded.peak
-
-    @property
-    def largest_sample(self) -> float:
-        """Value of largest magnitude, m/s^2: of a record with its noise, which every stack passes on."""
-        return largest(self.acceleration)
-
-    @property
-    def surface_change(self) -> float:
-        """Velocity change of the surface, m/s: of a record that of its blow, else over the history."""
-        return self.velocity_change if self.recorded is None else self.recorded.velocity_change
 
     @property
     def after_peak(self) -> float:

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
-from strikewave.base.materials import material
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import headed, hertz, percent, shown, with_unit
-from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.faces import columns_of, part_tables, text_of
+from strikewave.reporting.numbers import hertz, percent, with_unit
+from strikewave.reporting.parts import Picture, Section, Tag
 from strikewave.reporting.table_columns import page_table
 from strikewave.sensors.mounting import RESOLVED
-from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, distinct
-from strikewave.studies.buffer.columns import MODULI_COLUMNS, RANK_COLUMNS, RankedStack, needed
+from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, StackGasket, distinct
 from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
-from strikewave.studies.buffer.moduli import spread
-from strikewave.studies.buffer.result import BufferStudy
+from strikewave.studies.buffer.result import MARKED, BufferStudy, stack_columns
 
 MOST_ROWS = 20
 """Stacks in the table: the first that differ; buffers.csv has all."""
@@ -46,16 +43,15 @@ def buffer_report(study: BufferStudy) -> str:
         *([chapters.inputs(study.case)] if study.case is not None else []),
     ]
     status = Tag("no stack keeps the limit", "bad") if study.broken else None
-    summary = chapters.Summary("Report of a buffer design", buffer_words(study), _key_numbers(study), status)
+    summary = chapters.Summary("Report of a buffer design", buffer_words(study), study.highlights(), status)
     return chapters.result_page(study, summary, sections)
 
 
 def buffer_words(study: BufferStudy) -> str:
     """Say in words what the stacks do to the reading."""
-    within = sum(candidate.keeps for candidate in study.candidates)
     first, limit = study.candidates[0], with_unit(study.goal.limit, "m/s^2", "g")
     words = [
-        f"{within} of {len(study.candidates)} stacks keep the reading of {study.motion.name} within {limit}; directly "
+        f"{study.keeping} stacks keep the reading of {study.motion.name} within {limit}; directly "
         f"on the surface {study.site.table.name} would read {_peak(study.direct)}.",
         f"{study.order[0].upper()}{study.order[1:]}: {first.name}, {_peak(first)}, amplitudes within 10 % up to "
         f"{_bandwidth(first.band.within_10)}.",
@@ -75,18 +71,6 @@ def _bandwidth(within_10: float) -> str:
     return hertz(within_10) if math.isfinite(within_10) else f"{hertz(RESOLVED)} and beyond"
 
 
-def _key_numbers(study: BufferStudy) -> list[tuple[str, str]]:
-    first = study.candidates[0]
-    return [
-        ("stacks that keep the limit", f"{sum(one.keeps for one in study.candidates)} of {len(study.candidates)}"),
-        (f"reading on the first; limit {with_unit(study.goal.limit, 'm/s^2', 'g')}", _peak(first)),
-        ("reading without gaskets", _peak(study.direct)),
-        ("amplitude within 10 % up to, first", _bandwidth(first.band.within_10)),
-        ("resonance of the first", hertz(first.band.resonance)),
-        ("height of the first", with_unit(first.height, "m", "mm", 3)),
-    ]
-
-
 def _peak(candidate: BufferCandidate) -> str:
     return with_unit(candidate.true_peak, "m/s^2", "g") + (" (cut off)" if candidate.clipped else "")
 
@@ -95,9 +79,7 @@ def _ranking_section(study: BufferStudy) -> Section:
     """List the first distinct stacks, the robust and the direct one, and the buffer that the case has now."""
     listing = distinct(study.candidates, MOST_ROWS)
     listing += [one for one in (study.robust, study.direct) if one is not None and one not in listing]
-    places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
-    rows = [RankedStack(str(places[one]), one) for one in sorted(listing, key=places.__getitem__)]
-    rows += [] if study.present is None else [RankedStack("", study.present)]
+    rows = [one for one in study.stacks if one in listing or one is study.present]
     text = (
         f"Stacks with reading and bandwidth of one above within {percent(ALIKE, 0)} are left out; buffers.csv has all. "
         "Where a reading is cut off, the value is that of the element. Robust stacks keep the limit "
@@ -108,58 +90,31 @@ def _ranking_section(study: BufferStudy) -> Section:
         "held so that they cannot slip"
     )
     tables = [
-        page_table("Stacks by rank", needed(RANK_COLUMNS, rows), rows),
-        page_table(moduli, MODULI_COLUMNS, [row for row in rows if row.leading is not None]),
+        page_table(f"Stacks by rank ({MARKED})", stack_columns("page", rows), rows),
+        page_table(moduli, stack_columns("moduli", rows), [one for one in rows if one.stack and one.leading]),
     ]
     return Section("Stacks", text, tables)
 
 
 def _gasket_section(study: BufferStudy, first: BufferCandidate) -> Section:
     """List the gaskets of the first stack: what they bear, and what is known of their material."""
-    leading = first.leading
-    rows: list[Sequence[Cell]] = []
-    for k, layer in enumerate(first.stack):
-        row = material(layer.material)
-        low, high = spread(row)
-        bears = (leading.stress[k], leading.strain[k]) if leading else (math.nan, math.nan)
-        rows.append(
-            [
-                layer.material,
-                str(layer.thickness.typed),
-                written(shown(bears[0], "Pa", "MPa"), 3),
-                written(100.0 * bears[1], 3),
-                f"{low:g} to {high:g}",
-                row.source,
-            ]
-        )
-    heads = ["material", "thickness", headed("largest stress", "Pa", "MPa"), "strain (%)", "modulus, times", "source"]
     text = (
         f"From the surface up. The stack is {with_unit(first.height, 'm', 'mm', 3)} high and sags by "
         f"{with_unit(first.sag, 'm', 'um', 3)} under its load; loss factors are held within "
         f"{percent(first.loss_error)} from 1 to 100 kHz."
     )
-    return Section("Gaskets of the first stack", text, [Table("Gaskets", heads, rows)])
+    table = page_table("Gaskets", columns_of(StackGasket), first.gaskets or [])
+    return Section("Gaskets of the first stack", text, [table])
 
 
 def _sensor_section(study: BufferStudy) -> Section:
     """List sensor, footprint and blow."""
-    site, motion, sensor = study.site, study.motion, study.site.channel.sensor
-    rate = site.channel.recorder.sampling_rate
-    rows: list[list[Cell]] = [
-        ["sensor", site.table.name + (f", {site.table.model}" if site.table.model else "")],
-        ["mass", with_unit(site.mass, "kg", "gram")],
-        ["area of the gaskets", with_unit(site.area, "m^2", "mm^2")],
-        ["resonance of the element", hertz(sensor.resonance)],
-        ["range", with_unit(sensor.range, "m/s^2", "g") if math.isfinite(sensor.range) else "none stated"],
-        ["sampling rate", "ideal recorder" if rate is None else hertz(rate)],
-        ["blow", motion.name],
-        ["peak of the surface", with_unit(motion.peak, "m/s^2", "g")],
-        ["velocity change of the surface", with_unit(motion.surface_change, "m/s", "m/s", 3)],
-    ]
+    site, motion = study.site, study.motion
+    words = [f"The sensor is a {site.table.model}."] if site.table.model else []
+    words += [] if math.isfinite(site.channel.sensor.range) else ["The sensor has no stated range."]
+    words += [] if math.isfinite(site.channel.recorder.sampling_rate) else ["Its recorder is ideal."]
     if motion.recorded is not None:
-        sample = with_unit(motion.largest_sample, "m/s^2", "g")
-        rows.insert(-1, ["largest sample, with the noise that readings have too", sample])
-    if motion.rigid_peak is not None:
-        rows.append(["rigid-body peak", with_unit(motion.rigid_peak, "m/s^2", "g")])
-    parts: list[Part] = [Table("Sensor and blow", ["", "value"], rows)]
-    return Section("Sensor and blow", "", parts)
+        words.append(
+            f"The largest sample, with the noise that readings have too, is {text_of(motion, 'largest_sample')}."
+        )
+    return Section("Sensor and blow", " ".join(words), [*part_tables(study, "sensor"), *part_tables(study, "motion")])

@@ -3,57 +3,66 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import tomlkit
 
+from strikewave.base import declare
 from strikewave.base.citations import citation
-from strikewave.base.json_document import without
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.base.result import Source
+from strikewave.base.shock_quantities import MASS, RATIO
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
-from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.columns import HISTORY_DIGITS, csv_table
+from strikewave.reporting.faces import columns_of
 from strikewave.reporting.measured_files import UNKNOWN
-from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
+from strikewave.reporting.table_columns import TableColumn
 from strikewave.sensors import Reading
+from strikewave.sensors.bandwidth import BANDWIDTH
 from strikewave.sensors.channel import SensorChannel, sensor_sources
-from strikewave.studies.buffer.candidate import (
-    BufferCandidate,
-    BufferGoal,
-    Leading,
-    carries,
-)
+from strikewave.studies.buffer.candidate import CUT_OFF, BufferCandidate, BufferGoal, carries
 from strikewave.studies.buffer.moduli import spread
 from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, MountingSite, case_with, reading_of, table_with
 
-UNITS = {
-    "limit": "m/s^2", "mass": "kg", "area": "m^2", "resonance": "Hz", "quality": "1", "range": "m/s^2",
-    "sampling_rate": "Hz", "surface_peak": "m/s^2", "surface_velocity_change": "m/s", "rigid_peak": "m/s^2",
-    "largest_sample": "m/s^2",
-    "pulse_width": "s", "moduli": "1", "duration": "s", "thickness": "m", "height": "m", "peak": "m/s^2", "width": "s",
-    "element_peak": "m/s^2",    "true_peak": "m/s^2", "ringing": "1",
-    "margin": "1", "within_5": "Hz", "within_10": "Hz", "half_power": "Hz", "largest": "1", "largest_at": "Hz",
-    "rigid_ratio": "1", "velocity_error": "1", "loss_error": "1", "sag": "m", "softer": "m/s^2",
-    "stiffer": "m/s^2", "confined": "m/s^2", "stress": "Pa", "strain": "1",
-}  # fmt: skip
-"""SI unit of each quantity of the document."""
-_OWN = (
-    "height", "peak", "width", "clipped", "element_peak", "true_peak", "keeps", "margin", "pareto", "rigid_ratio",
-    "velocity_error", "ringing", "loss_error", "sag", "whole",
-)  # fmt: skip
-"""Attributes of a `BufferCandidate` that a row of the document and of the table holds under their own names."""
+MARKED = "*: Pareto-optimal in peak and bandwidth"
+"""What the mark of a place says."""
 
 
-@dataclass(frozen=True, eq=False)
+@declare.dataclass
+class GasketMaterial:
+    """What is known of the material of a gasket."""
+
+    status: str = declare.word("how the moduli are known")
+    source: str = declare.word("from whom")
+    note: str = declare.word("what is said of them")
+    moduli: tuple[float, float] = declare.history(
+        NO_UNIT, "[lowest, highest] modulus that is tried, over that of the table"
+    )
+
+
+@declare.dataclass
+class BufferedSensor:
+    """The sensor that the stacks are under."""
+
+    name: str = declare.word("the sensor", label="sensor", column=KEY)
+    mass: float = declare.number(MASS, "its mass", column=MAIN)
+    area: float = declare.number(Quantity("m^2", "mm^2", "area of the gaskets"), "area of the gaskets", column=MAIN)
+    resonance: float = declare.number(BANDWIDTH, "its resonance", label="resonance of the element", column=MAIN)
+    quality: float = declare.number(RATIO, "quality factor of that")
+    range: float = declare.number(Quantity("m/s^2", "g"), "its range", column=MAIN)
+    sampling_rate: float = declare.number(BANDWIDTH, "of its recorder", column=MAIN)
+
+
+@declare.dataclass
 class BufferStudy(ShownResult):
     """Ranked stacks for one sensor and one blow, beside the buffer that the case has now; see `design_buffer`.
 
-    See `Result` for what it shares with others.
+    See `Result` for what it shares with others; beside what documents have:
 
     Attributes
     ----------
@@ -63,10 +72,6 @@ class BufferStudy(ShownResult):
         The motion of the surface below it.
     goal : BufferGoal
         What the reading must keep.
-    candidates : tuple of BufferCandidate
-        The stacks, the best first.
-    present : BufferCandidate or None
-        The buffer that the case has now.
     case : Case or None
         Where sensor and blow come from.
     origin : Source or None
@@ -76,12 +81,88 @@ class BufferStudy(ShownResult):
     """
 
     command: ClassVar[str] = "buffer"
+    main_rows: ClassVar[str] = "stacks"
 
     site: MountingSite
     blows: Blows
     goal: BufferGoal
-    candidates: tuple[BufferCandidate, ...]
-    present: BufferCandidate | None = None
+
+    @declare.computed(declare.number(Quantity("m/s^2", "g"), "largest allowed reading", headline="limit"))
+    def limit(self) -> float:
+        """The largest allowed reading."""
+        return self.goal.limit
+
+    @declare.computed(declare.word("what ranks the stacks that keep it: bandwidth, peak or robust"))
+    def rank(self) -> str:
+        """What ranks them."""
+        return self.goal.rank
+
+    @declare.computed(declare.word("how many stacks keep it", headline="stacks that keep the limit", in_document=False))
+    def keeping(self) -> str:
+        """How many of the stacks keep the limit."""
+        return f"{sum(candidate.keeps for candidate in self.candidates)} of {len(self.candidates)}"
+
+    @declare.computed(declare.word("whether one keeps it"))
+    def kept(self) -> bool:
+        """Whether a stack keeps the limit."""
+        return not self.broken
+
+    @declare.computed(
+        declare.word("the first stack that keeps it with all moduli within their spread; null for none", key="robust")
+    )
+    def robust_name(self) -> str | None:
+        """Name of the first robust stack."""
+        return None if self.robust is None else self.robust.name
+
+    @declare.computed(declare.word("what the sensor does to the motion of the surface, in words"))
+    def back_effect(self) -> str:
+        """What is not computed."""
+        return "none: the motion of the surface is given, the sensor does not load it back"
+
+    @declare.computed(declare.word("sources of the models"))
+    def sources(self) -> list[str]:
+        """The sources of sensor and gaskets."""
+        return [citation(key) for key in (*sensor_sources([self.first_channel]), "gent-lindley-1959")]
+
+    @declare.computed(declare.named(GasketMaterial, "materials of the gaskets"))
+    def materials(self) -> dict[str, GasketMaterial]:
+        """The materials, in the order in which stacks have them."""
+        used = {layer.material: material(layer.material) for one in self.candidates for layer in one.stack}
+        return {name: GasketMaterial(row.status, row.source, row.note, spread(row)) for name, row in used.items()}
+
+    @declare.computed(declare.part(BufferedSensor, "the sensor"))
+    def sensor(self) -> BufferedSensor:
+        """The sensor, and the area below it."""
+        site, sensor = self.site, self.site.channel.sensor
+        held = sensor.resonance, sensor.quality, sensor.range, site.channel.recorder.sampling_rate
+        return BufferedSensor(site.table.name, site.mass, site.area, *held)
+
+    @declare.computed(declare.part(BaseMotion, "the blow", key="blow", label="blow"))
+    def motion(self) -> BaseMotion:
+        """The blow that the stacks are designed for."""
+        return self.blows.motion
+
+    present: BufferCandidate | None = declare.part(
+        BufferCandidate, "the buffer that the case has now; null without one"
+    )
+    candidates: tuple[BufferCandidate, ...] = declare.rows(
+        BufferCandidate, "the stacks, the best first", headline="first"
+    )
+
+    @declare.computed(declare.rows(BufferCandidate, "all of them, and the present one last", in_document=False))
+    def stacks(self) -> list[BufferCandidate]:
+        """All stacks, the best first; last, without a place, the present buffer."""
+        return [*self.candidates, *([] if self.present is None else [self.present])]
+
+    @declare.computed(
+        declare.number(
+            Quantity("m/s^2", "g"), "without any gasket", headline="reading without gaskets", in_document=False
+        )
+    )
+    def direct_peak(self) -> float:
+        """What the sensor reads without gaskets."""
+        return self.direct.true_peak
+
     case: Case | None = None
     origin: Source | None = None
     asked: str = ""
@@ -103,11 +184,6 @@ class BufferStudy(ShownResult):
             case = case_with(self.case, self.site, self.candidates[0].stack)
             return Source("case", self.case.name, dump_case(case), asked=self.asked)
         return self.origin or UNKNOWN
-
-    @property
-    def motion(self) -> BaseMotion:
-        """The blow that the stacks are designed for."""
-        return self.blows.motion
 
     @property
     def best(self) -> BufferCandidate | None:
@@ -155,64 +231,10 @@ class BufferStudy(ShownResult):
         """The title: sensor and blow."""
         return self.title
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return how many stacks keep the limit, and the first one with its reading and bandwidth."""
-        first, kept = self.candidates[0], sum(candidate.keeps for candidate in self.candidates)
-        limit = with_unit(self.goal.limit, "m/s^2", "g")
-        return [
-            (f"stacks that keep {limit}", f"{kept} of {len(self.candidates)}"),
-            ("first", first.name),
-            ("its peak", with_unit(first.true_peak, "m/s^2", "g")),
-            ("bandwidth within 10 %", with_unit(first.band.within_10, "Hz", "kHz", 3)),
-        ]
-
     def preview(self) -> Curve:
         """Return what the sensor reads on the first stack."""
         reading = self.reading(self.candidates[0])
         return history_curve(reading.time, reading.values, "m/s^2", "g", f"reading on {self.candidates[0].name}")
-
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return UNITS
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        motion, sensor = self.motion, self.site.channel.sensor
-        blow = {
-            "name": motion.name,
-            "surface_peak": motion.peak,
-            "largest_sample": motion.largest_sample,
-            "surface_velocity_change": motion.surface_change,
-            "rigid_peak": motion.rigid_peak,
-            "pulse_width": motion.width,
-            "duration": motion.step * (motion.acceleration.size - 1),
-        }
-        sensor_row = {
-            "name": self.site.table.name,
-            "mass": self.site.mass,
-            "area": self.site.area,
-            **{key: getattr(sensor, key) for key in ("resonance", "quality", "range")},
-            "sampling_rate": self.site.channel.recorder.sampling_rate,
-        }
-        rows = [_row(place, candidate) for place, candidate in enumerate(self.candidates, 1)]
-        used = {layer.material: material(layer.material) for c in self.candidates for layer in c.stack}
-        origin = {
-            name: {"status": row.status, "source": row.source, "note": row.note, "moduli": spread(row)}
-            for name, row in used.items()
-        }
-        return {
-            "limit": self.goal.limit,
-            "rank": self.goal.rank,
-            "kept": not self.broken,
-            "robust": None if self.robust is None else self.robust.name,
-            "back_effect": "none: the motion of the surface is given, the sensor does not load it back",
-            "sources": [citation(key) for key in (*sensor_sources([self.first_channel]), "gent-lindley-1959")],
-            "materials": origin,
-            "sensor": sensor_row,
-            "blow": blow,
-            "present": None if self.present is None else without(_row(None, self.present), "place", "gaskets"),
-            "candidates": rows,
-        }
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document and, where there is no case, the sensor with the first stack under it, as files."""
@@ -238,29 +260,18 @@ class BufferStudy(ShownResult):
         ]
         return {"buffers.csv": csv_table(columns, HISTORY_DIGITS)}
 
-    def columns(self) -> list[Column]:
-        """Return all candidates, the best first; last, without a place, the present buffer."""
-        rows = [_row(place, candidate) for place, candidate in enumerate(self.candidates, 1)]
-        rows += [] if self.present is None else [_row(None, self.present)]
-        keys = [key for key in rows[0] if key not in ("gaskets", "stress", "strain")]
-        return [Column(key, [row[key] for row in rows], UNITS.get(key, "")) for key in keys]
 
-    def brief(self) -> dict[str, str]:
-        """Return place, gaskets, reading, whether it keeps the limit, bandwidth and resonance."""
-        bands = dict.fromkeys(("within_10", "resonance"), "kHz")
-        return {"place": "", "name": "", "true_peak": "g", "keeps": "", **bands, "robust": ""}
+def stack_columns(table: str, stacks: Sequence[BufferCandidate]) -> list[TableColumn[BufferCandidate]]:
+    """Return the columns of a table of stacks, which marks Pareto-optimal ones; `CUT_OFF` only where a reading is.
 
-
-def _row(place: int | None, candidate: BufferCandidate) -> dict[str, Any]:
-    """Return a candidate as one flat row."""
-    own = {key: getattr(candidate, key) for key in _OWN}
-    leading = {f.name: getattr(candidate.leading, f.name, None) for f in dataclasses.fields(Leading)}
-    gaskets = [{"material": layer.material, "thickness": layer.thickness.si} for layer in candidate.stack]
-    return {
-        "place": place,
-        "name": candidate.name,
-        "gaskets": gaskets,
-        **own,
-        **candidate.band._asdict(),
-        **leading,
-    }
+    Parameters
+    ----------
+    table : str
+        The one of the "screen", of the "page", or of other "moduli".
+    stacks : sequence of BufferCandidate
+        Its rows.
+    """
+    place, *columns = columns_of(BufferCandidate, table)
+    marked = dataclasses.replace(place, value=lambda one: f"{one.place or ''}{'*' if one.pareto else ''}")
+    cut = any(one.clipped for one in stacks)
+    return [marked, *(column for column in columns if cut or column.name != CUT_OFF)]

@@ -29,7 +29,6 @@ from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
-from strikewave.studies.buffer.columns import SCREEN_COLUMNS, RankedStack, needed
 from strikewave.studies.buffer.mounting_site import (
     BaseMotion,
     Blows,
@@ -38,7 +37,7 @@ from strikewave.studies.buffer.mounting_site import (
     choose_sensor,
     mounting_site_of,
 )
-from strikewave.studies.buffer.result import BufferStudy
+from strikewave.studies.buffer.result import MARKED, BufferStudy, stack_columns
 from strikewave.studies.buffer.study import LEADING, design_buffer
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import share_reporter
@@ -240,17 +239,9 @@ def _print(study: BufferStudy) -> None:
     )
     shown = distinct(study.candidates, LEADING)
     shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
-    places = {candidate: place for place, candidate in enumerate(study.candidates, 1)}
-    rows = [
-        RankedStack(f"{places[one]}{'*' if one.pareto else ''}", one) for one in sorted(shown, key=places.__getitem__)
-    ]
-    rows += [] if study.present is None else [RankedStack("", study.present)]
-    within_limit = sum(candidate.keeps for candidate in study.candidates)
-    title = (
-        f"{within_limit} of {len(study.candidates)} stacks keep {with_unit(study.goal.limit, 'm/s^2', 'g', 5)}; "
-        f"{study.order} (*: Pareto-optimal in peak and bandwidth)"
-    )
-    print_rows(title, needed(SCREEN_COLUMNS, rows), rows)
+    rows = [one for one in study.stacks if one in shown or one is study.present]
+    title = f"{study.keeping} stacks keep {with_unit(study.goal.limit, 'm/s^2', 'g', 5)}; {study.order} ({MARKED})"
+    print_rows(title, stack_columns("screen", rows), rows)
     if len(study.candidates) > len(shown):
         tell(
             f"stacks with peak and bandwidth of one above within {percent(ALIKE, 0)} are left out here; --json and the "

@@ -128,9 +128,10 @@ def design_buffer(
         closer = [AskedCloser(site, blows.motion, goal, one.stack, one) for one in leading]
         found = dict(zip(map(id, leading), _answered(answers(closer, kept, open_pool)), strict=True))
     looked_at = [dataclasses.replace(one, leading=found.get(id(one))) for one in order]
-    place = tuple(ranked(looked_at, goal, blows.motion.width))
+    order = ranked(looked_at, goal, blows.motion.width)
+    placed = tuple(dataclasses.replace(one, place=place) for place, one in enumerate(order, 1))
     verdicts = Verdicts([blows.verdict] if blows.verdict else [], "simulated runs")
-    study = BufferStudy(site, blows, goal, place, _present(site, blows, goal), verdicts=verdicts)
+    study = BufferStudy(site, blows, goal, _present(site, blows, goal), placed, verdicts=verdicts)
     return dataclasses.replace(study, notices=(*blows.warnings, *study_notices(study, len(every) - len(small))))
 
 
