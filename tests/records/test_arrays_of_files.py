@@ -416,6 +416,7 @@ TURNS, BLOCKS = np.tile([0.0, 1.0], 20), np.repeat([0.0, 1.0], 20)
         ("name", np.zeros(40), STAMPS, False, False), ("kanal", np.repeat([0.0, 1.0], [16, 24]), None, False, True),
         ("kanal", np.repeat([0.0, 1.0], [15, 25]), None, False, False), ("name", TURNS[:39], STAMPS[:39], False, True),
         ("name", np.concatenate([TURNS[:38], [1.0, 0.0]]), STAMPS, False, False),
+        ("name", np.tile([0.0, 1.0, 0.0, 2.0], 20), np.arange(80.0), False, False),
         ("kanal", np.repeat(np.arange(64.0), 16), None, False, True), ("kanal", np.repeat(np.arange(65.0), 16), None, False, False),
     ],
 )  # fmt: skip

@@ -885,6 +885,16 @@ def test_columns_of_a_sheet_end_with_its_last_number():
     assert sheet(("bar [g]",), (None, "a remark"), (3.0,), (5.0,))[0] == [("bar", "g", [3.0, 5.0], ())]
 
 
+def test_the_first_hundred_letters_of_a_cell_name_a_setting_and_the_last_two_hundred_rows_of_a_head_are_kept():
+    for blanks, step in ((89, 5e-4), (90, NAN)):
+        rows = [("name", "bar"), ("delta t" + " " * blanks + "[ms]", 0.5), (None, 3.0), (None, 5.0)]
+        ((column, *_),) = [excel._columns("a.xlsx", rows, 99)[0]]
+        np.testing.assert_equal((len(rows[1][0]), column.step), (blanks + 11, step))
+    for more, first in ((199, "first"), (200, "x")):
+        above, lines = excel._begin([("first",), *[("x",)] * more, (1.0,)])
+        assert (len(above), above[0], list(lines)) == (200, (first,), [(1.0,)])
+
+
 def test_sheets_of_more_rows_or_cells_than_the_most_are_refused(monkeypatch):
     rows = [(1.0, 2.0)] * 4
     assert sheet(*rows, left=12)[1] == 12

@@ -358,6 +358,15 @@ def test_a_long_table_without_time_has_the_step_of_its_head(read):
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("count", [16, 40, 52, 120])
+def test_lines_that_all_begin_with_another_word_are_no_settings(read, count):
+    """Of a short file those at its begin are some of the usual ones too, which makes no word come again."""
+    words = [f"{chr(97 + k % 26)}{chr(97 + k // 26)}" for k in range(count)]
+    record = read("name,bar,top\n" + "".join(f"{word},{k},{k * k % 7}\n" for k, word in enumerate(words)))
+    assert named(record) == [("bar", "", [0.0, 1.0]), ("top", "", [0.0, 1.0])]
+    assert [c.values.size for c in record.channels] == [count, count]
+
+
 def test_a_column_that_rises_in_each_channel_is_time_without_a_name(read):
     record = read(long("", ("A", "B")))
     assert [(c.name, c.step, c.values[:2].tolist()) for c in record.channels] == [

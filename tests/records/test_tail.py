@@ -219,6 +219,18 @@ def test_a_shift_and_a_line_with_their_standard_errors(kind):
     assert found.explained == pytest.approx(1.0 - left / np.sum(level**2), rel=1e-9)
 
 
+def test_a_decay_costs_two_parameters_and_one_of_the_zero():
+    """Beside values that alternate about it: 27 of 30 are left for its standard error."""
+    level = 5.0 * np.exp(-TIME / 4e-3) + 0.05 * (-1.0) ** np.arange(30)
+    found = model_of(Tail(TIME, level, 0.02 + 0.0 * TIME))
+    column = np.exp(-TIME / found.constant)
+    fitted = np.sum(level * column) / np.sum(column**2) * column
+    left = np.sum((level - fitted) ** 2)
+    assert (found.kind, found.level) == ("decay", pytest.approx(fitted[0], rel=1e-9))
+    assert found.level_error == pytest.approx(math.sqrt(left / 27 / 30), rel=1e-9)
+    assert found.explained == pytest.approx(1.0 - left / np.sum(level**2), rel=1e-9)
+
+
 def test_a_shift_is_there_at_once_to_half():
     for begin, kind in ((1.1, "shift"), (0.8, "motion")):
         level = np.r_[np.full(3, begin), np.full(27, 2.0)]  # the mean of all is near 1.9

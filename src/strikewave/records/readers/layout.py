@@ -290,8 +290,11 @@ def _after_settings(look: Look, marks: Marks, full: list[int], first: int) -> in
     body = [line for line in look.head[first:] if line.strip()]
     if look.size > HEAD:
         body = look.middle + look.tail
-    usual = [cells_of(line, marks)[0] for line in body[len(body) // 2 :][-_LINES:]]
-    kinds, counts = Counter(map(_kind, usual)), Counter(usual + [cells_of(line, marks)[0] for line in lines])
+    later = max(len(body) // 2, len(body) - _LINES)
+    usual = [cells_of(line, marks)[0] for line in body[later:]]
+    twice = 0 if look.size > HEAD else max(sum(bool(line.strip()) for line in lines) - later, 0)  # in a short file
+    kinds = Counter(map(_kind, usual))
+    counts = Counter(usual[twice:] + [cells_of(line, marks)[0] for line in lines])
     come_again = bool(usual) and sum(counts[cell] > 1 for cell in usual) > len(usual) // 2
     after = 0
     for k, line in enumerate(lines, start=first):
