@@ -107,6 +107,17 @@ def test_what_is_infinite_is_a_dash_as_it_is_null_in_the_document(result):
     assert endless.document()["planted"] is None
 
 
+def test_words_in_a_list_stand_behind_one_another_and_none_are_a_dash():
+    @declare.dataclass
+    class Listed:
+        """Names."""
+
+        names: list[str] = declare.word("names", column=MAIN)
+
+    [column] = faces.columns_of(Listed)
+    assert [column.text(Listed(names)) for names in (["a", "b"], ("c",), [])] == ["a, b", "c", "–"]
+
+
 def test_a_truth_that_is_wanted_is_good_where_it_holds():
     @declare.dataclass
     class Kept:

@@ -134,7 +134,7 @@ def cell_of(
             return Tag("yes", "good") if value else Tag("no", "bad")
         return Tag(label, "bad") if value else Tag("no")
     if one.kind in ("word", "count"):
-        return str(value)
+        return ", ".join(map(str, value)) or None if isinstance(value, list | tuple) else str(value)
     if one.kind == "history":
         return first_few([written(shown(float(each), si, usual), 5) for each in value], MOST_LISTED) or NONE
     if math.isinf(value):

@@ -6,10 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.record.verdicts.figures import limits_figure, spectrum_limits_figure
-from strikewave.analyses.record.verdicts.specification_result import (
-    SpecificationResult,
-    specification_words,
-)
+from strikewave.analyses.record.verdicts.specification_result import SpecificationResult, specification_words
 from strikewave.reporting import chapters
 from strikewave.reporting.faces import face_table
 from strikewave.reporting.parts import Part, Picture, Section, Tag

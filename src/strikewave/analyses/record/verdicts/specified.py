@@ -7,10 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.analyses.record.verdicts.specification_result import (
-    SpecificationResult,
-    specification_words,
-)
+from strikewave.analyses.record.verdicts.specification_result import SpecificationResult, specification_words
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE
 from strikewave.base.errors import InputError
@@ -52,13 +49,8 @@ class ListedSpecification:
     title: str = declare.word("title", column=MORE, order=1)
     edition: str = declare.word("which edition of the standard")
     kind: str = declare.word("half-sine, spectrum, ...", column=MAIN)
-    conditions: list[str] = declare.word("names of its conditions")
+    conditions: list[str] = declare.word("names of its conditions", column=MAIN)
     numbers: dict[str, int] = declare.word("how many numbers of each status")
-
-    @declare.phrase("conditions", column=MAIN)
-    def condition_names(self) -> str | None:
-        """Names of its conditions."""
-        return ", ".join(self.conditions) or None
 
     @declare.phrase("numbers", column=MAIN)
     def counted(self) -> str:
