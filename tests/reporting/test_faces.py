@@ -389,3 +389,21 @@ def test_words_of_faces_alone_follow_the_units_that_are_chosen_later():
     assert spoken.text == "2 g"
     with showing(ShownUnits.read("m/s^2")):
         assert spoken.text == "19.61 m/s²"
+
+
+def test_a_part_says_who_gave_its_numbers_and_nothing_is_a_dash():
+    @declare.dataclass
+    class Pair:
+        """A number by two codes."""
+
+        title: str = declare.word("title", column=KEY)
+        theirs: Reading | None = declare.part(Reading, "of another code", label="theirs")
+
+    assert [one.head for one in faces.columns_of(Pair)] == ["title", "planted peak, theirs (g)", "clipped, theirs"]
+    assert [one.text(Pair("", None)) for one in faces.columns_of(Pair)] == ["\N{EN DASH}"] * 3
+    assert [leaf.headline for _, leaf in faces.leaves(Pair) if leaf.headline] == ["sensor {name}, theirs"]
+
+
+def test_a_table_without_rows_says_why(result):
+    nothing = dataclasses.replace(result, places=())
+    assert faces.face_table(nothing, "places", empty="No place is there.").empty == "No place is there."

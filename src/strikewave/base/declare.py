@@ -111,7 +111,8 @@ class Declaration:
     of : type, optional
         Declared class of a part, of rows, of named parts.
     label : str
-        What it is called on faces, where neither its quantity nor the name of the field says it.
+        What it is called on faces, where neither its quantity nor the name of the field says it; of a part what
+        follows the labels of its values, such as who gave them.
     """
 
     kind: Kind

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -44,12 +44,21 @@ def label_of(name: str, one: Declaration) -> str:
 
 
 def leaves(kind: type, path: Path = ()) -> Iterator[tuple[Path, Declaration]]:
-    """Yield the values of a class that are no rows, with the way to them; those of its parts too."""
+    """Yield the values of a class that are no rows, with the way to them; those of its parts too.
+
+    The label of a part follows theirs: "peak, LS-DYNA".
+    """
     for name, one in declarations(kind).items():
         if one.kind == "part" and one.of is not None:
-            yield from leaves(one.of, (*path, name))
+            for place, leaf in leaves(one.of, (*path, name)):
+                yield place, _labelled(leaf, label_of(place[-1], leaf), one.label) if one.label else leaf
         elif one.of is None:
             yield (*path, name), one
+
+
+def _labelled(leaf: Declaration, label: str, of: str) -> Declaration:
+    headline = leaf.headline and f"{leaf.headline}, {of}"
+    return replace(leaf, label=f"{label}, {of}", headline=headline)
 
 
 def at(value: Any, path: Path) -> Any:
@@ -128,7 +137,7 @@ def cell_of(
     """Return what a cell shows of a value, as its declaration says it."""
     si, usual, _, decimals, digits, _, signed = one.quantity.within(given)
     if value is None or isinstance(value, str | Tag):
-        return Tag(value, value) if one.is_tag and isinstance(value, str) else value
+        return Tag(value, value) if one.is_tag and value and isinstance(value, str) else value or None
     if isinstance(value, bool):
         if one.is_tag:
             return Tag("yes", "good") if value else Tag("no", "bad")
@@ -186,10 +195,10 @@ def numbers_of(value: Any, bands: Bands) -> list[tuple[str, str]]:
     return [(column.text(value), shown_unit(column.si, column.usual)) for column in columns]
 
 
-def face_table(result: Result, name: str, table: str = "", caption: str = "") -> Table:
-    """Return such rows as a table of a page, under their meaning or another caption."""
+def face_table(result: Result, name: str, table: str = "", caption: str = "", empty: str = Table.empty) -> Table:
+    """Return such rows as a table of a page, under their meaning or another caption; ``empty`` where there are none."""
     caption = caption or _sentence(declarations(type(result))[name].meaning)
-    return page_table(caption, face_columns(result, name, table), face_rows(result, name))
+    return page_table(caption, face_columns(result, name, table), face_rows(result, name), empty)
 
 
 def part_tables(result: Result, name: str, caption: str = "") -> list[Table]:
