@@ -325,6 +325,41 @@ def test_the_screen_prints_rows_as_the_page_has_them(result, capsys):
 
 
 @declare.dataclass
+class Sampled:
+    """A mean and a share with what is known of them."""
+
+    mean: float = declare.number(
+        Quantity.of_data("as the number", "mean", digits=5), "mean", column=MAIN, bounds="low high"
+    )
+    share: float = declare.number(
+        Quantity("1", "%", digits=3), "share", column=MAIN, error="standard_error", bounds="share_low share_high"
+    )
+    low: float = declare.number(declare.NOT_MEASURED, "its low bound", default=0.0)
+    high: float = declare.number(declare.NOT_MEASURED, "its high bound", default=2.0)
+    standard_error: float | None = declare.number(declare.NOT_MEASURED, "its standard error", default=None)
+    share_low: float = declare.number(declare.NOT_MEASURED, "low bound of the share", default=1e-9)
+    share_high: float = declare.number(declare.NOT_MEASURED, "its high bound", default=0.5)
+    given_units: ClassVar = {"as the number": Quantity("m/s^2", "g", digits=5)}
+
+
+def test_bounds_stand_in_a_column_of_their_own_and_a_standard_error_beside_its_share():
+    columns = faces.columns_of(Sampled)
+    assert [one.head for one in columns] == ["mean", "95 % bounds", "share (%)", "95 % bounds of the share (%)"]
+    assert [one.priority for one in columns] == [MAIN, MAIN, MAIN, MORE]
+    rows = (
+        Sampled(1234.56 * G, 0.25, 1234.0 * G, 1235.04 * G, 0.03),
+        Sampled(G, 0.25, float("nan"), G),
+        Sampled(G, 1e-9, standard_error=float("inf")),
+    )
+    assert [[one.text(row) for one in columns] for row in rows] == [
+        ["1234.6 g", "1234 to 1235.0 g", "25 ± 3", "< 1e-4 to 50"],
+        ["1 g", "–", "25", "< 1e-4 to 50"],
+        ["1 g", "0 to 0.20394 g", "< 1e-4", "< 1e-4 to 50"],
+    ]
+    assert faces.text_of(rows[2], "share") == "< 1e-4 %"
+
+
+@declare.dataclass
 class Closing:
     """By how much a sum misses, and how late it is."""
 
