@@ -194,8 +194,8 @@ def made_of(waves, late=(0.0, 0.0, 0.0), step=1e-7, size=4096, lead=100e-6, nois
     incident, reflected, transmitted = (wave(t + one) for wave, one in zip(waves, late, strict=True))
     quiet = SimpleNamespace(noise=noise)
     return Pulses(
-        incident, reflected, transmitted, step, (7e-6, 0.0, 0.0), late, 7e-6 + lead, 7e-6 + lead + 130e-6, 20e-6, 1e-3,
-        90e-6, (quiet, SimpleNamespace(noise=3e-9)),
+        incident, reflected, transmitted, step, late, onset=7e-6 + lead, end=7e-6 + lead + 130e-6, rise=20e-6,
+        plateau=1e-3, width=90e-6, starts=(7e-6, 0.0, 0.0), traces=(quiet, SimpleNamespace(noise=3e-9)),
     )  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """Constants of bars, striker laws, and bridges of strain gauges against the resistances of their arms."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -22,7 +23,7 @@ def test_any_two_of_density_modulus_and_speed_give_the_third(density, modulus):
     ):
         found = elastic(**given_two)
         assert found.derived == derived
-        assert found[:3] == pytest.approx((density, modulus, speed), rel=1e-14)
+        assert dataclasses.astuple(found)[:3] == pytest.approx((density, modulus, speed), rel=1e-14)
 
 
 def test_a_third_constant_that_disagrees_is_told_not_used():

@@ -192,7 +192,8 @@ def test_power_of_the_bar_speed(bare, standing):
 def test_bandwidth_that_is_chosen(bare, rng):
     """The lowest of theory, noise and sampling, each where it binds."""
     bar, strain, sensor = bare
-    assert at_bandwidth(*bare, bandwidth=None).bandwidth[:2] == (pytest.approx(0.1 / STEP), "sampling")
+    sampled = at_bandwidth(*bare, bandwidth=None).bandwidth
+    assert (sampled.value, sampled.reason) == (pytest.approx(0.1 / STEP), "sampling")
     noisy = GaugeTrace(strain.strain + 3e-6 * rng.standard_normal(strain.strain.size), STEP)
     found = at_bandwidth(bar, noisy, sensor, bandwidth=None).bandwidth
     assert found.reason == "noise"

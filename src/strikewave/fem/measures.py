@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import MAIN, MORE, NO_UNIT, Quantity
-from strikewave.base.shock_quantities import MICROSECONDS, TOTAL_PEAK
+from strikewave.base.shock_quantities import MEASURED_IMPULSE, MICROSECONDS, TOTAL_PEAK
 from strikewave.fem.run import FemRun
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 
@@ -39,7 +39,6 @@ STILL = 1e-12
 
 
 CONTACT_FORCE = Quantity("N", "kN", digits=5)
-MEASURED_IMPULSE = Quantity("N s", "N s")
 MEASURED_WIDTH = Quantity("s", "us", "pulse width at 10 %")
 MEASURED_VELOCITY = Quantity("m/s", "m/s")
 MEASURED_STRESS = Quantity("Pa", "MPa")

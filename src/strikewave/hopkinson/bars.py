@@ -10,21 +10,23 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from strikewave.base import declare
+from strikewave.base.declare import MAIN, MORE
+from strikewave.base.shock_quantities import BAR_SPEED, DENSITY, MODULUS, RATIO
 from strikewave.waves.dispersion import Rod
 
 
-class BarMaterial(NamedTuple):
-    """Density (kg/m^3), modulus (Pa) and bar speed (m/s) that agree with each other.
+@declare.dataclass
+class BarMaterial:
+    """Density, modulus and bar speed that agree with each other; a mismatch is there where all three were stated."""
 
-    ``derived`` names the one that follows from the other two; ``mismatch`` is by how much of itself a stated
-    modulus differs from rho c^2 where all three were stated.
-    """
-
-    density: float
-    modulus: float
-    speed: float
-    derived: str
-    mismatch: float = 0.0
+    density: float = declare.number(DENSITY, "of the incident and the transmitted bar", column=MAIN)
+    modulus: float = declare.number(MODULUS, "modulus", column=MAIN)
+    speed: float = declare.number(BAR_SPEED, "bar speed", column=MAIN)
+    derived: str = declare.word("which of the three follows from the other two", column=MORE)
+    mismatch: float = declare.number(
+        RATIO, "by how much of itself a stated modulus differs from density times speed squared", default=0.0
+    )
 
 
 def elastic(density: float | None = None, modulus: float | None = None, speed: float | None = None) -> BarMaterial:

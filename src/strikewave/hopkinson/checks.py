@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import field, replace
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import MAIN, NO_UNIT, Quantity
+from strikewave.base.shock_quantities import ENERGY, MEASURED_IMPULSE, MICROSECONDS, RATIO, SHARE
 from strikewave.hopkinson.bars import StrikerBar
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Analysis, Reduction, StressStrainCurve, reduce
@@ -27,36 +29,45 @@ LASTING = 3.0
 """Rise times of the incident pulse for which forces must agree one after another to count as in equilibrium.
 
 Forces are averaged over one of them, so that chance makes them agree for about as long."""
+PLATEAU = Quantity(NO_UNIT, "ustrain", "plateau strain")
+HALF_WIDTH = Quantity("s", "us", "pulse width at 50 %")
+RISE_SLOPE = Quantity("Pa", "GPa", "slope of the rise", digits=3)
 STANDS_OUT = 5.0
 """Standard deviations of both traces that a mean force must have for its ratio to be given: R is then known to 0.2."""
 
 
-class Equilibrium(NamedTuple):
+@declare.dataclass
+class Equilibrium:
     """How alike the forces on both faces are.
+
+    A stretch is one in which R stays below the limit; begin and end are NaN if none lasts for `LASTING` rise times of
+    the incident pulse.
 
     Attributes
     ----------
     ratio : ndarray
         R(t) = 2 |F1 - F2|/|F1 + F2|, shape (N,); NaN where the forces do not stand out of the noise.
-    misfit : float
-        Integral of |F1 - F2| over that of (F1 + F2)/2 while the incident wave lasts.
-    force_ratio : float
-        Impulse on the first face over that on the second, while the incident wave lasts.
-    begin : float
-        Begin of the longest stretch of the loading in which R stays below the limit, s after the arrival; NaN if none
-        lasts for `LASTING` rise times of the incident pulse.
-    end : float
-        End of that stretch, s.
-    share : float
-        Part of the loading in which R is below the limit, in one stretch or in many.
     """
 
-    ratio: Array
-    misfit: float
-    force_ratio: float
-    begin: float
-    end: float
-    share: float
+    ratio: Array = field(repr=False)
+    misfit: float = declare.number(
+        Quantity(NO_UNIT, "%", "force difference over mean force", 1, 0),
+        "integral of |F1 - F2| over that of (F1 + F2)/2 while the incident wave lasts",
+        headline="force difference",
+    )
+    force_ratio: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, "impulse on face 1 over face 2", 4, 0),
+        "impulse on the first face over that on the second, while the incident wave lasts",
+    )
+    begin: float = declare.number(
+        MICROSECONDS,
+        "begin of the longest stretch of the loading in which the forces on both faces are alike, after the arrival",
+    )
+    end: float = declare.number(MICROSECONDS, "end of that stretch")
+    share: float = declare.number(
+        Quantity(NO_UNIT, "%", decimals=0, digits=0),
+        "part of the loading in which they are alike, in one stretch or in many",
+    )
 
 
 def equilibrium(reduction: Reduction, limit: float = UNIFORM) -> Equilibrium:
@@ -99,28 +110,42 @@ def _stretch(reduction: Reduction, limit: float) -> dict[str, float]:
     return {"begin": float(reduction.time[on[begins[k]]]), "end": float(reduction.time[on[ends[k]]]), "share": share}
 
 
-class Momentum(NamedTuple):
-    """Impulses of the waves over the window, N s, and how they close.
+@declare.dataclass
+class Momentum:
+    """Impulses of the waves over the window, and how they close.
 
-    Attributes
-    ----------
-    incident, reflected, transmitted : float
-        E A times the integral of the strain; the reflected one is negative for a specimen softer than the bar.
-    first, second : float
-        On the two faces of the specimen: incident + reflected, transmitted.
-    specimen : float
-        Momentum of the specimen at the end of the window, m (v1 + v2)/2; NaN where its density is not known.
-    closure : float
-        (first - second - specimen) over the incident impulse; a specimen of unknown density counts as without mass.
+    The first is incident + reflected, the second the transmitted one, that of the specimen m (v1 + v2)/2. The closure
+    is (first - second - specimen) over the incident impulse; a specimen of unknown density counts as without mass.
     """
 
-    incident: float
-    reflected: float
-    transmitted: float
-    first: float
-    second: float
-    specimen: float
-    closure: float
+    incident: float = declare.number(
+        MEASURED_IMPULSE, "of the incident wave: E A times the integral of its strain", column=MAIN
+    )
+    reflected: float = declare.number(
+        MEASURED_IMPULSE, "of the reflected wave; negative for a specimen softer than the bar", column=MAIN
+    )
+    transmitted: float = declare.number(MEASURED_IMPULSE, "of the transmitted wave", column=MAIN)
+    first: float = declare.number(MEASURED_IMPULSE, "on the first face of the specimen")
+    second: float = declare.number(MEASURED_IMPULSE, "on the second face")
+    specimen: float = declare.number(
+        Quantity("N s", "mN s", digits=3),
+        "of the specimen at the end of the window; null where its density is not known",
+    )
+    closure: float = declare.number(RATIO, "what is missing, over the incident momentum")
+
+    @declare.computed(
+        declare.number(SHARE, "closure", label="missing impulse", headline="impulse missing", in_document=False)
+    )
+    def missing(self) -> float | None:
+        """What is missing of the incident impulse, as a share; None where there is an excess."""
+        return self.closure if self.closure >= 0.0 else None
+
+    @declare.computed(
+        declare.number(SHARE, "closure", label="excess impulse", headline="impulse in excess", in_document=False)
+    )
+    def excess(self) -> float | None:
+        """What is in excess of the incident impulse, as a share; None where something is missing."""
+        return None if self.closure >= 0.0 else -self.closure
 
 
 def momentum(reduction: Reduction) -> Momentum:
@@ -146,19 +171,20 @@ def momentum(reduction: Reduction) -> Momentum:
     return Momentum(came, back, on, first, on, own, (first - on - gained) / came)
 
 
-class Energy(NamedTuple):
-    """Energy of the waves, and what became of it, J.
+@declare.dataclass
+class Energy:
+    """Energy of the waves, and what became of it.
 
-    ``absorbed`` is incident - reflected - transmitted; it equals ``deformation``, the integral of the mean force
-    times v1 - v2, and ``acceleration``, that of F1 - F2 times the mean velocity.
+    What is absorbed equals ``deformation``, the integral of the mean force times v1 - v2, and ``acceleration``, that of
+    F1 - F2 times the mean velocity.
     """
 
-    incident: float
-    reflected: float
-    transmitted: float
-    absorbed: float
-    deformation: float
-    acceleration: float
+    incident: float = declare.number(ENERGY, "energy of the incident wave", column=MAIN)
+    reflected: float = declare.number(ENERGY, "energy of the reflected wave", column=MAIN)
+    transmitted: float = declare.number(ENERGY, "energy of the transmitted wave", column=MAIN)
+    absorbed: float = declare.number(ENERGY, "incident less reflected less transmitted", label="absorbed energy")
+    deformation: float = declare.number(ENERGY, "the part that deforms the specimen")
+    acceleration: float = declare.number(Quantity("J", "J", digits=3), "the part that accelerates it")
 
 
 def energy(reduction: Reduction) -> Energy:
@@ -186,18 +212,15 @@ def energy(reduction: Reduction) -> Energy:
     return Energy(came, back, on, came - back - on, deformed, moved)
 
 
-class StrikerCheck(NamedTuple):
-    """The incident pulse and the one that its striker should make; NaN where a speed is not known.
+@declare.dataclass
+class StrikerCheck:
+    """The incident pulse and the one that its striker should make; NaN where a speed is not known."""
 
-    ``strain`` and ``duration`` are measured (plateau, width at half height, s), ``*_expected`` by theory, and
-    ``speed`` is the striker speed that the plateau stands for, m/s.
-    """
-
-    strain: float
-    strain_expected: float
-    duration: float
-    duration_expected: float
-    speed: float
+    strain: float = declare.number(PLATEAU, "plateau of the incident pulse", column=MAIN, tables="measured")
+    strain_expected: float = declare.number(PLATEAU, "by theory of the striker", column=MAIN, tables="expected")
+    duration: float = declare.number(HALF_WIDTH, "width of the incident pulse", column=MAIN, tables="measured")
+    duration_expected: float = declare.number(HALF_WIDTH, "by theory of the striker", column=MAIN, tables="expected")
+    speed: float = declare.number(Quantity("m/s", "m/s"), "speed of the striker that the plateau stands for")
 
 
 def striker_check(pulses: Pulses, reduction: Reduction, striker: StrikerBar) -> StrikerCheck:
@@ -209,12 +232,13 @@ def striker_check(pulses: Pulses, reduction: Reduction, striker: StrikerBar) -> 
     )
 
 
-class Slope(NamedTuple):
-    """Slope of the rise of a stress-strain curve, Pa, and between which values a sample of misalignment moves it."""
+@declare.dataclass
+class Slope:
+    """Slope of the rise of a stress-strain curve, and between which values a sample of misalignment moves it."""
 
-    value: float
-    low: float = math.nan
-    high: float = math.nan
+    value: float = declare.number(RISE_SLOPE, "slope of the rise of the stress-strain curve, by 1, 2 or 3 waves")
+    low: float = declare.number(RISE_SLOPE, "low end, where the waves are misaligned by a sample", default=math.nan)
+    high: float = declare.number(RISE_SLOPE, "high end of that", default=math.nan)
 
 
 def rise_slope(curve: StressStrainCurve, loading: NDArray[np.bool_]) -> float:

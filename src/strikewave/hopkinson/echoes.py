@@ -18,14 +18,17 @@ attenuation in a viscoelastic Hopkinson bar, Experimental Mechanics 38 (1998) 24
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal, NamedTuple
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import Quantity
 from strikewave.base.errors import InputError
+from strikewave.base.shock_quantities import BAR_SPEED, MICROSECONDS, RATIO, SHARE
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.onset import noise_ceiling
 from strikewave.hopkinson.pulses import GaugeTrace, Quiet, quieten
@@ -70,15 +73,19 @@ STRONGER = 0.02
 """Share of amplitude by which a pass may differ from what later ones give without being odd: a weak reflection on the
 way."""
 
+OFF = SHARE._replace(signed=True)
+FITTED_LENGTH = Quantity("m", "mm", "length", digits=5)
 
-class FittedValue(NamedTuple):
-    """A value by least squares, its standard error (NaN without freedom), and the degrees of freedom of the fit."""
 
-    value: float
-    error: float
-    freedom: int
+@declare.dataclass
+class FittedValue:
+    """A value by least squares, in the unit of what it is of."""
 
-    @property
+    value: float = declare.number(declare.NOT_MEASURED, "by least squares")
+    error: float = declare.number(declare.NOT_MEASURED, "its standard error; null without freedom")
+    freedom: int = declare.count("degrees of freedom of the fit")
+
+    @declare.computed(declare.number(RATIO, "standard errors to either side that hold 95 %; null without freedom"))
     def student(self) -> float:
         """Standard errors to either side that hold 95 % of Student's distribution: 12.7 for one degree, 2 for many.
 
@@ -90,15 +97,15 @@ class FittedValue(NamedTuple):
         return float(scipy.special.stdtrit(self.freedom, 0.975)) if self.freedom > 0 else math.nan
 
 
-class Odd(NamedTuple):
-    """A pass at the begin that does not go with those after it: its number from 1, how late (s), how strong.
+@declare.dataclass
+class Odd:
+    """A pass at the begin that does not go with those after it."""
 
-    ``strength`` is its amplitude over what those after it give, each weighted with the energy of its frequencies.
-    """
-
-    number: int
-    late: float
-    strength: float
+    number: int = declare.count("its number from 1")
+    late: float = declare.number(MICROSECONDS, "how late it is")
+    strength: float = declare.number(
+        RATIO, "its amplitude over what those after it give, each weighted with the energy of its frequencies"
+    )
 
 
 class Ways(NamedTuple):
@@ -108,61 +115,61 @@ class Ways(NamedTuple):
     misfit: float
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Echoes:
-    """What the echoes of a bar give.
+    """What the echoes of a bar give: arrays over frequency have the shape (K,).
+
+    The speed is found from the turns at the near end; from all ways where the length is given. Passes come when the
+    first one comes to the gauge, and later ones by the delay of best correlation.
 
     Attributes
     ----------
     quiet : Quiet
         The trace.
-    times : ndarray
-        Of the passes, s: when the first one comes to the gauge, and later ones by the delay of best correlation.
-    window : float
-        Length of the stretch of each pass, s.
-    first : int
-        Number of the first pass used.
-    speed : FittedValue
-        Bar speed c0, m/s, from the turns at the near end; from all ways where the length is given.
-    length : FittedValue
-        Length of the bar, m: given (no error), or from round trips and the speed.
-    round_trip : FittedValue
-        Length of the bar by round trips and the speed of the turns at the near end, m, whether it is given or not.
-    attenuation : FittedValue
-        Over a round trip at the pulse's own frequencies, Np/m, each weighted with its energy.
-    frequency : ndarray
-        Of the band in which every pass stands out of the noise, Hz, shape (K,).
-    phase_speed, phase_speed_error : ndarray
-        c(f), m/s, and its standard error, shape (K,).
-    theory_speed : ndarray
-        The phase speed of the theory with the speed found, m/s, shape (K,).
-    losses, losses_error : ndarray
-        a(f) of the round trips, Np/m, shape (K,).
-    theory : str
-        Of dispersion, by which c0 was taken from c(f).
-    odd : Odd or None
-        The last of the first two passes that does not go with those after it.
     other_way : Ways
         What the other way of the first pulse would give.
     """
 
     quiet: Quiet = field(repr=False)
-    times: Array
-    window: float
-    first: int
-    speed: FittedValue
-    length: FittedValue
-    round_trip: FittedValue
-    attenuation: FittedValue
-    frequency: Array = field(repr=False)
-    phase_speed: Array = field(repr=False)
-    phase_speed_error: Array = field(repr=False)
-    theory_speed: Array = field(repr=False)
-    losses: Array = field(repr=False)
-    losses_error: Array = field(repr=False)
-    theory: Theory
-    odd: Odd | None
+    times: Array = declare.history("s", "when each pass comes to the gauge", key="passes")
+    first: int = declare.count("number of the first pass used, from 0", key="first_pass")
+    window: float = declare.number(MICROSECONDS, "length of the stretch of each pass")
+    speed: FittedValue = declare.part(FittedValue, "bar speed", quantity=Quantity("m/s", "m/s", "bar speed", digits=5))
+    stated_speed: float = declare.number(BAR_SPEED, "bar speed as stated")
+
+    @declare.computed(declare.number(OFF, "speed found over the stated one, less 1", headline="off the stated one"))
+    def difference(self) -> float:
+        """Speed found over the stated one, less 1."""
+        return self.speed.value / self.stated_speed - 1.0
+
+    length: FittedValue = declare.part(
+        FittedValue, "length of the bar: given, or from round trips and the speed", quantity=FITTED_LENGTH
+    )
+    round_trip: FittedValue = declare.part(
+        FittedValue, "length by round trips and the speed of the turns at the near end", quantity=FITTED_LENGTH
+    )
+    attenuation: FittedValue = declare.part(
+        FittedValue,
+        "attenuation over a round trip at the pulse's own frequencies, each weighted with its energy",
+        quantity=Quantity("1/m", "1/m", digits=3),
+    )
+    odd: Odd | None = declare.part(
+        Odd, "last of the first two passes that does not go with those after it; null without one", key="odd_pass"
+    )
     other_way: Ways
+
+    @declare.computed(declare.number(BAR_SPEED, "bar speed if the first pulse ran the other way", key="other_way"))
+    def other_speed(self) -> float:
+        """Bar speed if the first pulse ran the other way."""
+        return self.other_way.speed
+
+    theory: Theory = declare.word("theory of dispersion by which the bar speed was taken", key="dispersion")
+    frequency: Array = declare.history("Hz", "of the band in which every pass stands out of the noise")
+    phase_speed: Array = declare.history("m/s", "phase speed at each frequency")
+    phase_speed_error: Array = declare.history("m/s", "its standard error")
+    theory_speed: Array = declare.history("m/s", "phase speed of the theory with the speed found")
+    losses: Array = declare.history("1/m", "attenuation of the round trips at each frequency")
+    losses_error: Array = declare.history("1/m", "its standard error")
 
 
 class _Passes(NamedTuple):
@@ -230,6 +237,7 @@ def calibrate_bar(
         window=passes.size * step,
         first=skip,
         speed=speed,
+        stated_speed=bar.speed,
         length=length,
         round_trip=free.length,
         attenuation=attenuation,

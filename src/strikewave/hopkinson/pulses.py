@@ -11,8 +11,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.errors import InputError
 from strikewave.base.percents import percent
+from strikewave.base.shock_quantities import MICROSECONDS, RATIO
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.onset import FEWEST, Drift, drift, ending, first_above, largest, noise_ceiling, onset
 from strikewave.signal.pulse import crossing
@@ -78,7 +80,7 @@ class Quiet:
     drift: Drift
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Pulses:
     """The three pulses as the gauges saw them, all windows of one length.
 
@@ -88,18 +90,8 @@ class Pulses:
         Strain, shape (N,).
     step : float
         s.
-    starts : (float, float, float)
-        Time of the first sample of each window, s.
     late : (float, float, float)
         By how much the windows begin after the geometric arrival of the same instant, s: less than a step.
-    onset, end : float
-        Of the incident pulse at its gauge, s.
-    rise : float
-        10-90 % rise time of the incident pulse, s.
-    plateau : float
-        Median strain of the incident pulse between its half heights.
-    width : float
-        Between the half heights of the incident pulse, s.
     traces : (Quiet, Quiet)
         Both traces, corrected.
     """
@@ -108,14 +100,21 @@ class Pulses:
     reflected: Array = field(repr=False)
     transmitted: Array = field(repr=False)
     step: float
-    starts: tuple[float, float, float]
     late: tuple[float, float, float]
-    onset: float
-    end: float
-    rise: float
-    plateau: float
-    width: float
+    onset: float = declare.number(MICROSECONDS, "begin of the incident pulse at its gauge")
+    end: float = declare.number(MICROSECONDS, "its end")
+    rise: float = declare.number(MICROSECONDS, "its rise from 10 to 90 %")
+    width: float = declare.number(MICROSECONDS, "between its half heights")
+    plateau: float = declare.number(RATIO, "median strain between its half heights")
+    starts: tuple[float, float, float] = declare.number(
+        MICROSECONDS, "first sample of the windows of incident, reflected and transmitted pulse"
+    )
     traces: tuple[Quiet, Quiet] = field(repr=False)
+
+    @declare.computed(declare.number(RATIO, "standard deviation of the strain of both traces before their pulses"))
+    def noise(self) -> tuple[float, float]:
+        """Standard deviation of both traces before their pulses."""
+        return self.traces[0].noise, self.traces[1].noise
 
     @property
     def lead(self) -> float:

@@ -12,11 +12,12 @@ Source: G. T. Gray III, Classic Split-Hopkinson Pressure Bar Testing, ASM Handbo
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base import declare
 from strikewave.base.errors import nearest
 from strikewave.hopkinson.alignment import FaceWaves
 from strikewave.hopkinson.bars import Bar, Specimen
@@ -96,13 +97,14 @@ class Reduction:
         return StressStrainCurve(self.time, self.integral(rate), force / self.specimen.area, rate)
 
 
-class StressStrainCurve(NamedTuple):
-    """Time (s), strain, stress (Pa) and strain rate (1/s) of a specimen, compression positive."""
+@declare.dataclass
+class StressStrainCurve:
+    """Strain, stress and strain rate of a specimen over time (s), compression positive."""
 
     time: Array
-    strain: Array
-    stress: Array
-    rate: Array
+    strain: Array = declare.history("1", "strain of the specimen by each analysis, compression positive")
+    stress: Array = declare.history("Pa", "its stress")
+    rate: Array = declare.history("1/s", "its strain rate")
 
     def true(self) -> StressStrainCurve:
         """Return true strain, stress and rate of a specimen that keeps its volume.

@@ -217,10 +217,10 @@ def spelled(unit: str) -> str:
 
     Examples
     --------
-    >>> spelled("us"), spelled("m/s^2")
-    ('µs', 'm/s²')
+    >>> spelled("us"), spelled("m/s^2"), spelled("ustrain")
+    ('µs', 'm/s²', 'µε')
     """
-    return unit.replace("us", "µs").replace("um", "µm").replace("^2", "²").replace("^3", "³")
+    return unit.replace("ustrain", "µε").replace("us", "µs").replace("um", "µm").replace("^2", "²").replace("^3", "³")
 
 
 def listed(words: list[str]) -> str:

@@ -58,7 +58,8 @@ def test_the_sensitivity_of_an_accelerometer_is_found(strikewave, sensor):
     document = json.loads(out)
     assert code == 0, err
     found = document["sensitivity"]
-    assert document["sensitivity_unit"] == "V s^2/m"
+    assert document["sensitivity_unit"] == document["units"]["sensitivity"] == "V s^2/m"
+    assert (document["units"]["reading"], document["units"]["reading_integral"]) == ("V", "V s")
     assert found["value"] * 9.80665 == pytest.approx(-VOLTS_PER_G, rel=1e-5)
     assert found["by_peaks"] == pytest.approx(found["value"], rel=1e-4)
     assert found["by_velocity"] == pytest.approx(found["value"], rel=1e-4)
@@ -74,7 +75,8 @@ def test_a_stated_sensitivity_makes_it_a_ratio(strikewave, sensor):
     code, out, err = strikewave("hopkinson", sensor, "--json", "--set", "accelerometer.sensitivity=1.25 mV/g")
     document = json.loads(out)
     assert code == 0, err
-    assert document["sensitivity_unit"] == "1"
+    assert document["sensitivity_unit"] == document["units"]["sensitivity"] == "1"
+    assert document["units"]["reading"] == "m/s^2"
     assert document["sensitivity"]["value"] == pytest.approx(-1.2 / 1.25, rel=1e-5)
     code, out, err = strikewave("hopkinson", sensor, "--json", "--set", "accelerometer.unit=g")
     assert json.loads(out)["sensitivity"]["value"] == pytest.approx(-1.2, rel=1e-5), err

@@ -17,7 +17,7 @@ from strikewave.analyses.fem.sectors import Sector, sectors
 from strikewave.base import declare
 from strikewave.base.declare import KEY, Quantity
 from strikewave.base.result import BALANCE_LIMIT, ELEMENTS_SCHEMA, BalanceCheck, Comparison
-from strikewave.base.shock_quantities import ENERGY, RATIO, STEP
+from strikewave.base.shock_quantities import ENERGY, MEASURED_IMPULSE, RATIO, STEP
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.comparisons import comparisons
 from strikewave.fem.blow_measures import blow_measure
@@ -26,7 +26,6 @@ from strikewave.fem.measures import (
     CONTACT_FORCE,
     ENERGY_LIMIT,
     HOURGLASS_LIMIT,
-    MEASURED_IMPULSE,
     BalanceMeasure,
     ContactMeasure,
     PartMeasure,

@@ -11,14 +11,17 @@ Symbols: e_i, e_r strain of incident and reflected wave, c bar speed (m/s), Z im
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import NamedTuple
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.base.errors import InputError
+from strikewave.base.shock_quantities import SHARE
 from strikewave.hopkinson import Bar, Carrier, GaugeTrace, Pulses, carried, find_pulses
 from strikewave.hopkinson.bar_end import EndMotion, SensorAgreement, compare_sensor, elastic_disk, free_end, rigid_disk
 from strikewave.hopkinson.onset import noise_ceiling
@@ -72,15 +75,17 @@ class Standing(NamedTuple):
         return rigid_disk(strain, step, bar, self.mass) if self.mass > 0.0 else free_end(strain, step, bar)
 
 
-class Bandwidth(NamedTuple):
-    """The bandwidth of a comparison (Hz), and what set it: stated, noise, sampling, or one-dimensional theory.
+@declare.dataclass
+class Bandwidth:
+    """The bandwidth of a comparison, and what set it."""
 
-    ``noise`` is the frequency at which the incident pulse sinks in the noise of its gauge.
-    """
-
-    value: float
-    reason: str
-    noise: float
+    value: float = declare.number(Quantity("Hz", "kHz"), "low-pass of reference and reading", key="bandwidth")
+    reason: str = declare.word("what set it: stated, noise, sampling, or one-dimensional theory", key="bandwidth_by")
+    noise: float = declare.number(
+        Quantity("Hz", "kHz", "frequency at which the pulse sinks in noise"),
+        "frequency at which the incident pulse sinks in the noise of its gauge",
+        key="noise_limit",
+    )
 
 
 class Bench(NamedTuple):
@@ -91,7 +96,7 @@ class Bench(NamedTuple):
     theory: Theory
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class SensorComparison:
     """A sensor beside the reference at the end of a bar; everything low-passed at the bandwidth.
 
@@ -116,8 +121,8 @@ class SensorComparison:
     scatter, bias : float
         Relative standard error of the sensitivity by the residual, and by how much noise of the gauge, taken as
         white, lowers the slope.
-    reference_noise, reading_noise : float
-        Standard deviations at the bandwidth, m/s^2 and unit of the reading.
+    reading_noise : float
+        Standard deviation at the bandwidth, unit of the reading.
     speed_power : float
         Power of the bar speed with which the reference grows at a constant density.
     """
@@ -132,19 +137,37 @@ class SensorComparison:
     bandwidth: Bandwidth
     scatter: float
     bias: float
-    reference_noise: float
     reading_noise: float
     speed_power: float
+    reference_noise: float = declare.number(
+        Quantity("m/s^2", "g", "noise of the reference"), "standard deviation of the reference at the bandwidth"
+    )
+
+    @declare.computed(
+        declare.number(
+            Quantity("s", "us", "delay of the reading", 3, 0, signed=True), "how late the reading is", headline="delay"
+        )
+    )
+    def delay(self) -> float:
+        """How late the reading is."""
+        return self.agreement.delay
 
     @property
     def sign(self) -> float:
         """1, or -1 for a sensor that is mounted the other way."""
         return math.copysign(1.0, self.agreement.sensitivity)
 
-    @property
+    @declare.computed(
+        declare.number(Quantity(NO_UNIT, NO_UNIT, decimals=5, digits=0), "of reading and reference at the best delay")
+    )
     def correlation(self) -> float:
         """Correlation of reading and reference at the best delay."""
         return self.sign * math.sqrt(max(1.0 - self.agreement.residual**2, 0.0))
+
+    @declare.computed(declare.number(SHARE, "root mean square that does not follow", label="residual over reading"))
+    def residual(self) -> float:
+        """What of the reading does not follow the reference, as a share."""
+        return self.agreement.residual
 
     @property
     def peaks(self) -> tuple[float, float]:
@@ -162,7 +185,13 @@ class SensorComparison:
         """Largest velocity of the reference (m/s), and of the integrated reading in its unit times s."""
         return float(self.motion.velocity.max()), self.sign * float((self.sign * self.integrated).max())
 
-    @property
+    @declare.computed(
+        declare.number(
+            SHARE,
+            "velocity of both waves less the model's, over that, root mean square; null if an echo spoils it",
+            label="velocity by both waves, off the model",
+        )
+    )
     def reflected_misfit(self) -> float:
         """Root mean square of the velocity of both waves less the model's, over that; NaN if an echo spoils it."""
         known = np.isfinite(self.both_waves)

@@ -106,7 +106,7 @@ def _largest_forces(found: SensorComparison, bar: Bar, stack: Stack) -> np.ndarr
 
 
 def _bandwidth_notices(found: SensorComparison) -> Iterator[Notice]:
-    value, _, noise = found.bandwidth
+    value, noise = found.bandwidth.value, found.bandwidth.noise
     if value > noise * (1.0 + 1e-9):
         message = (
             f"the bandwidth of {value / 1e3:.4g} kHz lies above {noise / 1e3:.4g} kHz, where the incident pulse sinks "

@@ -34,10 +34,10 @@ def echo_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
         )
         yield Notice("attenuation-negative", message, found.attenuation.value, 0.0)
     if found.odd is not None:
-        number, late, strength = found.odd
+        number = found.odd.number
         message = (
-            f"pass {number} does not go with those after it: {plain(late * 1e6, sign='+')}\xa0us late, "
-            f"{plain(strength)} times as "
+            f"pass {number} does not go with those after it: {plain(found.odd.late * 1e6, sign='+')}\xa0us late, "
+            f"{plain(found.odd.strength)} times as "
             f"strong as they say; did it meet a specimen? echoes.skip = {number} leaves it out"
         )
         yield Notice("first-passes-differ", message, float(number), math.nan)
@@ -45,7 +45,7 @@ def echo_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
 
 def _speed_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
     speed, other = found.speed, found.other_way
-    off = speed.value / bar.speed - 1.0
+    off = found.difference
     limit = max(MISMATCH, speed.student * speed.error / bar.speed if speed.freedom > 0 else 0.0)
     turned = "away" if way == "towards" else "towards"
     ask = f'echoes.way = "{turned}" would give {plain(other.speed, 5)}\xa0m/s: which way does the first pulse run?'

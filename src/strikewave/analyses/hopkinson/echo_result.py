@@ -4,31 +4,20 @@ from __future__ import annotations
 
 import functools
 import math
-from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from strikewave.analyses.hopkinson.outcome import Outcome
-from strikewave.analyses.hopkinson.result import inputs
+from strikewave.base import declare
+from strikewave.base.declare import declarations
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, history_curve
 
-_KEYS = {
-    "s": "passes window late",
-    "m/s": "speed other_way stated_speed phase_speed phase_speed_error theory_speed",
-    "m": "length round_trip",
-    "1/m": "attenuation losses losses_error",
-    "Hz": "frequency",
-    "1": "difference strength",
-}
-UNITS = {key: unit for unit, keys in _KEYS.items() for key in keys.split()}
-"""Unit of each key of the JSON document."""
 
-
-@dataclass(frozen=True, kw_only=True)
+@declare.dataclass
 class EchoSolution(Outcome):
     """A bar calibrated by its echoes.
 
@@ -36,60 +25,34 @@ class EchoSolution(Outcome):
     ----------
     bar : Bar
         As stated.
-    echoes : Echoes
-        What was found.
     """
 
     data_file: ClassVar[str] = "echoes.nc"
-    is_history: ClassVar[bool] = True
 
     bar: Bar
-    echoes: Echoes = field(repr=False)
 
-    @property
-    def difference(self) -> float:
-        """Speed found over the stated one, less 1."""
-        return self.echoes.speed.value / self.bar.speed - 1.0
+    @declare.phrase("bar speed", headline="bar speed")
+    def speed_words(self) -> str:
+        """Return the bar speed with its standard error."""
+        return self._fitted("speed")
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return UNITS
+    echoes: Echoes = declare.part(Echoes, "what was found", inline=True, headline="first")
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        echoes = self.echoes
-        return {
-            "setup": self.case.setup.name,
-            "inputs": inputs(self.case),
-            "passes": echoes.times,
-            "first_pass": echoes.first,
-            "window": echoes.window,
-            "speed": {**echoes.speed._asdict(), "student": echoes.speed.student},
-            "stated_speed": self.bar.speed,
-            "difference": self.difference,
-            "length": echoes.length._asdict(),
-            "round_trip": echoes.round_trip._asdict(),
-            "attenuation": echoes.attenuation._asdict(),
-            "odd_pass": None if echoes.odd is None else echoes.odd._asdict(),
-            "other_way": echoes.other_way.speed,
-            "dispersion": echoes.theory,
-            "frequency": echoes.frequency,
-            "phase_speed": echoes.phase_speed,
-            "phase_speed_error": echoes.phase_speed_error,
-            "theory_speed": echoes.theory_speed,
-            "losses": echoes.losses,
-            "losses_error": echoes.losses_error,
-        }
+    @declare.phrase("length", headline="length")
+    def length_words(self) -> str:
+        """Return the length with its standard error, where it was not given."""
+        return self._fitted("length")
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the bar speed with its standard error and its difference from the stated one, and the length."""
-        speed, error = self.echoes.speed.value, self.echoes.speed.error
-        return [
-            ("bar speed", f"{speed:.5g} m/s" + ("" if math.isnan(error) else f" ± {error:.2g} m/s")),
-            ("off the stated one", percent(self.difference, 2, "+")),
-            ("length", with_unit(self.echoes.length.value, "m", "mm", 5)),
-            ("attenuation", f"{self.echoes.attenuation.value:.3g} 1/m"),
-        ]
+    @declare.phrase("attenuation", headline="attenuation")
+    def attenuation_words(self) -> str:
+        """Return the attenuation with its standard error."""
+        return self._fitted("attenuation")
+
+    def _fitted(self, name: str) -> str:
+        """Write a value by least squares with its standard error."""
+        fitted, (si, usual, _, _, digits, *_) = getattr(self.echoes, name), declarations(Echoes)[name].quantity
+        error = "" if math.isnan(fitted.error) else f" ± {with_unit(fitted.error, si, usual, 2)}"
+        return with_unit(fitted.value, si, usual, digits) + error
 
     def preview(self) -> Curve:
         """Return the strain at the gauge."""
@@ -100,22 +63,18 @@ class EchoSolution(Outcome):
         """Return speed and attenuation over frequency as CSV text."""
         return {"echoes.csv": csv_table(self.columns(), HISTORY_DIGITS)}
 
-    def columns(self) -> list[Column]:
-        """Return speed and attenuation over frequency."""
+    @declare.computed(declare.table("speed and attenuation over frequency"))
+    def histories(self) -> list[Column]:
+        """Speed and attenuation over frequency."""
         echoes = self.echoes
         return [
-            Column("frequency", echoes.frequency, "Hz"),
-            Column("phase speed", echoes.phase_speed, "m/s"),
-            Column("standard error of phase speed", echoes.phase_speed_error, "m/s"),
+            Column("frequency", echoes.frequency, "Hz", shown="kHz"),
+            Column("phase speed", echoes.phase_speed, "m/s", shown="m/s"),
+            Column("standard error of phase speed", echoes.phase_speed_error, "m/s", shown="m/s"),
             Column(echoes.theory, echoes.theory_speed, "m/s"),
-            Column("attenuation", echoes.losses, "1/m"),
+            Column("attenuation", echoes.losses, "1/m", shown="1/m"),
             Column("standard error of attenuation", echoes.losses_error, "1/m"),
         ]
-
-    def brief(self) -> dict[str, str]:
-        """Return frequency, speed with its error, and attenuation."""
-        speeds = dict.fromkeys(("phase speed", "standard error of phase speed"), "m/s")
-        return {"frequency": "kHz", **speeds, "attenuation": "1/m"}
 
     @functools.cached_property
     def arrays(self) -> LabelledArrays:

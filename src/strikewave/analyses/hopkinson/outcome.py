@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from strikewave._version import __version__
-from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
+from strikewave.analyses.hopkinson.setup_file import HopkinsonCase, values_of
+from strikewave.base import declare
 from strikewave.base.result import Source
 from strikewave.base.variables import LabelledArrays
 from strikewave.reporting.shown_result import ShownResult
@@ -17,7 +17,19 @@ SCHEMA = 1
 """Version of the layout of the files of a solution; it rises when they change."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@declare.dataclass
+class SetupValue:
+    """A value of a set-up."""
+
+    value: float = declare.word("SI")
+    typed: str | int | float = declare.word("as typed")
+    provenance: str = declare.word(
+        "where it comes from: published, measured, inferred, assumed, fitted or user",
+    )
+    note: str = declare.word("what the file says of it")
+
+
+@declare.dataclass
 class Outcome(ShownResult):
     """What a set-up came to; see `Result` for what it shares with others.
 
@@ -30,9 +42,22 @@ class Outcome(ShownResult):
     """
 
     command: ClassVar[str] = "hopkinson"
+    main_rows: ClassVar[str] = "histories"
+    is_history: ClassVar[bool] = True
 
     case: HopkinsonCase
     digests: Mapping[str, str]
+
+    @declare.computed(declare.word("name of the set-up"))
+    def setup(self) -> str:
+        """What the set-up is called."""
+        return self.case.setup.name
+
+    @declare.computed(declare.named(SetupValue, "values of the set-up by their paths"))
+    def inputs(self) -> dict[str, SetupValue]:
+        """Every quantity of the set-up, with provenance."""
+        values = values_of(self.case.setup)
+        return {path: SetupValue(one.si, one.typed, one.provenance, one.note) for path, one in values}
 
     @property
     def title(self) -> str:

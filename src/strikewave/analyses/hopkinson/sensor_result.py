@@ -5,19 +5,19 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.hopkinson.bar_end import SensorComparison, Standing
+from strikewave.analyses.hopkinson.bar_end import Bandwidth, SensorComparison, Standing
 from strikewave.analyses.hopkinson.outcome import Outcome
-from strikewave.analyses.hopkinson.result import inputs
+from strikewave.base import declare
+from strikewave.base.declare import NO_UNIT, GivenUnits, Quantity, declarations
+from strikewave.base.shock_quantities import MASS, MICROSECONDS, RATIO, SHARE
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.hopkinson.bars import Bar, BarMaterial
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import percent, spelled, with_unit
 from strikewave.reporting.shown_result import Curve, history_curve
 
 Array = NDArray[np.float64]
@@ -25,46 +25,107 @@ Array = NDArray[np.float64]
 KEPT_PER_PERIOD = 20
 """Samples of the histories that are written, in a period of the bandwidth: enough to draw them smoothly; the common
 clock has ten times as many."""
-_KEYS = {
-    "s": "time rise width onset delay",
-    "m/s": "velocity velocity_by_both_waves reference_velocity speed",
-    "m/s^2": "acceleration reference_acceleration reference_noise",
-    "Hz": "bandwidth noise_limit",
-    "Pa": "modulus",
-    "kg/m^3": "density",
-    "kg": "mass",
-    "1": "plateau correlation residual reflected_misfit scatter strain_uncertainty speed_uncertainty bias relative "
-    "rise_diameters ratio",
+READING = Quantity.of_data("as reading_unit")
+SENSITIVITY = Quantity.of_data("as sensitivity_unit", digits=5)
+INTEGRAL = Quantity.of_data("as reading_unit times s")
+GIVEN_UNITS = {
+    "V": {READING: ("V", "mV"), SENSITIVITY: ("V s^2/m", "mV/g"), INTEGRAL: ("V s", "mV ms")},
+    "m/s^2": {READING: ("m/s^2", "g"), SENSITIVITY: (NO_UNIT, NO_UNIT), INTEGRAL: ("m/s", "m/s")},
 }
-UNITS = {key: unit for unit, keys in _KEYS.items() for key in keys.split()}
-"""Unit of each key of the JSON document; readings and sensitivities have that of ``reading_unit``."""
+"""Units, SI and shown, by that of the reading."""
 
 
-class Uncertainty(NamedTuple):
-    """Relative standard uncertainties of a sensitivity, by where they come from; NaN where nobody states one.
+@declare.dataclass
+class BarEnd:
+    """What stands on the end of the bar."""
 
-    ``scatter`` is what the residual makes of the slope, ``bias`` by how much noise of the reference lowers it,
-    ``strain`` and ``speed`` those stated for strain and bar speed, the latter times its power in the reference.
+    mass: float = declare.number(MASS, "sensor and rigid disk", label="mass on the end")
+    disk_mass: float | None = declare.number(MASS, "an elastic disk; null without one")
+
+
+@declare.dataclass
+class IncidentPulse:
+    """The incident pulse at its gauge."""
+
+    onset: float = declare.number(MICROSECONDS, "its begin")
+    rise: float = declare.number(MICROSECONDS, "its rise from 10 to 90 %")
+    width: float = declare.number(MICROSECONDS, "between its half heights")
+    plateau: float = declare.number(RATIO, "median strain between its half heights")
+
+
+@declare.dataclass
+class Sensitivity:
+    """Reading over reference, and its relative standard uncertainties by where they come from.
+
+    NaN stands where nobody states one, and where the rise is too steep for accelerations to be quoted.
+
+    Attributes
+    ----------
+    name : str
+        What it is called: sensitivity, or reading over reference where both are accelerations.
     """
 
-    scatter: float
-    bias: float
-    strain: float
-    speed: float
+    name: str
+    value: float = declare.number(SENSITIVITY, "by least squares", headline="{name}")
 
-    @property
-    def combined(self) -> float:
-        """Root of the sum of squares of those that are known.
+    @declare.computed(
+        declare.number(SENSITIVITY._replace(digits=2), "its standard uncertainty", headline="standard uncertainty")
+    )
+    def standard_uncertainty(self) -> float:
+        """The standard uncertainty in its unit."""
+        return abs(self.value) * self.relative
+
+    @declare.computed(declare.number(SHARE, "root of the sum of squares of those that are known", label="combined"))
+    def relative(self) -> float:
+        """Root of the sum of squares of the relative uncertainties that are known.
 
         Examples
         --------
-        >>> Uncertainty(0.003, 0.0, 0.004, math.nan).combined
+        >>> Sensitivity("sensitivity", 1.0, 0.003, 0.0, 0.004, math.nan, 1.0, 1.0).relative
         0.005
         """
-        return math.hypot(*(part for part in self if not math.isnan(part)))
+        parts = (self.scatter, self.bias, self.strain_uncertainty, self.speed_uncertainty)
+        return math.hypot(*(part for part in parts if not math.isnan(part)))
+
+    scatter: float = declare.number(SHARE, "residual of the slope")
+    bias: float = declare.number(SHARE, "noise of the reference, which lowers a slope")
+    strain_uncertainty: float = declare.number(SHARE, "stated for the strain at the gauge", label="strain")
+    speed_uncertainty: float = declare.number(
+        SHARE, "stated for the bar speed, which counts with its power", label="speed"
+    )
+    by_peaks: float = declare.number(SENSITIVITY, "of the largest accelerations")
+    by_velocity: float = declare.number(SENSITIVITY, "of the velocity changes")
 
 
-@dataclass(frozen=True, kw_only=True)
+@declare.dataclass
+class SensorPeak:
+    """The largest accelerations; NaN where they are not quoted."""
+
+    acceleration: float = declare.number(Quantity("m/s^2", "g"), "of the reference", headline="largest acceleration")
+    reading: float = declare.number(READING, "of the reading")
+    reading_noise: float = declare.number(READING, "of the reading at the bandwidth", label="noise of the reading")
+
+
+@declare.dataclass
+class SensorVelocity:
+    """The largest velocities."""
+
+    velocity: float = declare.number(Quantity("m/s", "m/s"), "of the reference", headline="velocity change")
+    reading_integral: float = declare.number(INTEGRAL, "of the reading, integrated")
+
+
+@declare.dataclass
+class EndHistories:
+    """Histories at the end of the bar, at the bandwidth."""
+
+    time: Array = declare.history("s", "time after the wave comes to the end")
+    reference_acceleration: Array = declare.history("m/s^2", "acceleration of the sensor by the gauge")
+    reading: Array = declare.history(READING, "reading of the sensor, its delay taken out")
+    reference_velocity: Array = declare.history("m/s", "velocity of the sensor by the gauge")
+    velocity_by_both_waves: Array = declare.history("m/s", "velocity of the end by incident and reflected wave")
+
+
+@declare.dataclass
 class SensorSolution(Outcome):
     """An accelerometer beside the reference acceleration at the end of its bar.
 
@@ -74,50 +135,86 @@ class SensorSolution(Outcome):
         As stated.
     standing : Standing
         Mass and disk on its end.
-    unit : str
-        Of the reading: m/s^2 or V.
-    comparison : SensorComparison
-        Reference and reading at one bandwidth.
-    rise_diameters : float
-        Rise that is left at the bandwidth, in diameters of travel.
-    quoted : bool
-        Whether the rise is long enough for accelerations to be quoted.
-    constants : dict
-        Which of density, modulus and speed of the bar is derived.
     """
 
     data_file: ClassVar[str] = "reduction.nc"
-    is_history: ClassVar[bool] = True
 
     bar: Bar
     standing: Standing
-    unit: str
-    comparison: SensorComparison = field(repr=False)
-    rise_diameters: float
-    quoted: bool
-    constants: Mapping[str, BarMaterial]
+    constants: Mapping[str, BarMaterial] = declare.named(BarMaterial, "the bar", key="bars")
 
-    @property
+    @declare.computed(declare.part(BarEnd, "what stands on the end of the bar"))
+    def end(self) -> BarEnd:
+        """What stands on the end of the bar."""
+        disk = self.standing.disk
+        return BarEnd(self.standing.mass, None if disk is None else disk.mass)
+
+    @declare.computed(declare.part(IncidentPulse, "the incident pulse"))
+    def pulse(self) -> IncidentPulse:
+        """The incident pulse."""
+        found = self.comparison.pulses
+        return IncidentPulse(found.onset, found.rise, found.width, found.plateau)
+
+    @declare.computed(declare.part(Bandwidth, "low-pass of reference and reading", inline=True))
+    def bandwidth(self) -> Bandwidth:
+        """The low-pass of reference and reading."""
+        return self.comparison.bandwidth
+
+    rise_diameters: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, digits=3),
+        "rise that is left at the bandwidth, in diameters of travel",
+        label="rise left, in diameters of travel",
+    )
+    quoted: bool = declare.word("whether the rise is long enough for accelerations to be quoted")
+    unit: str = declare.word("unit of the reading: m/s^2 or V", key="reading_unit")
+
+    @declare.computed(declare.word("unit of reading over reference: V s^2/m, or 1 for a ratio of accelerations"))
     def sensitivity_unit(self) -> str:
-        """Unit of reading over reference: V s^2/m, or 1 for a ratio of accelerations."""
-        return "V s^2/m" if self.unit == "V" else "1"
+        """Unit of reading over reference."""
+        return GIVEN_UNITS[self.unit][SENSITIVITY][0]
 
-    @property
-    def sensitivity(self) -> float:
-        """Reading over reference by least squares; NaN where the rise is too steep to be quoted."""
-        return self.comparison.agreement.sensitivity if self.quoted else math.nan
-
-    @property
-    def uncertainty(self) -> Uncertainty:
-        """Relative standard uncertainties of the sensitivity."""
+    @declare.computed(declare.part(Sensitivity, "reading over reference", quantity=SENSITIVITY, headline="first"))
+    def sensitivity(self) -> Sensitivity:
+        """Reading over reference with its uncertainty."""
         stated, comparison = self.case.setup.uncertainty, self.comparison
         strain, speed = (math.nan if value is None else value.si for value in (stated.strain, stated.speed))
-        return Uncertainty(comparison.scatter, comparison.bias, strain, abs(comparison.speed_power) * speed)
+        return Sensitivity(
+            name="sensitivity" if self.unit == "V" else "reading over reference",
+            value=comparison.agreement.sensitivity if self.quoted else math.nan,
+            scatter=comparison.scatter,
+            bias=comparison.bias,
+            strain_uncertainty=strain,
+            speed_uncertainty=abs(comparison.speed_power) * speed,
+            by_peaks=self.peak.reading / self.peak.acceleration,
+            by_velocity=self.velocity_change.reading_integral / self.velocity_change.velocity,
+        )
+
+    @declare.computed(declare.part(SensorPeak, "largest accelerations", headline="first"))
+    def peak(self) -> SensorPeak:
+        """The largest accelerations."""
+        peaks = self.comparison.peaks if self.quoted else (math.nan, math.nan)
+        return SensorPeak(*peaks, self.comparison.reading_noise)
+
+    @declare.computed(declare.part(SensorVelocity, "largest velocities", headline="first"))
+    def velocity_change(self) -> SensorVelocity:
+        """The largest velocities."""
+        return SensorVelocity(*self.comparison.velocities)
+
+    comparison: SensorComparison = declare.part(
+        SensorComparison, "reference and reading at one bandwidth", inline=True, headline="first"
+    )
+
+    @declare.computed(declare.part(EndHistories, "histories that are written", inline=True))
+    def kept_histories(self) -> EndHistories:
+        """The histories that are written."""
+        found, motion = self.comparison, self.comparison.motion
+        histories = (found.time, motion.acceleration, found.reading, motion.velocity, found.both_waves)
+        return EndHistories(*(history[self.kept] for history in histories))
 
     @property
-    def peaks(self) -> tuple[float, float]:
-        """Largest acceleration of the reference, m/s^2, and of the reading; NaN where they are not quoted."""
-        return self.comparison.peaks if self.quoted else (math.nan, math.nan)
+    def given_units(self) -> GivenUnits:
+        """Units of what the sensor reads."""
+        return {of.given_by: pair for of, pair in GIVEN_UNITS[self.unit].items()}
 
     @property
     def scale(self) -> float:
@@ -140,65 +237,6 @@ class SensorSolution(Outcome):
         period = 1.0 / self.comparison.bandwidth.value
         return slice(None, None, max(int(period / (KEPT_PER_PERIOD * float(np.diff(self.comparison.time[:2])[0]))), 1))
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return UNITS
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        comparison, parts, samples = self.comparison, self.uncertainty, self.kept
-        agreement, pulses = comparison.agreement, comparison.pulses
-        velocities, peaks = comparison.velocities, self.peaks
-        layer = self.standing.disk
-        return {
-            "setup": self.case.setup.name,
-            "inputs": inputs(self.case),
-            "bars": {name: constants._asdict() for name, constants in self.constants.items()},
-            "end": {"mass": self.standing.mass, "disk_mass": None if layer is None else layer.mass},
-            "pulse": {"onset": pulses.onset, "rise": pulses.rise, "width": pulses.width, "plateau": pulses.plateau},
-            "bandwidth": comparison.bandwidth.value,
-            "bandwidth_by": comparison.bandwidth.reason,
-            "noise_limit": comparison.bandwidth.noise,
-            "rise_diameters": self.rise_diameters,
-            "quoted": self.quoted,
-            "reading_unit": self.unit,
-            "sensitivity_unit": self.sensitivity_unit,
-            "sensitivity": {
-                "value": self.sensitivity,
-                "standard_uncertainty": abs(self.sensitivity) * parts.combined,
-                "relative": parts.combined,
-                "scatter": parts.scatter,
-                "bias": parts.bias,
-                "strain_uncertainty": parts.strain,
-                "speed_uncertainty": parts.speed,
-                "by_peaks": peaks[1] / peaks[0],
-                "by_velocity": velocities[1] / velocities[0],
-            },
-            "peak": {"acceleration": peaks[0], "reading": peaks[1], "reading_noise": comparison.reading_noise},
-            "velocity_change": {"velocity": velocities[0], "reading_integral": velocities[1]},
-            "reference_noise": comparison.reference_noise,
-            "delay": agreement.delay,
-            "correlation": comparison.correlation,
-            "residual": agreement.residual,
-            "reflected_misfit": comparison.reflected_misfit,
-            "time": comparison.time[samples],
-            "reference_acceleration": comparison.motion.acceleration[samples],
-            "reading": comparison.reading[samples],
-            "reference_velocity": comparison.motion.velocity[samples],
-            "velocity_by_both_waves": comparison.both_waves[samples],
-        }
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the sensitivity with its uncertainty, the largest acceleration, and the delay of the reading."""
-        delay = self.comparison.agreement.delay
-        unit = "" if self.sensitivity_unit == "1" else f" {spelled(self.sensitivity_unit)}"
-        known = [
-            ("sensitivity" if unit else "reading over reference", f"{self.sensitivity:.4g}{unit}"),
-            ("standard uncertainty", percent(self.uncertainty.combined, 2)),
-            ("largest acceleration", with_unit(self.peaks[0], "m/s^2", "g")),
-        ]
-        return [*(known if self.quoted else []), ("delay", f"{1e6 * delay:+.2f} µs")]
-
     def preview(self) -> Curve:
         """Return the reading as an acceleration."""
         return history_curve(self.comparison.time, self.shown_acceleration, "m/s^2", "g", "reading as acceleration")
@@ -207,45 +245,32 @@ class SensorSolution(Outcome):
         """Return the histories as CSV text."""
         return {"reduction.csv": csv_table(self.columns(), HISTORY_DIGITS)}
 
-    def columns(self) -> list[Column]:
-        """Return the histories; the delay of the reading is taken out."""
-        comparison, samples = self.comparison, self.kept
-        columns = [
-            Column("time", comparison.time, "s"),
-            Column("reference acceleration", comparison.motion.acceleration, "m/s^2"),
-            Column("reading", comparison.reading, self.unit),
-            Column("reading as acceleration", self.shown_acceleration, "m/s^2"),
-            Column("difference", self.shown_acceleration - comparison.motion.acceleration, "m/s^2"),
-            Column("reference velocity", comparison.motion.velocity, "m/s"),
-            Column("reading integrated", self.shown_velocity, "m/s"),
-            Column("end velocity by both waves", comparison.both_waves, "m/s"),
+    @declare.computed(declare.table("histories at the end of the bar; the delay of the reading is taken out"))
+    def histories(self) -> list[Column]:
+        """The histories; the delay of the reading is taken out."""
+        kept, as_acceleration = self.kept_histories, self.shown_acceleration[self.kept]
+        return [
+            Column("time", kept.time, "s", shown="us"),
+            Column("reference acceleration", kept.reference_acceleration, "m/s^2", shown="g"),
+            Column("reading", kept.reading, self.unit),
+            Column("reading as acceleration", as_acceleration, "m/s^2", shown="g"),
+            Column("difference", as_acceleration - kept.reference_acceleration, "m/s^2", shown="g"),
+            Column("reference velocity", kept.reference_velocity, "m/s"),
+            Column("reading integrated", self.shown_velocity[self.kept], "m/s"),
+            Column("end velocity by both waves", kept.velocity_by_both_waves, "m/s"),
         ]
-        return [column._replace(values=column.values[samples]) for column in columns]
-
-    def brief(self) -> dict[str, str]:
-        """Return the time, and the accelerations of reference and reading with their difference."""
-        return {"time": "us", **dict.fromkeys(("reference acceleration", "reading as acceleration", "difference"), "g")}
 
     @functools.cached_property
     def arrays(self) -> LabelledArrays:
         """The histories with units."""
-        comparison, samples = self.comparison, self.kept
-        histories = {
-            "reference_acceleration": (
-                comparison.motion.acceleration,
-                "m/s^2",
-                "acceleration of the sensor by the gauge",
-            ),
-            "reading": (comparison.reading, self.unit, "reading of the sensor, its delay taken out"),
-            "reference_velocity": (comparison.motion.velocity, "m/s", "velocity of the sensor by the gauge"),
-            "integrated_reading": (self.shown_velocity, "m/s", "reading as acceleration, integrated"),
-            "end_force": (comparison.motion.force, "N", "force of the bar on what stands on its end"),
-            "velocity_by_both_waves": (
-                comparison.both_waves,
-                "m/s",
-                "velocity of the end by incident and reflected wave",
-            ),
+        kept = self.kept_histories
+        variables = {
+            name: quantity("time", getattr(kept, name), one.quantity.within(self.given_units).si, one.meaning)
+            for name, one in declarations(EndHistories).items()
         }
-        variables = {name: quantity("time", v[samples], unit, words) for name, (v, unit, words) in histories.items()}
-        coordinates = {"time": quantity("time", comparison.time[samples], "s", "time after the wave comes to the end")}
-        return LabelledArrays.of(variables, coordinates, self.attributes())
+        integrated, force = self.shown_velocity[self.kept], self.comparison.motion.force[self.kept]
+        variables |= {
+            "integrated_reading": quantity("time", integrated, "m/s", "reading as acceleration, integrated"),
+            "end_force": quantity("time", force, "N", "force of the bar on what stands on its end"),
+        }
+        return LabelledArrays.of(variables, {"time": variables.pop("time")}, self.attributes())

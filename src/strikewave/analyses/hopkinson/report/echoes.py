@@ -6,14 +6,16 @@ import math
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.hopkinson.report.page import outcome_page
+from strikewave.base.declare import declarations
+from strikewave.hopkinson.echoes import Echoes
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import headed, percent, shown, with_unit
-from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
+from strikewave.reporting.faces import cell_text, label_of, text_of
+from strikewave.reporting.numbers import headed, shown, with_unit
+from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table
 from strikewave.reporting.style import WHOLE, one_diagram
 
 if TYPE_CHECKING:
     from strikewave.analyses.hopkinson.echo_result import EchoSolution
-    from strikewave.hopkinson.echoes import FittedValue
 
 _ECHOES = (
     "Both ends are free, and the pulse passes the gauge again and again. The phase between two passes over a known way "
@@ -33,14 +35,8 @@ def echo_report(solution: EchoSolution) -> str:
         Picture(one_diagram(lambda axes: draw_speed(axes, echoes, solution.bar.speed)), "Phase speed by the echoes."),
         Picture(one_diagram(lambda axes: draw_losses(axes, echoes)), "Attenuation by the echoes."),
     ]
-    numbers = [
-        ("bar speed", with_unit(echoes.speed.value, "m/s", "m/s", 5)),
-        ("standard error", NONE if math.isnan(echoes.speed.error) else with_unit(echoes.speed.error, "m/s", "m/s", 2)),
-        ("length", with_unit(echoes.length.value, "m", "mm", 5)),
-        ("attenuation", f"{echoes.attenuation.value:.3g} 1/m"),
-    ]
     sections = [Section("Pulses", "", pictures), Section("Result", _ECHOES, echo_tables(solution))]
-    head = chapters.Summary("Report of a bar calibrated by its echoes", echo_words(solution), numbers)
+    head = chapters.Summary("Report of a bar calibrated by its echoes", echo_words(solution), solution.highlights())
     return outcome_page(solution, head, sections)
 
 
@@ -49,26 +45,26 @@ def echo_words(solution: EchoSolution) -> str:
     echoes = solution.echoes
     return (
         f"The bar speed by {echoes.times.size} passes is {with_unit(echoes.speed.value, 'm/s', 'm/s', 5)}, "
-        f"{percent(solution.difference, 2, '+')} off the stated one."
+        f"{text_of(echoes, 'difference')} off the stated one."
     )
 
 
 def echo_tables(solution: EchoSolution) -> list[Table]:
     """Return the tables of a bar calibrated by its echoes."""
     echoes = solution.echoes
-    band = echoes.frequency
-    rows: list[list[Cell]] = [
-        [
-            headed("bar speed", "m/s", "m/s"),
-            *_estimated(echoes.speed, shown(1.0, "m/s", "m/s")),
-            f"{percent(solution.difference, 2, '+')} off the stated {with_unit(solution.bar.speed, 'm/s', 'm/s', 6)}",
-        ],
-        [headed("length", "m", "mm"), *_estimated(echoes.round_trip, shown(1.0, "m", "mm")), _length_words(solution)],
-        ["attenuation (1/m)", *_estimated(echoes.attenuation, 1.0), "by energy, ends included"],
+    band = [shown(float(echoes.frequency[place]), "Hz", "kHz") for place in (0, -1)]
+    given = f"; given as {with_unit(solution.bar.length, 'm', 'mm', 6)}" if math.isfinite(solution.bar.length) else ""
+    notes = {
+        "speed": f"{cell_text(echoes, 'difference')} off the stated {cell_text(echoes, 'stated_speed')}",
+        "round_trip": f"by round trips{given}",
+        "attenuation": "by energy, ends included",
+    }
+    rows: list[list[Cell]] = [[*_fitted(echoes, name), note] for name, note in notes.items()]
+    rows += [
         ["passes used", str(echoes.times.size), NONE, NONE, NONE, f"from number {echoes.first + 1} on"],
         [
             headed("band", "Hz", "kHz"),
-            f"{shown(float(band[0]), 'Hz', 'kHz'):.3g} to {shown(float(band[-1]), 'Hz', 'kHz'):.3g}",
+            f"{band[0]:.3g} to {band[1]:.3g}",
             NONE,
             NONE,
             NONE,
@@ -79,21 +75,12 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
     return [Table(f"{solution.title}: results from the echoes, dispersion {echoes.theory}", heads, rows)]
 
 
-def _length_words(solution: EchoSolution) -> str:
-    stated = solution.bar.length
-    return (
-        f"by round trips; given as {written(shown(stated, 'm', 'mm'), 6)}"
-        if math.isfinite(stated)
-        else "by round trips"
-    )
-
-
-def _estimated(estimate: FittedValue, scale: float) -> tuple[str, str, str, str]:
-    if math.isnan(estimate.error):
-        return f"{estimate.value * scale:.6g}", NONE, NONE, str(estimate.freedom)
-    return (
-        f"{estimate.value * scale:.6g}",
-        f"{estimate.error * scale:.2g}",
-        f"{estimate.student:.3g}",
-        str(estimate.freedom),
-    )
+def _fitted(echoes: Echoes, name: str) -> list[Cell]:
+    """Return label, value, standard error, Student's factor and freedom of a value by least squares."""
+    one, fitted = declarations(Echoes)[name], getattr(echoes, name)
+    si, usual = one.quantity[:2]
+    doubt = [NONE, NONE]
+    if not math.isnan(fitted.error):
+        doubt = [f"{shown(fitted.error, si, usual):.2g}", f"{fitted.student:.3g}"]
+    label = headed(label_of(name, one), si, usual)
+    return [label, f"{shown(fitted.value, si, usual):.6g}", *doubt, str(fitted.freedom)]

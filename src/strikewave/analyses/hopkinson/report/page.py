@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
 
+from strikewave.base.declare import GivenUnits, declarations
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import decimals_in, shown, spelled
-from strikewave.reporting.parts import Section
-from strikewave.reporting.shown_units import shown_unit
+from strikewave.reporting.faces import cell_text, label_of
+from strikewave.reporting.parts import Cell, Section
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,11 +22,6 @@ def outcome_page(solution: Outcome, summary: chapters.Summary, sections: Sequenc
     return chapters.result_page(solution, summary, [*sections, *last])
 
 
-def time_text(value: float, decimals: int, sign: str = "") -> str:
-    """Write a time in the unit shown, with the decimals that it has in microseconds."""
-    return f"{shown(value, 's', 'us'):{sign}.{decimals_in('s', 'us', decimals)}f}"
-
-
-def delay_words(value: float, decimals: int) -> str:
-    """Write a delay with its sign and its unit."""
-    return f"{time_text(value, decimals, '+')} {spelled(shown_unit('s', 'us'))}"
+def line_of(value: Any, field: str, note: str, given: GivenUnits = MappingProxyType({})) -> list[Cell]:
+    """Return a line of a table: a field of a declared value with its label, and a note."""
+    return [label_of(field, declarations(type(value))[field]), cell_text(value, field, given), note]

@@ -5,22 +5,22 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from strikewave.analyses.hopkinson.report.page import outcome_page, time_text
-from strikewave.hopkinson import ANALYSES, stress_difference, transits_to_uniform
+from strikewave.analyses.hopkinson.report.page import line_of, outcome_page
+from strikewave.analyses.hopkinson.result import AnalysedCurve, WaveDelay
+from strikewave.hopkinson import stress_difference, transits_to_uniform
+from strikewave.hopkinson.checks import StrikerCheck
 from strikewave.hopkinson.uniformity import UNIFORM
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import fixed, headed, percent, shown, shown_heads, spelled, with_unit
-from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
+from strikewave.reporting.faces import cell_text, columns_of, face_table, numbers_of, text_of
+from strikewave.reporting.numbers import fixed, headed, percent, shown, spelled
+from strikewave.reporting.parts import Cell, Picture, Section, Table, written
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.style import WHOLE, one_diagram
+from strikewave.reporting.table_columns import page_table
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from strikewave.analyses.hopkinson.result import HopkinsonSolution
-    from strikewave.hopkinson.checks import Equilibrium, Slope
+    from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum
 
 RISE_SHARE = 0.8
 """Share of a straight rise that lies between 10 and 90 % of it."""
@@ -39,19 +39,11 @@ _SLOPE = (
 
 def shot_report(solution: HopkinsonSolution) -> str:
     """Return the report of a reduced shot as one HTML page."""
-    summary = solution.summary()
-    numbers = [
-        ("largest true stress", with_unit(summary["stress"], "Pa", "MPa")),
-        ("largest true strain", f"{100.0 * summary['strain']:.3g} %"),
-        ("median true rate", f"{summary['rate']:.0f} 1/s"),
-        ("force difference", percent(solution.equilibrium.misfit, 1)),
-        (f"impulse {_closing(solution)}", percent(abs(solution.momentum.closure), 2)),
-    ]
     sections = [
         Section("Pulses", "", _pictures(solution)),
         Section("Result", f"{_SHOT}\n\n{_SLOPE}", shot_tables(solution)),
     ]
-    head = chapters.Summary("Report of a split-Hopkinson shot", shot_words(solution), numbers)
+    head = chapters.Summary("Report of a split-Hopkinson shot", shot_words(solution), solution.highlights())
     return outcome_page(solution, head, sections)
 
 
@@ -85,18 +77,19 @@ def _pictures(solution: HopkinsonSolution) -> list[Picture]:
 
 def shot_words(solution: HopkinsonSolution) -> str:
     """Say in words what the specimen did: on the screen and at the head of the report."""
-    summary = solution.summary()
+    strain, stress, rate = (text_of(solution.largest, name) for name in ("strain", "stress", "rate"))
+    _, missed, missing = _closing(solution)
     return (
-        "Each first pulse is taken as compression, whatever its sign: "
-        f"the specimen reached a true strain of {percent(summary['strain'], 1)} at {summary['rate']:.0f} 1/s (median) "
-        f"and a true stress of {with_unit(summary['stress'], 'Pa', 'MPa')}. The forces on its faces differ by "
-        f"{percent(solution.equilibrium.misfit, 1)} of their mean, and {percent(abs(solution.momentum.closure), 2)} "
-        f"of the incident impulse is {_closing(solution)}."
+        f"Each first pulse is taken as compression, whatever its sign: the specimen reached a true strain of {strain} "
+        f"at {rate} (median) and a true stress of {stress}. The forces on its faces differ by "
+        f"{text_of(solution.equilibrium, 'misfit')} of their mean, and {missed} of the incident impulse is {missing}."
     )
 
 
-def _closing(solution: HopkinsonSolution) -> str:
-    return "missing" if solution.momentum.closure >= 0.0 else "in excess"
+def _closing(solution: HopkinsonSolution) -> tuple[str, str, str]:
+    """Return name and text of the field that says by how much the impulses miss each other, and how they do."""
+    field, words = ("excess", "in excess") if solution.momentum.missing is None else ("missing", "missing")
+    return field, cell_text(solution.momentum, field), words
 
 
 def shot_tables(solution: HopkinsonSolution) -> list[Table]:
@@ -105,46 +98,18 @@ def shot_tables(solution: HopkinsonSolution) -> list[Table]:
         _curve_table(solution),
         _balance_table(solution),
         _alignment_table(solution),
-        _bar_table(solution),
+        face_table(solution, "bars"),
         *_striker_table(solution),
         *_theory_table(solution),
     ]
 
 
 def _curve_table(solution: HopkinsonSolution) -> Table:
-    on, slopes = solution.reduction.loading, solution.slopes()
-    rows: list[list[Cell]] = []
-    for name in ANALYSES:
-        slope, true = slopes[name], solution.reduction.curve(name).true()
-        rows.append(
-            [
-                name + (" *" if name == solution.case.setup.solver.analysis else ""),
-                f"{100.0 * float(true.strain[on].max()):.2f}",
-                fixed(float(true.stress[on].max()), "Pa", "MPa", 1),
-                fixed(float(np.median(true.rate[on])), "1/s", "1/s", 0),
-                _slope(slope),
-            ]
-        )
-    heads = shown_heads(
-        "analysis", "true strain (%)", "true stress (MPa)", "true rate (1/s)", "slope of the rise (GPa)"
-    )
     caption = (
         f"{solution.title}: largest true strain and stress, median true rate, slope from 10 to 50 % of the largest "
         "stress (and within a sample of misalignment); * the one chosen"
     )
-    return Table(caption, heads, rows)
-
-
-def _slope(slope: Slope) -> str:
-    """Write a slope with the values between which a sample of misalignment moves it."""
-    if math.isnan(slope.value):
-        return NONE
-    value = written(shown(slope.value, "Pa", "GPa"), 3)
-    if math.isnan(slope.low):
-        return value
-    low = written(shown(slope.low, "Pa", "GPa"), 3)
-    above = f"{low} or more" if math.isinf(slope.high) else f"{low} to {written(shown(slope.high, 'Pa', 'GPa'), 3)}"
-    return f"{value} ({above})"
+    return page_table(caption, columns_of(AnalysedCurve), solution.analysed)
 
 
 def _balance_table(solution: HopkinsonSolution) -> Table:
@@ -154,34 +119,23 @@ def _balance_table(solution: HopkinsonSolution) -> Table:
         solution.energy,
         solution.case.setup.limits,
     )
-    uniform = percent(UNIFORM, 0)
-    specimen = NONE if math.isnan(impulses.specimen) else with_unit(impulses.specimen, "N s", "mN s", 3)
     wrong = "" if work.acceleration >= 0.0 else "; below 0: the forces do not balance"
     rows: list[list[Cell]] = [
+        line_of(equilibrium, "misfit", f"limit {percent(limits.force_misfit.si, 0)}"),
+        line_of(equilibrium, "force_ratio", "1 but for the specimen's own momentum"),
         [
-            "force difference over mean force",
-            percent(equilibrium.misfit, 1),
-            f"limit {percent(limits.force_misfit.si, 0)}",
-        ],
-        ["impulse on face 1 over face 2", f"{equilibrium.force_ratio:.4f}", "1 but for the specimen's own momentum"],
-        [
-            f"forces agree to {uniform}",
+            f"forces agree to {percent(UNIFORM, 0)}",
             _agreeing(equilibrium),
-            f"in all over {percent(equilibrium.share, 0)} of the loading",
+            f"in all over {cell_text(equilibrium, 'share')} of the loading",
         ],
-        [
-            "missing impulse" if impulses.closure >= 0.0 else "excess impulse",
-            percent(abs(impulses.closure), 2),
-            f"of the incident one; limit {percent(limits.momentum.si, 0)}",
-        ],
-        ["incident, reflected, transmitted impulse", _three(impulses[:3], "N s"), f"specimen {specimen}"],
-        ["incident, reflected, transmitted energy", _three(work[:3], "J"), ""],
-        [
-            "absorbed energy",
-            with_unit(work.absorbed, "J", "J"),
-            f"deforms {with_unit(work.deformation, 'J', 'J')}, "
-            f"moves {with_unit(work.acceleration, 'J', 'J', 3)}{wrong}",
-        ],
+        line_of(impulses, _closing(solution)[0], f"of the incident one; limit {percent(limits.momentum.si, 0)}"),
+        ["incident, reflected, transmitted impulse", _three(impulses), f"specimen {cell_text(impulses, 'specimen')}"],
+        ["incident, reflected, transmitted energy", _three(work), ""],
+        line_of(
+            work,
+            "absorbed",
+            f"deforms {cell_text(work, 'deformation')}, moves {cell_text(work, 'acceleration')}{wrong}",
+        ),
     ]
     return Table(
         "Force, momentum and energy balance while the incident wave lasts", ["quantity", "value", "note"], rows
@@ -192,60 +146,33 @@ def _agreeing(equilibrium: Equilibrium) -> str:
     """Write the longest stretch in which the forces agree."""
     if math.isnan(equilibrium.begin):
         return "in no lasting stretch"
-    return f"from {time_text(equilibrium.begin, 1)} to {time_text(equilibrium.end, 1)} {spelled(shown_unit('s', 'us'))}"
+    begin, end = (fixed(time, "s", "us", 1) for time in (equilibrium.begin, equilibrium.end))
+    return f"from {begin} to {end} {spelled(shown_unit('s', 'us'))}"
 
 
-def _three(values: Sequence[float], si: str) -> str:
-    return ", ".join(written(shown(value, si, si)) for value in values) + f" {spelled(shown_unit(si, si))}"
+def _three(waves: Momentum | Energy) -> str:
+    """Write what incident, reflected and transmitted wave carry."""
+    numbers = numbers_of(waves, {})
+    return f"{', '.join(text for text, _ in numbers)} {spelled(numbers[0][1])}"
 
 
 def _alignment_table(solution: HopkinsonSolution) -> Table:
-    waves = solution.reduction.waves
-    rows: list[list[Cell]] = [
-        [name, *(time_text(late[k], 2, "+") for late in (waves.late_onset, waves.late_balance, waves.applied))]
-        for k, name in enumerate(("reflected", "transmitted"))
-    ]
+    alignment = solution.alignment
     caption = (
-        f"Delay of the waves at the specimen against geometry; alignment {waves.method}, dispersion "
-        f"{waves.theory} up to {with_unit(waves.band, 'Hz', 'kHz')}, largest shift allowed "
-        f"{with_unit(waves.window, 's', 'us', 3)}, the rise"
+        f"Delay of the waves at the specimen against geometry; alignment {alignment.method}, dispersion "
+        f"{alignment.dispersion} up to {cell_text(alignment, 'band')}, largest shift allowed "
+        f"{cell_text(alignment, 'window')}, the rise"
     )
-    return Table(caption, shown_heads("wave", "by onset (us)", "by balance (us)", "applied shift (us)"), rows)
-
-
-def _bar_table(solution: HopkinsonSolution) -> Table:
-    rows: list[list[Cell]] = [
-        [
-            name,
-            written(shown(constants.density, "kg/m^3", "kg/m^3"), 5),
-            written(shown(constants.modulus, "Pa", "GPa"), 5),
-            written(shown(constants.speed, "m/s", "m/s"), 6),
-            constants.derived,
-            written(shown(bar.impedance, "N s/m", "N s/m"), 5),
-            f"{noise * 1e6:.3g}",
-        ]
-        for (name, constants), bar, noise in zip(
-            solution.constants.items(), solution.reduction.bars, solution.reduction.waves.noise, strict=True
-        )
-    ]
-    heads = shown_heads("bar", "density (kg/m^3)", "modulus (GPa)", "speed (m/s)", "derived", "impedance (N s/m)")
-    return Table("Bars, with the constant that follows from the two others", [*heads, "noise (µε)"], rows)
+    return page_table(caption, columns_of(WaveDelay), alignment.delays)
 
 
 def _striker_table(solution: HopkinsonSolution) -> list[Table]:
     check = solution.striker_check
     if check is None:
         return []
-    rows: list[list[Cell]] = [
-        ["plateau strain (µε)", written(check.strain * 1e6), written(check.strain_expected * 1e6)],
-        [
-            headed("pulse width at 50 %", "s", "us"),
-            *(written(shown(width, "s", "us")) for width in (check.duration, check.duration_expected)),
-        ],
-    ]
-    caption = (
-        f"Incident pulse compared with the striker; the plateau corresponds to {with_unit(check.speed, 'm/s', 'm/s')}"
-    )
+    pairs = zip(columns_of(StrikerCheck, "measured"), columns_of(StrikerCheck, "expected"), strict=True)
+    rows = [[measured.head, measured.cell(check), expected.cell(check)] for measured, expected in pairs]
+    caption = f"Incident pulse compared with the striker; the plateau corresponds to {cell_text(check, 'speed')}"
     return [Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows)]
 
 
