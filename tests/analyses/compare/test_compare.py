@@ -15,6 +15,7 @@ from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, even
 from strikewave.analyses.compare.question import _ringing
 from strikewave.analyses.compare.simulated import _parts, solution_curve
 from strikewave.base.variables import LabelledArrays
+from strikewave.reporting.faces import face_table
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 
@@ -150,7 +151,7 @@ def test_a_case_is_run_and_its_band_held_against_the_record(strikewave):
     found = compare("record.csv", "kept")
     assert found.figures["peak"].difference == pytest.approx(1.0 / 1.01 - 1.0, abs=4e-3)
     assert found.agreement.rating.overall > 0.98
-    assert {(name, inside) for name, _, _, _, inside in found.in_bands} >= {("peak", True), ("width", True)}
+    assert {(one.figure, one.inside) for one in found.in_bands} >= {("peak", True), ("width", True)}
     for again in ("jesd22-b111-b:rigid@1", solution, (solution, "rigid@1")):
         assert compare("record.csv", again).agreement.rating == found.agreement.rating
 
@@ -161,6 +162,19 @@ def test_a_part_of_a_kept_bar_is_taken_in_the_quantity_of_the_record(strikewave)
     assert compare("bar:sensor", "bar").quantity == "acceleration"
     found = compare("bar:face", "bar:sensor", align="none")
     assert (found.quantity, found.unit) == ("force", "N")
+
+
+def test_key_numbers_say_differences_as_their_table_does_and_documents_the_unit_of_each(strikewave):
+    write("a.csv", bell(TIME)), write("b.csv", bell(TIME, 1.1e-3, 520.0))
+    found = compare("a.csv", "b.csv")
+    said = dict(found.highlights())
+    assert list(said) == ["ISO/TS 18571", "peak", "pulse width at 10 %", "velocity change", "shift"]
+    table = {str(row[0]).partition(" (")[0]: row[3] for row in face_table(found, "pairs").cells()}
+    assert said["peak"] == table["peak"] == "+4.00 %"
+    units = found.document()["units"]
+    assert [units[key] for key in ("peak", "velocity_change", "history", "a_uncertainty", "overall")] == [
+        "m/s^2", "m/s", "m/s^2", "as the figure", "1"
+    ]  # fmt: skip
 
 
 def test_limits_decide_verdict_and_exit_code(strikewave):

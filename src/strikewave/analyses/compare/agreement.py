@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.curve import FEWEST, ComparedCurve
+from strikewave.analyses.compare.curve import FEWEST, OF_FILES, ComparedCurve
+from strikewave.base import declare
+from strikewave.base.constants import COVERAGE
+from strikewave.base.declare import KEY, MAIN, NOT_MEASURED, Quantity
 from strikewave.base.errors import InputError
+from strikewave.base.shock_quantities import RATIO
+from strikewave.reporting.numbers import headed, percent, shown
+from strikewave.reporting.parts import written
 from strikewave.signal.alignment import EvenHistory, Shift, are_opposite, by_correlation, by_onset, by_peak
 from strikewave.signal.iso18571 import SAMPLES, Rating, rate
 from strikewave.signal.pulse import Pulse
@@ -33,22 +37,41 @@ FREQUENCIES = 12.0
 """Natural frequencies an octave."""
 LOST = 0.01
 """Share of the RMS of one history above half the sampling rate of the other from which on it is reported."""
+LEAST_SHOWN = 5e-5
+"""Uncertainty of a difference from which on it is shown: 0.01 % rounded."""
+OF_FIGURE = Quantity.of_data("as the figure")
 
 
-class PairOfFigures(NamedTuple):
-    """A figure of both histories with standard uncertainties, and by how much the second differs, as a share."""
+@declare.dataclass
+class PairOfFigures:
+    """A figure of both histories, and by how much the second differs, as a share.
 
-    a: float
-    b: float
-    a_uncertainty: float = 0.0
-    b_uncertainty: float = 0.0
+    Beside what documents have:
 
-    @property
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    units : (str, str)
+        SI unit of the figure, and the unit in which it is shown as a rule.
+    budgeted : (bool, bool)
+        Whether the uncertainty is that of a budget: it is shown then.
+    """
+
+    a: float = declare.number(NOT_MEASURED, "of the reference")
+    b: float = declare.number(NOT_MEASURED, "of what is held against it")
+    a_uncertainty: float = declare.number(OF_FIGURE, "standard uncertainty of the first", default=0.0)
+    b_uncertainty: float = declare.number(OF_FIGURE, "standard uncertainty of the second", default=0.0)
+    name: str = ""
+    units: tuple[str, str] = ("", "")
+    budgeted: tuple[bool, bool] = (False, False)
+
+    @declare.computed(declare.number(RATIO, "b / a - 1"))
     def difference(self) -> float:
         """B / a - 1; NaN where there is none."""
         return self.b / self.a - 1.0 if self.a else math.nan
 
-    @property
+    @declare.computed(declare.number(RATIO, "standard uncertainty of the difference", key="difference_uncertainty"))
     def uncertainty(self) -> float:
         """Standard uncertainty of the difference, from those of both that are known."""
         if not (self.a and self.b):
@@ -56,17 +79,43 @@ class PairOfFigures(NamedTuple):
         shares = [u / v for u, v in ((self.a_uncertainty, self.a), (self.b_uncertainty, self.b)) if math.isfinite(u)]
         return abs(self.b / self.a) * math.hypot(*shares)
 
+    @declare.phrase("figure", column=KEY)
+    def head(self) -> str:
+        """Return the figure and its unit."""
+        return headed(self.name, *self.units)
 
-@dataclass(frozen=True, eq=False)
+    @declare.phrase("A", column=MAIN)
+    def a_words(self) -> str | None:
+        """Return the figure of A, with its expanded uncertainty where a budget gives one."""
+        return self._words(self.a, self.a_uncertainty if self.budgeted[0] else 0.0)
+
+    @declare.phrase("B", column=MAIN)
+    def b_words(self) -> str | None:
+        """Return the figure of B, as that of A."""
+        return self._words(self.b, self.b_uncertainty if self.budgeted[1] else 0.0)
+
+    def _words(self, value: float, doubt: float) -> str | None:
+        if math.isnan(value):
+            return None
+        numbers = ((value, 4), (COVERAGE * doubt, 2))
+        text, more = [written(shown(v, *self.units) if self.units[0] else v, digits) for v, digits in numbers]
+        return text if doubt == 0.0 else f"{text} ± {more if math.isfinite(doubt) else '?'}"
+
+    @declare.phrase("difference", column=MAIN, headline="{name}")
+    def difference_words(self) -> str | None:
+        """Return the difference with its standard uncertainty, where one is known."""
+        if not math.isfinite(self.difference):
+            return None
+        doubt = f" ± {percent(self.uncertainty, 2)}" if self.uncertainty >= LEAST_SHOWN else ""
+        return percent(self.difference, 2, "+") + doubt
+
+
+@declare.dataclass
 class CurveAgreement:
-    """Two histories laid on one another.
+    """Two histories laid on one another; documents have the histories of it.
 
     Attributes
     ----------
-    time, a, b : ndarray
-        The common time, that of A, and both histories there.
-    deviation : ndarray or None
-        Standard deviation of the campaign, where one of them is one.
     shift : Shift
         What was added to the times of B.
     interval : (float, float)
@@ -81,10 +130,10 @@ class CurveAgreement:
         Share of the RMS of the more finely sampled history above half the sampling rate of the other.
     """
 
-    time: Array
-    a: Array
-    b: Array
-    deviation: Array | None
+    time: Array = declare.history("s", "common time, that of a")
+    a: Array = declare.history(OF_FILES, "the reference there")
+    b: Array = declare.history(OF_FILES, "the other there, shifted")
+    deviation: Array | None = declare.history(OF_FILES, "standard deviation of a campaign there")
     shift: Shift
     interval: tuple[float, float]
     pulse_a: Pulse

@@ -5,11 +5,13 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import MAIN, MORE, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.frequencies import frequency_text
 from strikewave.base.result import Band, Notice
@@ -27,26 +29,25 @@ QUANTITIES = {"m/s^2": "acceleration", "N": "force", "m/s": "velocity", "m": "di
 """What a unit is of."""
 SHOWN_IN = {"m/s^2": "g", "N": "kN", "m/s": "m/s", "m": "mm", "Pa": "MPa"}
 """Unit in which each is shown as a rule."""
+OF_FILES = Quantity.of_data("the files' own numbers")
+"""What both histories are of: see `strikewave.analyses.compare.result.CompareResult.given_units`."""
+OF_NOISE = OF_FILES._replace(label="noise (standard deviation)", digits=3)
 
 
-@dataclass(frozen=True, eq=False)
+@declare.dataclass
 class ComparedCurve:
     """A history, and what is known of it.
 
+    Beside what documents have:
+
     Attributes
     ----------
-    name : str
-        What it is called on the screen.
-    kind : str
-        ``record``, ``campaign``, ``simulation`` or ``specification``.
     history : EvenHistory
         In SI; of a campaign the mean.
     unit : str
         SI; empty where a file does not say it.
     deviation : ndarray or None
         Standard deviation of a campaign at each sample.
-    count : int
-        Histories that it is the mean of.
     band : mapping of str to Band
         What a simulation says of its peak, width and velocity change when inputs move within what is known of them.
     measured : Pulse or None
@@ -65,12 +66,12 @@ class ComparedCurve:
         What the checks of a simulation came to, `strikewave.base.result.Verdict.text`; empty of what is none.
     """
 
-    name: str
-    kind: str
+    name: str = declare.word("what it is called: a is the reference, b what is held against it", column=MAIN)
+    kind: str = declare.word("record, campaign, simulation or specification", column=MAIN)
     history: EvenHistory
     unit: str
     deviation: Array | None = None
-    count: int = 1
+    count: int = declare.count("histories that it is the mean of", default=1, label="histories", column=MORE)
     band: Mapping[str, Band] = field(default_factory=dict)
     measured: Pulse | None = None
     uncertainty: Mapping[str, float] = field(default_factory=dict)
@@ -78,6 +79,21 @@ class ComparedCurve:
     troubles: Mapping[str, str] = field(default_factory=dict)
     notices: tuple[Notice, ...] = ()
     verdict: str = ""
+
+    @declare.computed(declare.number(Quantity("Hz", "kHz", "sampling rate"), "samples a second", column=MAIN))
+    def sampling_rate(self) -> float:
+        """Samples a second."""
+        return 1.0 / self.history.step
+
+    @declare.computed(declare.count("how many samples", column=MAIN, in_document=False))
+    def samples(self) -> int:
+        """How many samples."""
+        return self.history.values.size
+
+    @declare.computed(declare.number(OF_NOISE, "standard deviation of a sample", column=MAIN))
+    def noise(self) -> float:
+        """Standard deviation of a sample."""
+        return self.history.noise
 
     @property
     def sign(self) -> float:

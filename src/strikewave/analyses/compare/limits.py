@@ -6,12 +6,17 @@ import math
 import operator
 import re
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from types import MappingProxyType
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NOT_MEASURED
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.percents import sign_needed
 from strikewave.base.result import FAILED, Notice
 from strikewave.base.units import parse_quantity, typed_number
+from strikewave.reporting.clause_words import tag_of
+from strikewave.reporting.numbers import NO_DOUBT, axis_unit, doubted
+from strikewave.reporting.parts import Tag, written
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
 
 RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
@@ -37,22 +42,59 @@ EXAMPLES = {"%": 'a share with its sign, such as "5 %"', "dB": 'a level with its
 _LIMIT = re.compile(r"\s*([\w.\-]+)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
 
-class ComparisonLimit(NamedTuple):
+@declare.dataclass
+class ComparisonLimit:
     """A limit: of what, how, how much (SI), and as it was typed."""
 
-    metric: str
+    metric: str = declare.word("what is limited")
     relation: str
     value: float
-    typed: str
+    typed: str = declare.word("the limit as typed", key="limit", label="limit", column=KEY)
 
 
-class Judged(NamedTuple):
-    """A limit with what came out, by how much it is kept (missed, if below zero), and the verdict."""
+@declare.dataclass
+class Judged:
+    """A limit with what came out, and the verdict; ``doubt`` is the expanded uncertainty of that, 0 of none known."""
 
-    limit: ComparisonLimit
-    value: float
-    margin: float
-    verdict: str
+    limit: ComparisonLimit = declare.part(ComparisonLimit, "the limit", inline=True)
+    value: float = declare.number(NOT_MEASURED, "what it comes to")
+    margin: float = declare.number(NOT_MEASURED, "distance to the limit, below 0 beyond it")
+    verdict: str = declare.word("pass, fail or cannot-tell")
+    doubt: float = 0.0
+
+    @declare.phrase("verdict", column=MAIN)
+    def tag(self) -> Tag:
+        """Return the verdict in its box."""
+        return tag_of(self.verdict)
+
+    @declare.phrase("value ± U", column=MAIN)
+    def value_words(self) -> str | None:
+        """Return what it comes to, with its expanded uncertainty where that is known."""
+        if not (math.isfinite(self.value) and self.doubt > NO_DOUBT * abs(self.value)):
+            return self._words(self.value)
+        size, name = axis_unit("s", "us") if self.unit == "s" else (0.01, self.unit)
+        return f"{' ± '.join(doubted(self.value / size, self.doubt / size))} {name}"
+
+    @declare.phrase("margin", column=MORE)
+    def margin_words(self) -> str | None:
+        """Return the distance to the limit."""
+        return self._words(self.margin)
+
+    @declare.phrase("of", column=MORE)
+    def of(self) -> str:
+        """Return what the metric is."""
+        return METRICS[self.limit.metric][1]
+
+    @property
+    def unit(self) -> str:
+        """Unit in which the limit is typed, "1" of a score."""
+        return METRICS[self.limit.metric][0]
+
+    def _words(self, value: float) -> str | None:
+        if math.isnan(value):
+            return None
+        size, name = axis_unit("s", "us")
+        return f"{written(value / size)} {name}" if self.unit == "s" else value_words(value, self.unit)
 
 
 def read_limit(word: str, field: str = "--limit") -> ComparisonLimit:
@@ -65,8 +107,8 @@ def read_limit(word: str, field: str = "--limit") -> ComparisonLimit:
 
     Examples
     --------
-    >>> read_limit("iso18571 > 0.8")[:3], read_limit("shift < 2 us")[:3], read_limit("peak < 5 %")[:3]
-    (('iso18571', '>', 0.8), ('shift', '<', 2e-06), ('peak', '<', 0.05))
+    >>> read_limit("iso18571 > 0.8").value, read_limit("shift < 2 us").value, read_limit("peak < 5 %").relation
+    (0.8, 2e-06, '<')
     """
     found = _LIMIT.fullmatch(word)
     if found is None:
@@ -111,8 +153,10 @@ def _not_negative(value: float, word: str, field: str) -> float:
     return value
 
 
-def judge(limits: Sequence[ComparisonLimit], values: Mapping[str, float]) -> tuple[Judged, ...]:
-    """Hold values against limits; what has no value has no verdict either.
+def judge(
+    limits: Sequence[ComparisonLimit], values: Mapping[str, float], expanded: Mapping[str, float] = MappingProxyType({})
+) -> tuple[Judged, ...]:
+    """Hold values against limits; what has no value has no verdict either. Some have an expanded uncertainty.
 
     Examples
     --------
@@ -126,9 +170,9 @@ def judge(limits: Sequence[ComparisonLimit], values: Mapping[str, float]) -> tup
         if not math.isfinite(value):
             judged.append(Judged(limit, value, math.nan, CANNOT_TELL))
             continue
-        kept = RELATIONS[limit.relation](value, limit.value)
+        doubt, kept = expanded.get(limit.metric, 0.0), RELATIONS[limit.relation](value, limit.value)
         margin = limit.value - value if limit.relation.startswith("<") else value - limit.value
-        judged.append(Judged(limit, value, margin, PASS if kept else FAIL))
+        judged.append(Judged(limit, value, margin, PASS if kept else FAIL, doubt))
     return tuple(judged)
 
 
@@ -156,7 +200,7 @@ def verdict_of(judged: Sequence[Judged]) -> str | None:
     return together(one.verdict for one in judged) if judged else None
 
 
-def limit_notices(judged: Sequence[Judged], expanded: Mapping[str, float]) -> tuple[Notice, ...]:
+def limit_notices(judged: Sequence[Judged]) -> tuple[Notice, ...]:
     """Return a failed check for each limit that is not kept, or that nothing can be said of.
 
     A limit that is kept by less than the expanded uncertainty, known for some metrics, is reported: a value decides.
@@ -164,16 +208,15 @@ def limit_notices(judged: Sequence[Judged], expanded: Mapping[str, float]) -> tu
     notices = []
     for one in judged:
         if one.verdict == PASS:
-            doubt, unit = expanded.get(one.limit.metric, 0.0), METRICS[one.limit.metric][0]
-            if one.margin < doubt:
+            if one.margin < one.doubt:
                 message = (
-                    f"{one.limit.typed}: {value_words(one.value, unit)} passes by its value alone; its U (k = 2), "
-                    f"{value_words(doubt, unit)}, reaches over the limit"
+                    f"{one.limit.typed}: {value_words(one.value, one.unit)} passes by its value alone; its U (k = 2), "
+                    f"{value_words(one.doubt, one.unit)}, reaches over the limit"
                 )
-                notices.append(Notice("limit-in-doubt", message, doubt))
+                notices.append(Notice("limit-in-doubt", message, one.doubt))
             continue
-        message = f"{one.limit.typed}: {METRICS[one.limit.metric][1]} "
-        value = value_words(one.value, METRICS[one.limit.metric][0])
-        message += f"is {value}" if one.verdict == FAIL else "has no value here, so there is no verdict"
+        value = value_words(one.value, one.unit)
+        found = f"is {value}" if one.verdict == FAIL else "has no value here, so there is no verdict"
+        message = f"{one.limit.typed}: {one.of} {found}"
         notices.append(Notice(f"limit-{one.limit.metric}", message, one.value, severity=FAILED))
     return tuple(notices)

@@ -262,12 +262,12 @@ def compared_curves(
         budget=request.reading.budget,
         verdicts=Verdicts([one.verdict for one in (first, second) if one.verdict], "simulations"),
     )
-    judged = judge(request.limits, result.values)
+    judged = judge(request.limits, result.values, result.expanded)
     failed = () if specified is None else verdict_notices(specified)
     notices = (
         *(() if request.reading.budget is None else budget_notices(request.reading.budget)),
         *failed,
-        *limit_notices(judged, result.expanded),
+        *limit_notices(judged),
         *_notices(first, second, found, result),
         *_as_the_run_does(first, second),
         *_as_the_run_does(second, first),
@@ -349,7 +349,7 @@ def _notices(a: ComparedCurve, b: ComparedCurve, found: CurveAgreement, result: 
             f"the other, {0.5 / coarse:.4g}\xa0Hz, which cannot hold it: --filter takes it off both"
         )
         notices.append(Notice("above-nyquist", message, found.lost, LOST))
-    out = [f"{name} of {owner}" for name, owner, _, _, inside in result.in_bands if not inside]
+    out = [f"{one.figure} of {one.of}" for one in result.in_bands if not one.inside]
     if out:
         message = f"{listed(out)} outside the band of the simulation".replace("_", " ")
         notices.append(Notice("outside-band", message, float(len(out)), 0.0, INFO))

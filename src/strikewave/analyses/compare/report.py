@@ -1,25 +1,97 @@
-"""The report of a comparison."""
+"""A comparison in words and tables, for screen and report, and its report."""
 
 from __future__ import annotations
 
+import math
+
 from strikewave.analyses.compare.figures import half_figures, overlay
-from strikewave.analyses.compare.result import CompareResult
+from strikewave.analyses.compare.limits import verdict_of
+from strikewave.analyses.compare.result import TOGETHER, CompareResult, IsoScores
 from strikewave.analyses.compare.specified import SpecificationVerdict
-from strikewave.analyses.compare.words import (
-    agreement_table,
-    band_table,
-    budget_words,
-    clause_table,
-    compare_words,
-    figure_table,
-    limit_table,
-    scaling_words,
-    score_table,
-)
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import verdict_tag
-from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.parts import Cell, Part, Picture, Section, Table
+from strikewave.reporting.clause_words import (
+    CLAUSE_HEADS,
+    SHOWN,
+    clause_cells,
+    clause_words,
+    held_words,
+    verdict_sentence,
+    verdict_tag,
+)
+from strikewave.reporting.faces import columns_of, face_table, line_table
+from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
+from strikewave.reporting.table_columns import page_table
+from strikewave.signal.iso18571 import RATE, SAMPLES
+from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
+
+SIDES = "A is the reference; the shift is added to the times of B."
+
+
+def compare_words(result: CompareResult) -> str:
+    """Say in words how well the two agree."""
+    found, rating = result.agreement, result.agreement.rating
+    peak, width = result.figures["peak"], result.figures["width"]
+    words = [
+        f"{result.b.name} agrees with {result.a.name} to {rating.overall:.2f} of 1 by ISO/TS 18571 ({rating.grade}):"
+    ]
+    parts = [f"peak {percent(peak.difference, 1, '+')}"]
+    if math.isfinite(width.difference):
+        parts.append(f"pulse width at 10 % {percent(width.difference, 1, '+')}")
+    parts.append(f"RMS difference {percent(found.rms)}")
+    words[0] += f" {', '.join(parts)}."
+    words.append("Not aligned." if result.align == "none" else f"B is shifted by {result.shift_words}.")
+    if found.deviation is not None:
+        words.append(
+            f"{percent(found.inside(result.factor), 0)} of the interval lies within the corridor of "
+            f"± {result.factor:g} standard deviations."
+        )
+    if result.judged:
+        count = sum(one.verdict == PASS for one in result.judged)
+        words.insert(0, f"{SHOWN[verdict_of(result.judged) or PASS]}: {count} of {len(result.judged)} limits kept.")
+    if result.specified is not None:
+        words.insert(0, specification_words(result.specified))
+    if result.verdicts.words:
+        words.insert(0, result.verdicts.sentence)
+    return " ".join(words)
+
+
+def specification_words(judged: SpecificationVerdict) -> str:
+    """Say what a specification comes to, and why."""
+    by = f" by {judged.specification.title} ({judged.specification.file.edition})."
+    words = [verdict_sentence(judged.verdict, judged.by_indicative, judged.found.clauses, by)]
+    words += [f"{clause_words(clause)}." for clause in judged.found.clauses if clause.verdict in (FAIL, CANNOT_TELL)]
+    return " ".join(words)
+
+
+def clause_table(judged: SpecificationVerdict) -> Table:
+    """Return the clauses of a specification with what came out."""
+    rows: list[list[Cell]] = [[*clause_cells(clause), clause.reason or NONE] for clause in judged.found.clauses]
+    return Table(f"By {judged.specification.title}", [*CLAUSE_HEADS, "why"], rows)
+
+
+def budget_words(result: CompareResult) -> str:
+    """Say what the uncertainties of A and B are, and hold."""
+    assert result.budget is not None
+    words = "± of A and B is the expanded uncertainty U, that of the difference its standard uncertainty. "
+    return words + held_words(result.budget.names, result.budget.not_stated)
+
+
+def agreement_tables(result: CompareResult) -> list[Table]:
+    """Return figures of both, what is measured of both together, and the scores of ISO/TS 18571."""
+    together = line_table(result, TOGETHER, "Agreement", "of both together", result.given_units)
+    scores = page_table("ISO/TS 18571", columns_of(IsoScores), [result.metrics.iso18571])
+    return [face_table(result, "pairs"), together, scores]
+
+
+def scaling_words(result: CompareResult) -> str:
+    """Say how time was scaled for ISO/TS 18571."""
+    begin, end = result.agreement.interval
+    return (
+        f"The standard is made for signals sampled at {RATE / 1e3:g} kHz: the interval of "
+        f"{with_unit(end - begin, 's', 'us')} is taken as {SAMPLES} such samples, time stretched "
+        f"{result.metrics.iso18571.stretched:.3g} times. Its phase score is what the alignment leaves."
+    )
 
 
 def compare_report(result: CompareResult) -> str:
@@ -31,15 +103,19 @@ def compare_report(result: CompareResult) -> str:
         )
     ]
     pictures += [Picture(figure, words) for figure, words in half_figures(result)]
-    tables: list[Part] = [figure_table(result), agreement_table(result)]
+    *tables, scores = agreement_tables(result)
     sections = [
         *([_specification(result.specified)] if result.specified is not None else []),
-        *([Section("Limits", "", [limit_table(result)])] if result.judged else []),
+        *([Section("Limits", "", [face_table(result, "judged")])] if result.judged else []),
         Section("Comparison", "", pictures),
         Section("Figures", "" if result.budget is None else budget_words(result), tables),
-        *([Section("Band", "", [band_table(result)])] if result.in_bands else []),
-        Section("Scores", scaling_words(result), [score_table(result)]),
-        _sources(result),
+        *([Section("Band", "", [face_table(result, "in_bands")])] if result.in_bands else []),
+        Section("Scores", scaling_words(result), [scores]),
+        Section(
+            "What is compared",
+            "A is the reference; the shift is added to the times of B.",
+            [face_table(result, "sides")],
+        ),
         chapters.warnings(result.notices),
     ]
     by_indicative = result.specified is not None and result.specified.by_indicative
@@ -61,21 +137,3 @@ def _specification(judged: SpecificationVerdict) -> Section:
         words += " The band lies where the smallest distance of A to it is largest."
     words += f" Source: {judged.specification.file.source}."
     return Section("Verdict by the specification", words, [clause_table(judged)])
-
-
-def _sources(result: CompareResult) -> Section:
-    """List what A and B are."""
-    rows: list[list[Cell]] = [
-        [
-            which,
-            curve.name,
-            curve.kind + (f" of {curve.count}" if curve.count > 1 else ""),
-            with_unit(1.0 / curve.history.step, "Hz", "kHz"),
-            str(curve.history.values.size),
-            with_unit(curve.history.noise, curve.unit, result.usual, 3) if curve.history.noise else "none",
-        ]
-        for which, curve in (("A", result.a), ("B", result.b))
-    ]
-    heads = ["", "name", "kind", "sampling rate", "samples", "noise (standard deviation)"]
-    words = "A is the reference; the shift is added to the times of B."
-    return Section("What is compared", words, [Table("Histories", heads, rows)])

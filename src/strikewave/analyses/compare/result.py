@@ -5,40 +5,181 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from strikewave.analyses.compare.agreement import CurveAgreement, PairOfFigures
-from strikewave.analyses.compare.curve import FIGURES, QUANTITIES, SHOWN_IN, ComparedCurve
-from strikewave.analyses.compare.limits import Judged, verdict_of
+from strikewave.analyses.compare.curve import FIGURES, OF_FILES, QUANTITIES, SHOWN_IN, ComparedCurve
+from strikewave.analyses.compare.limits import METRICS, Judged, verdict_of
 from strikewave.analyses.compare.specified import SpecificationVerdict
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
 from strikewave.base.result import Band
+from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, RATIO
 from strikewave.records.budget.contributions import Budget
+from strikewave.reporting.banded_numbers import band_text
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
-from strikewave.reporting.numbers import axis_unit, percent, rounded
+from strikewave.reporting.numbers import axis_unit, percent, rounded, shown, with_unit
+from strikewave.reporting.parts import Tag, written
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.signal.filters import Filter
 from strikewave.signal.iso18571 import RATE, SAMPLES
 from strikewave.specifications.decisions import together
 
-INTEGRALS = {"m/s^2": "m/s", "N": "N s"}
-"""Unit of the integral over time of what has a name for it: the velocity change, and the impulse."""
+Array = NDArray[np.float64]
+
+INTEGRALS = {"m/s^2": ("velocity_change", "m/s"), "N": ("impulse", "N s")}
+"""Name and unit of the integral over time of what has a name for it."""
 LONGEST_IN_US, LONGEST_IN_MS = 1e-2, 10.0
 """Shifts, s, up to which they are shown in µs and in ms."""
+LONGEST_INTERVAL_IN_US = 2e-3
+"""Intervals, s, up to which they are shown in µs, and in ms beyond."""
 DECIMALS, MOST_DECIMALS = 4, 6
 """Of a shift: without an uncertainty, and at most."""
 NAMES = {"peak": "peak", "width": "pulse width at 10 %", "velocity_change": "velocity change", "impulse": "impulse"}
+TOGETHER = "of-both"
+SCORE = Quantity(NO_UNIT, NO_UNIT, decimals=3, digits=0)
+RMS = Quantity(NO_UNIT, "%", METRICS["rms"][1], 2, 0)
+CORRELATION = Quantity(NO_UNIT, NO_UNIT, METRICS["correlation"][1], 5, 0)
+LEVEL = Quantity("dB", "dB")
+OF_INTEGRAL = Quantity.of_data("of the integral")
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class LargestRatio:
+    """Where the shock response spectra of both differ most."""
+
+    ratio: float = declare.number(LEVEL, "largest ratio of the shock response spectra")
+    frequency: float = declare.number(FREQUENCY, "natural frequency of that")
+
+    @declare.phrase("largest ratio of shock response spectra", column=MAIN, tables=TOGETHER)
+    def words(self) -> str:
+        """Return both in words."""
+        return f"{self.ratio:+.2f} dB at {with_unit(self.frequency, 'Hz', 'kHz', 3)}"
+
+
+@declare.dataclass
+class SpectraRatio:
+    """The ratio of the shock response spectra."""
+
+    largest: LargestRatio = declare.part(LargestRatio, "where it is largest in size")
+    frequency: Array = declare.history(FREQUENCY, "natural frequencies")
+    ratio: Array = declare.history(LEVEL, "ratio of the spectra, b over a, there")
+
+
+@declare.dataclass
+class IsoScores:
+    """Scores of ISO/TS 18571, and how time was scaled for them."""
+
+    corridor: float = declare.number(SCORE, "corridor score of ISO/TS 18571, 0 to 1", column=MAIN)
+    phase: float = declare.number(SCORE, "phase score", column=MAIN)
+    magnitude: float = declare.number(SCORE, "magnitude score", column=MAIN)
+    slope: float = declare.number(SCORE, "slope score", column=MAIN)
+    overall: float = declare.number(SCORE, "overall score", column=MAIN)
+    delay: float = declare.number(MICROSECONDS, "by how much b comes later, by the phase score")
+    grade: str = declare.word("grade in words", column=MAIN)
+    samples: int = declare.count("samples of the interval")
+    stretched: float = declare.number(RATIO, "times by which time was stretched to the sampling rate of the standard")
+
+
+@declare.dataclass
+class ShiftTaken:
+    """What aligned the two histories."""
+
+    value: float = declare.number(MICROSECONDS, "what was added to the times of b")
+    uncertainty: float = declare.number(MICROSECONDS, "standard uncertainty of that")
+    align: str = declare.word("rule that was asked for")
+    rule: str = declare.word("rule that was taken")
+
+    @declare.phrase("shift of B", column=MAIN, tables=TOGETHER)
+    def words(self) -> str:
+        """Return it with its uncertainty."""
+        if self.align == "none":
+            return "none"
+        size = abs(self.value)
+        (second, unit) = axis_unit("s", "us" if size < LONGEST_IN_US else "ms" if size < LONGEST_IN_MS else "s")
+        doubt = self.uncertainty / second
+        decimals = min(max(1 - math.floor(math.log10(doubt)), 0), MOST_DECIMALS) if doubt > 0.0 else DECIMALS
+        value = f"{rounded(self.value / second, decimals)} {unit}"
+        return f"{value} ± {rounded(doubt, decimals)} {unit}" if doubt > 0.5 * 10.0**-MOST_DECIMALS else value
+
+
+@declare.dataclass
+class CorridorShare:
+    """How much of a history lies within the corridor of a campaign."""
+
+    share: float = declare.number(RATIO, "of a campaign: share of the samples within its corridor")
+    deviations: float = declare.number(NOT_MEASURED, "how wide that is in deviations")
+
+    @declare.phrase("within the corridor", column=MAIN, tables=TOGETHER)
+    def words(self) -> str:
+        """Return both in words."""
+        return f"{percent(self.share, 1)}, ± {self.deviations:g} standard deviations"
+
+
+@declare.dataclass
+class BandedFigure:
+    """A figure of one history that the other one has a band of."""
+
+    figure: str = declare.word("of a simulation with bands: the figure")
+    of: str = declare.word("whose figure is held against the band")
+    value: float = declare.number(NOT_MEASURED, "the figure")
+    low: float = declare.number(NOT_MEASURED, "low end of the band")
+    high: float = declare.number(NOT_MEASURED, "high end of the band")
+    inside: bool = declare.word("whether it lies within")
+    units: tuple[str, str]
+
+    @declare.phrase("figure", column=KEY)
+    def called(self) -> str:
+        """Return which figure it is."""
+        return f"{NAMES[self.figure]} of {self.of}"
+
+    @declare.phrase("value", column=MAIN)
+    def size_words(self) -> str:
+        """Return its size."""
+        return with_unit(abs(self.value), *self.units)
+
+    @declare.phrase("band", column=MAIN)
+    def band_words(self) -> str:
+        """Return the ends of the band."""
+        return band_text(Band(self.low, self.high, 0.0), *self.units)
+
+    @declare.phrase("lies", column=MAIN)
+    def place(self) -> Tag:
+        """Return where it lies."""
+        return Tag("inside", "good") if self.inside else Tag("outside", "warned")
+
+
+@declare.dataclass
+class ComparisonMetrics:
+    """How well two histories agree."""
+
+    peak: PairOfFigures | None = declare.part(PairOfFigures, "largest magnitude", quantity=OF_FILES)
+    width: PairOfFigures | None = declare.part(PairOfFigures, "width at 10 % of it", quantity=MICROSECONDS)
+    velocity_change: PairOfFigures | None = declare.part(PairOfFigures, "of accelerations", quantity=OF_INTEGRAL)
+    impulse: PairOfFigures | None = declare.part(PairOfFigures, "of forces", quantity=OF_INTEGRAL)
+    rms: float = declare.number(
+        RMS, "root mean square of the difference over that of the reference", column=MAIN, tables=TOGETHER
+    )
+    correlation: float = declare.number(CORRELATION, "of both over the interval", column=MAIN, tables=TOGETHER)
+    srs: SpectraRatio | None = declare.part(SpectraRatio, "the ratio of the spectra; null of what is no acceleration")
+    iso18571: IsoScores = declare.part(IsoScores, "scores of ISO/TS 18571")
+    shift: ShiftTaken = declare.part(ShiftTaken, "what aligned both", quantity=MICROSECONDS)
+    inside: CorridorShare | None = declare.part(CorridorShare, "what lies within the corridor of a campaign")
+    band: list[BandedFigure] = declare.rows(BandedFigure, "figures that a band is known of")
+
+
+@declare.dataclass
 class CompareResult(AskedResult):
     """Two histories held against one another; see `Result` for what it shares with others.
 
+    Beside what documents have:
+
     Attributes
     ----------
-    a, b : ComparedCurve
-        The reference, and what is held against it.
     agreement : CurveAgreement
         Both laid on one another, and how well they agree.
     align : str
@@ -47,24 +188,22 @@ class CompareResult(AskedResult):
         Filter that both went through.
     factor : float
         Standard deviations of a campaign that its corridor is wide to either side.
-    judged : sequence of Judged
-        The limits, and whether they are kept.
     specified : SpecificationVerdict or None
         What a specification comes to, where B is one.
+    budget : Budget or None
+        Of the uncertainties of what was measured.
     """
 
     command: ClassVar[str] = "compare"
     is_history: ClassVar[bool] = True
+    main_rows: ClassVar[str] = "histories"
 
-    a: ComparedCurve
-    b: ComparedCurve
+    a: ComparedCurve = declare.part(ComparedCurve, "the reference")
+    b: ComparedCurve = declare.part(ComparedCurve, "what is held against it")
     agreement: CurveAgreement
     align: str = "correlation"
     low_pass: Filter | None = None
     factor: float = 2.0
-    judged: Sequence[Judged] = ()
-    specified: SpecificationVerdict | None = None
-    budget: Budget | None = None
 
     @property
     def title(self) -> str:
@@ -82,30 +221,144 @@ class CompareResult(AskedResult):
         return SHOWN_IN.get(self.unit, self.unit)
 
     @property
+    def given_units(self) -> GivenUnits:
+        """Units of what the files hold, and of its integral."""
+        _, integral = INTEGRALS.get(self.unit, ("", NO_UNIT))
+        return {OF_FILES.given_by: (self.unit, self.usual), OF_INTEGRAL.given_by: (integral, integral)}
+
+    @property
+    def named_units(self) -> Mapping[str, str]:
+        """Units of where a specification begins, and of the uncertainty of the shift."""
+        return {"start": "s", "uncertainty": "s"}
+
+    @declare.computed(declare.named(ComparedCurve, "histories", label="history", in_document=False))
+    def sides(self) -> dict[str, ComparedCurve]:
+        """Both histories by what they are called."""
+        return {"A": self.a, "B": self.b}
+
+    @declare.computed(declare.word("what both are of, such as acceleration"))
     def quantity(self) -> str:
         """What both are of."""
         return QUANTITIES.get(self.unit, "value")
 
-    @property
+    @declare.computed(
+        declare.word("low-pass that both went through", key="filter", column=MAIN, tables=TOGETHER, order=1)
+    )
+    def low_pass_on_both(self) -> str | None:
+        """The low-pass that both went through."""
+        return None if self.low_pass is None else str(self.low_pass)
+
+    @declare.phrase("rating", headline="ISO/TS 18571")
+    def rating_words(self) -> str:
+        """Return the rating of ISO/TS 18571 with its grade."""
+        rating = self.agreement.rating
+        return f"{rating.overall:.3f} ({rating.grade})"
+
+    @declare.computed(declare.rows(PairOfFigures, "largest pulse", in_document=False, headline="each"))
+    def pairs(self) -> list[PairOfFigures]:
+        """The figures of both."""
+        return list(self.figures.values())
+
+    @declare.computed(declare.part(ComparisonMetrics, "how well both agree"))
+    def metrics(self) -> ComparisonMetrics:
+        """How well both agree."""
+        found, rating = self.agreement, self.agreement.rating
+        begin, end = found.interval
+        scaling = (SAMPLES, (SAMPLES - 1) / RATE / (end - begin))
+        srs = SpectraRatio(LargestRatio(*found.largest_ratio), found.frequency, found.ratio)
+        return ComparisonMetrics(
+            **{name: self.figures.get(name) for name in NAMES},
+            rms=found.rms,
+            correlation=found.correlation,
+            srs=srs if found.frequency.size else None,
+            iso18571=IsoScores(*rating[:5], (end - begin) / (SAMPLES - 1) * rating.delay, rating.grade, *scaling),
+            shift=ShiftTaken(found.shift.shift, found.shift.uncertainty, self.align, found.shift.rule),
+            inside=None if found.deviation is None else CorridorShare(found.inside(self.factor), self.factor),
+            band=self.in_bands,
+        )
+
+    @declare.phrase("shift", headline="shift")
+    def shift_words(self) -> str:
+        """Return the shift of B with its uncertainty."""
+        return self.metrics.shift.words
+
+    @declare.computed(declare.history(MICROSECONDS, "[begin, end] in which they are judged"))
+    def interval(self) -> tuple[float, float]:
+        """Begin and end of what is judged."""
+        return self.agreement.interval
+
+    @declare.phrase("interval in which they are judged", column=MAIN, tables=TOGETHER)
+    def interval_words(self) -> str:
+        """Return begin, end and length of the interval."""
+        begin, end = self.interval
+        usual = "us" if end - begin < LONGEST_INTERVAL_IN_US else "ms"
+        ends = f"{written(shown(begin, 's', usual), 6)} to {written(shown(end, 's', usual), 6)}"
+        return f"{ends} {axis_unit('s', usual)[1]} ({with_unit(end - begin, 's', usual)})"
+
+    @declare.computed(
+        declare.number(RATIO, "share of the RMS of the finer history above half the sampling rate of the other")
+    )
+    def above_nyquist(self) -> float:
+        """What the coarser history cannot hold of the finer one."""
+        return self.agreement.lost
+
+    judged: Sequence[Judged] = declare.rows(Judged, "limits", key="limits", default=())
+    specified: SpecificationVerdict | None = None
+    budget: Budget | None = None
+
+    @declare.computed(declare.word("the budget", key="budget"))
+    def budget_document(self) -> dict[str, Any] | None:
+        """The budget of the uncertainties, for documents."""
+        return None if self.budget is None else self.budget.document()
+
+    @declare.computed(declare.word("the verdict by a specification", key="spec"))
+    def specification_document(self) -> dict[str, Any] | None:
+        """The verdict by a specification, for documents."""
+        return None if self.specified is None else self.specified.document()
+
+    @declare.computed(declare.word("the worst of specification and limits; null without any"))
     def verdict(self) -> str | None:
         """The worst verdict, of the specification and of the limits; None without any."""
         verdicts = [one for one in (verdict_of(self.judged), self.specified and self.specified.verdict) if one]
         return together(verdicts) if verdicts else None
 
+    @declare.computed(declare.part(CurveAgreement, "both over the common time", quantity=OF_FILES))
+    def history(self) -> CurveAgreement:
+        """Both histories over the common time, for documents."""
+        return self.agreement
+
+    @declare.computed(declare.table("both over the common time"))
+    def histories(self) -> list[Column]:
+        """Both histories over the common time."""
+        found, si, usual = self.agreement, self.unit, self.usual
+        columns = [
+            Column("time", found.time, "s", shown="us"),
+            Column("A", found.a, si, shown=usual),
+            Column("B", found.b, si, shown=usual),
+            Column("difference", found.b - found.a, si, shown=usual),
+        ]
+        if found.deviation is not None:
+            columns.append(Column("deviation", found.deviation, si, shown=usual))
+        return columns
+
     @functools.cached_property
     def figures(self) -> dict[str, PairOfFigures]:
         """Peak, width, and velocity change or impulse, of both."""
-        integral = {"m/s^2": "velocity_change", "N": "impulse"}.get(self.unit)
-        names = {"peak": "peak", "width": "width", **({integral: "integral"} if integral else {})}
-        one, other = self.agreement.pulse_a, self.agreement.pulse_b
+        kinds = {"peak": ("peak", self.unit, self.usual), "width": ("width", "s", "us")}
+        if self.unit in INTEGRALS:
+            integral, si = INTEGRALS[self.unit]
+            kinds[integral] = ("integral", si, si)
         return {
             name: PairOfFigures(
-                getattr(one, FIGURES[key]),
-                getattr(other, FIGURES[key]),
+                getattr(self.agreement.pulse_a, FIGURES[key]),
+                getattr(self.agreement.pulse_b, FIGURES[key]),
                 self.a.uncertainty.get(key, 0.0),
                 self.b.uncertainty.get(key, 0.0),
+                NAMES[name],
+                (si, usual),
+                (self.a.budgeted, self.b.budgeted),
             )
-            for name, key in names.items()
+            for name, (key, si, usual) in kinds.items()
         }
 
     @property
@@ -130,128 +383,16 @@ class CompareResult(AskedResult):
             "inside": found.inside(self.factor),
         }
 
-    @functools.cached_property
-    def in_bands(self) -> list[tuple[str, str, float, Band, bool]]:
-        """Each figure of one history that the other one has a band of: name, whose, value, band, whether inside."""
+    @declare.computed(declare.rows(BandedFigure, "band of the simulation", in_document=False))
+    def in_bands(self) -> list[BandedFigure]:
+        """Each figure of one history that the other one has a band of."""
         rows = []
         for name, pair in self.figures.items():
             for owner, value, band in (("A", pair.a, self.b.band.get(name)), ("B", pair.b, self.a.band.get(name))):
                 if band is not None and math.isfinite(value):
-                    rows.append((name, owner, value, band, band.low <= abs(value) <= band.high))
+                    inside = band.low <= abs(value) <= band.high
+                    rows.append(BandedFigure(name, owner, value, band.low, band.high, inside, pair.units))
         return rows
-
-    def units(self) -> Mapping[str, str]:
-        """Return the unit of each key of the JSON document."""
-        own = self.unit or "the files' own numbers"
-        integral = INTEGRALS.get(self.unit, "1")
-        return {
-            "peak": own,
-            "width": "s",
-            "velocity_change": integral,
-            "impulse": integral,
-            "difference": "1",
-            "difference_uncertainty": "1",
-            "uncertainty": "s",
-            "a_uncertainty": "as the figure",
-            "b_uncertainty": "as the figure",
-            "noise": own,
-            "sampling_rate": "Hz",
-            "delay": "s",
-            "start": "s",
-            "stretched": "1",
-            "above_nyquist": "1",
-            "shift": "s",
-            "interval": "s",
-            "time": "s",
-            "history": own,
-            "frequency": "Hz",
-            "ratio": "dB",
-            "rms": "1",
-            "correlation": "1",
-            "share": "1",
-        }
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        found = self.agreement
-        figures: dict[str, Any] = dict.fromkeys(("peak", "width", "velocity_change", "impulse"))
-        for name, pair in self.figures.items():
-            figures[name] = {
-                **pair._asdict(),
-                "difference": pair.difference,
-                "difference_uncertainty": pair.uncertainty,
-            }
-        rating = found.rating._asdict()
-        step = (found.interval[1] - found.interval[0]) / (SAMPLES - 1)
-        return {
-            "a": _curve_document(self.a),
-            "b": _curve_document(self.b),
-            "quantity": self.quantity,
-            "filter": None if self.low_pass is None else str(self.low_pass),
-            "metrics": {
-                **figures,
-                "rms": found.rms,
-                "correlation": found.correlation,
-                "srs": self._srs_document(),
-                "iso18571": {**rating, "grade": found.rating.grade, "delay": step * found.rating.delay, **self.scaling},
-                "shift": {
-                    "value": found.shift.shift,
-                    "uncertainty": found.shift.uncertainty,
-                    "align": self.align,
-                    "rule": found.shift.rule,
-                },
-                "inside": None
-                if found.deviation is None
-                else {"share": found.inside(self.factor), "deviations": self.factor},
-                "band": [
-                    {"figure": name, "of": owner, "value": value, "low": band.low, "high": band.high, "inside": inside}
-                    for name, owner, value, band, inside in self.in_bands
-                ],
-            },
-            "interval": list(found.interval),
-            "above_nyquist": found.lost,
-            "limits": [
-                {
-                    "metric": one.limit.metric,
-                    "limit": one.limit.typed,
-                    "value": one.value,
-                    "margin": one.margin,
-                    "verdict": one.verdict,
-                }
-                for one in self.judged
-            ],
-            "budget": None if self.budget is None else self.budget.document(),
-            "spec": None if self.specified is None else self.specified.document(),
-            "verdict": self.verdict,
-            "history": {"time": found.time, "a": found.a, "b": found.b, "deviation": found.deviation},
-        }
-
-    @property
-    def scaling(self) -> dict[str, float]:
-        """How time was scaled for ISO/TS 18571: samples of the interval, and times by which it was stretched."""
-        begin, end = self.agreement.interval
-        return {"samples": SAMPLES, "stretched": (SAMPLES - 1) / RATE / (end - begin)}
-
-    def _srs_document(self) -> dict[str, Any] | None:
-        found = self.agreement
-        if not found.frequency.size:
-            return None
-        return {
-            "largest": dict(zip(("ratio", "frequency"), found.largest_ratio, strict=True)),
-            "frequency": found.frequency,
-            "ratio": found.ratio,
-        }
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the rating, the differences of the figures, and the shift."""
-        rating = self.agreement.rating
-        numbers = [("ISO/TS 18571", f"{rating.overall:.3f} ({rating.grade})")]
-        numbers += [
-            (NAMES[name], percent(pair.difference, 1, "+"))
-            for name, pair in self.figures.items()
-            if math.isfinite(pair.difference)
-        ]
-        return [*numbers, ("shift", shift_words(self))]
 
     def preview(self) -> Curve | None:
         """Return the difference over the interval."""
@@ -260,54 +401,16 @@ class CompareResult(AskedResult):
             found.time[kept], (found.b - found.a)[kept], self.unit, self.usual, f"difference of {self.quantity}"
         )
 
-    def columns(self) -> list[Column]:
-        """Return both histories over the common time."""
-        found, usual = self.agreement, self.unit
-        columns = [
-            Column("time", found.time, "s"),
-            Column("A", found.a, usual),
-            Column("B", found.b, usual),
-            Column("difference", found.b - found.a, usual),
-        ]
-        return columns + ([Column("deviation", found.deviation, usual)] if found.deviation is not None else [])
-
-    def brief(self) -> dict[str, str]:
-        """Return all columns."""
-        return {"time": "us"} | {column.name: self.usual for column in self.columns()[1:]}
-
     def tables(self) -> dict[str, str]:
         """Return histories and spectra as CSV text."""
-        tables = {"comparison.csv": csv_table(self.columns(), HISTORY_DIGITS)}
-        found, usual = self.agreement, self.unit
+        tables = {"comparison.csv": csv_table(self.histories, HISTORY_DIGITS)}
+        found, si = self.agreement, self.unit
         if found.frequency.size:
             spectra = [
                 Column("frequency", found.frequency, "Hz"),
-                Column("A", found.spectrum_a, usual),
-                Column("B", found.spectrum_b, usual),
+                Column("A", found.spectrum_a, si),
+                Column("B", found.spectrum_b, si),
                 Column("ratio [dB]", found.ratio),
             ]
             tables["spectrum.csv"] = csv_table(spectra)
         return tables
-
-
-def _curve_document(curve: ComparedCurve) -> dict[str, Any]:
-    return {
-        "name": curve.name,
-        "kind": curve.kind,
-        "count": curve.count,
-        "sampling_rate": 1.0 / curve.history.step,
-        "noise": curve.history.noise,
-    }
-
-
-def shift_words(result: CompareResult) -> str:
-    """Return the shift with its uncertainty, in words."""
-    shift = result.agreement.shift
-    if result.align == "none":
-        return "none"
-    size = abs(shift.shift)
-    (second, unit) = axis_unit("s", "us" if size < LONGEST_IN_US else "ms" if size < LONGEST_IN_MS else "s")
-    doubt = shift.uncertainty / second
-    decimals = min(max(1 - math.floor(math.log10(doubt)), 0), MOST_DECIMALS) if doubt > 0.0 else DECIMALS
-    value = f"{rounded(shift.shift / second, decimals)} {unit}"
-    return f"{value} ± {rounded(doubt, decimals)} {unit}" if doubt > 0.5 * 10.0**-MOST_DECIMALS else value

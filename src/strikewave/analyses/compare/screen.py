@@ -8,21 +8,18 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.analyses.compare.question import CompareRequest, compared
-from strikewave.analyses.compare.result import CompareResult
-from strikewave.analyses.compare.sources import parse_name, paths_of
-from strikewave.analyses.compare.words import (
-    agreement_table,
-    band_table,
+from strikewave.analyses.compare.report import (
+    agreement_tables,
     budget_words,
     clause_table,
     compare_words,
-    figure_table,
-    limit_table,
     scaling_words,
-    score_table,
 )
+from strikewave.analyses.compare.result import CompareResult
+from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.faces import face_table
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import report_table, tell
@@ -73,16 +70,17 @@ class CompareCommand(Command[CompareResult]):
         if result.specified is not None:
             report_table(clause_table(result.specified), more=("of tolerance", "limit is", "why"))
             tell(result.specified.decision, "  ")
-        report_table(figure_table(result))
+        figures, *tables = agreement_tables(result)
+        report_table(figures)
         if result.budget is not None:
             tell(budget_words(result), "  ")
-        report_table(agreement_table(result))
-        report_table(score_table(result))
+        for table in tables:
+            report_table(table)
         tell(scaling_words(result), "  ")
         if result.in_bands:
-            report_table(band_table(result))
+            report_table(face_table(result, "in_bands"))
         if result.judged:
-            report_table(limit_table(result), more=("of", "margin"))
+            report_table(face_table(result, "judged"), more=("of", "margin"))
 
     def draw(self, result: CompareResult, folder: Path) -> list[str]:
         """Write page and summary."""

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 import strikewave
+from strikewave.analyses.compare.report import agreement_tables
 from strikewave.analyses.compare.result import CompareResult
-from strikewave.analyses.compare.words import agreement_table, figure_table, score_table
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.figures.records import shown
 from strikewave.analyses.record.result import RecordResult
@@ -104,7 +104,7 @@ def _measured(request: RecordRequest, say: Say) -> dict[str, Any]:
         try:
             compared = _compared(request, _best(result), options)
             charts.append(beside_chart(compared))
-            tables += [page_table(make(compared)) for make in (figure_table, agreement_table, score_table)]
+            tables += map(page_table, agreement_tables(compared))
             notices += [(one.severity, one.code, one.message) for one in compared.notices]
         except strikewave.StrikewaveError as error:
             notices.append(("warning", "no-simulation", str(error)))
