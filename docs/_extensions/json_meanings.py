@@ -105,8 +105,6 @@ def _shared(stated: dict[str, Any], tables_of: Mapping[type, str]) -> KeyTable:
         declared = dict(_of_declared(_named(stated.pop("class")), others))
         return KeyTable(stated.pop("heading"), {**declared, **stated}, optional=set(declared) - set(stated))
     found = {key: text for path in stated.pop("classes", ()) for key, text in _of_class(_named(path)).items()}
-    if "mapping" in stated:
-        found = {key: text for key, (_, text) in _named(stated.pop("mapping")).items()}
     found = {key: text for key, text in found.items() if not any(one.startswith(f"{key}[]") for one in stated)}
     return KeyTable(stated.pop("heading"), {**found, **stated}, optional=set(found) - set(stated))
 

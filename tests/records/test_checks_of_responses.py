@@ -132,6 +132,21 @@ def test_a_base_drives_each_mode():
     assert record(FLAT, base=base[:-1]).driven(450) is None
 
 
+def test_a_mode_is_driven_as_its_equation_of_motion_says():
+    """Scipy's solution for a base that is straight between samples: s^2 + 2 z w s + w^2 against 2 z w s + w^2."""
+    from scipy.signal import lsim
+
+    base = np.r_[np.zeros(100), np.cumsum(np.random.default_rng(3).normal(size=150))]
+    one = record(np.zeros(250), response(modes=(mode(30.0, 0.3), mode(70.0, 0.05))), base=base)
+    columns = one.driven(240)
+    assert columns[:, 0] == pytest.approx(base[:240])
+    for column, (frequency, damping) in zip(columns.T[1:], ((30.0, 0.3), (70.0, 0.05)), strict=True):
+        natural = 2.0 * math.pi * frequency / math.sqrt(1.0 - damping**2)
+        numerator = [2.0 * damping * natural, natural**2]
+        _, expected, _ = lsim((numerator, [1.0, *numerator]), base[:240], STEP * np.arange(240))
+        assert column == pytest.approx(expected, rel=1e-6, abs=1e-6)
+
+
 def test_what_only_makes_a_timing_uncertain_is_no_reason():
     for effects, severity, harms in (
         ({"delay": 0.06, "rms": 0.06}, "good", ("delay", "rms")), ({"peak": 0.06}, "suspect", ("peak", "ratio")), ({"peak": 0.04}, "good", ()),
@@ -509,6 +524,16 @@ def test_tops_lower_than_the_modes_make_them_are_compressed(monkeypatch, limit, 
     assert [dict(f.effects)["peak"] for f in said] == [-f.value for f in said]
     monkeypatch.setattr(ExaminedResponse, "driven", lambda self, end: None)
     assert limits.compressed(record(values)) == []
+
+
+@pytest.mark.parametrize(("stray", "found"), [(0.0, True), (0.05, True), (0.15, False)])
+def test_tops_of_modes_that_are_not_known_are_not_compressed(monkeypatch, stray, found):
+    """Six hundredths lower; the modes must miss half as much again of all samples as of the lower ones."""
+    t = np.arange(400.0)
+    template = 10.0 * np.sin(2.0 * np.pi * t / 50.0)
+    values = np.where(np.abs(template) < 6.0, template + stray * (-1.0) ** t, 0.94 * template)
+    monkeypatch.setattr(ExaminedResponse, "driven", lambda self, end: np.r_[np.zeros(100), template][:end, None])
+    assert bool(limits.compressed(record(np.r_[np.zeros(100), values], response(peak=9.4)))) is found
 
 
 def test_noise_that_only_makes_a_timing_uncertain_is_told(monkeypatch):

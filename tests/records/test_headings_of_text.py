@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.records.calibration import known_unit
 from strikewave.records.readers import clock, headings, settings
 from strikewave.records.readers.clock import last_digit, rises_evenly, said_step, seconds_in, step_of, to_seconds
 from strikewave.records.readers.columns import Marks
@@ -188,6 +189,19 @@ def test_units_of_time_have_their_seconds(unit, seconds):
     )
     assert to_seconds(np.array([20.0]), unit, 7.0).tolist() == [140.0]
     assert to_seconds(np.array([20.0]), "what").tolist() == [20.0]
+
+
+def test_of_a_hostile_line_no_more_than_its_begin_is_looked_at():
+    """Five hundred letters of a setting, two hundred of a heading, eighty of a unit with a number."""
+    for blanks, found in ((491, 0.25), (492, math.nan)):
+        np.testing.assert_equal(said_step([" " * blanks + "fs = 4 Hz"])[0], found)
+    for letters, found in ((196, ("a" * 196, "g")), (197, ("a" * 197 + " [g", ""))):
+        assert headings.name_and_unit("a" * letters + " [g]") == found
+    for blanks, known in ((75, ("m/s^2", 9806.65)), (76, None)):
+        assert known_unit("1000" + " " * blanks + "g") == known
+    for count, known in ((246, 246), (247, 0)):
+        line = "delta t" + ";1" * count
+        assert len(settings.settings_of([line], Marks(";"), count + 1, range(1, count + 1)).steps) == known
 
 
 @pytest.mark.parametrize("seconds", [3e-3, 0.7, 0.3, 1.005, 0.995, 1e-5, 7.5e-4])

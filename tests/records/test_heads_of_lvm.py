@@ -192,6 +192,10 @@ def test_segments_have_their_place_line_and_session():
 
 
 def test_more_segments_than_the_most_are_refused(monkeypatch):
+    many = FILE_HEAD + SEGMENT % (0, 5, 6) * 10_000
+    assert len(lvm._segments(FILE, many, "utf-8")) == 10_000
+    with pytest.raises(InputError, match="at most 10000 segments"):
+        lvm._segments(FILE, many + SEGMENT % (0, 5, 6), "utf-8")
     monkeypatch.setattr(lvm, "_MOST_SEGMENTS", 3)
     assert len(lvm._segments(FILE, FILE_HEAD + SEGMENT % (0, 5, 6) + SEGMENT % (4, 7, 8) * 2, "utf-8")) == 3
     with pytest.raises(InputError, match="at most 3 segments"):

@@ -485,6 +485,17 @@ def test_masses_that_may_be_meant_for_gravity_are_told(unit, words):
     assert calibration.ambiguous(unit) == words
 
 
+@pytest.mark.parametrize(
+    ("unit", "hint"),
+    [("m/s2x", "did you mean"), ("zzzzzzz", "choose from"), ("kgees", 'thousands of g are --unit "1000 g"')],
+)
+def test_a_unit_that_is_none_is_refused_with_what_may_be_meant(unit, hint):
+    with pytest.raises(InputError) as refused:
+        calibration.check_unit(unit, "--unit")
+    assert hint in refused.value.hint
+    assert (refused.value.field, refused.value.got) == ("--unit", unit)
+
+
 def test_a_calibration_file_up_to_its_limits(tmp_path, monkeypatch):
     file = tmp_path / "calibration.toml"
     text = 'schema = 1\n[all]\nunit = "V"\n[channel.bar]\ngain = 3\npolarity = -1\n'

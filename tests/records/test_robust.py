@@ -147,6 +147,8 @@ def test_bounds_of_kendall_are_those_of_the_exact_distribution():
             ]
             found = kendall_bound(n, confidence)
             assert (found if found is not None else len(pairs)) == fits[0]
+    # of 120 orders of five, five have at most one pair the wrong way round: twice that is ten
+    assert (kendall_bound(5, 1.0 - 10.01 / 120.0), kendall_bound(5, 1.0 - 9.97 / 120.0)) == (6, 8)
     exact, normal = kendall_bound(60, 0.95), kendall_bound(61, 0.95)
     assert exact == pytest.approx(1.96 * math.sqrt(60 * 59 * 125 / 18), abs=2.0)
     for n in (61, 62, 200, 500):

@@ -107,6 +107,17 @@ def test_what_is_infinite_is_a_dash_as_it_is_null_in_the_document(result):
     assert endless.document()["planted"] is None
 
 
+def test_words_in_a_list_stand_behind_one_another_and_none_are_a_dash():
+    @declare.dataclass
+    class Listed:
+        """Names."""
+
+        names: list[str] = declare.word("names", column=MAIN)
+
+    [column] = faces.columns_of(Listed)
+    assert [column.text(Listed(names)) for names in (["a", "b"], ("c",), [])] == ["a, b", "c", "–"]
+
+
 def test_a_truth_that_is_wanted_is_good_where_it_holds():
     @declare.dataclass
     class Kept:
@@ -314,6 +325,41 @@ def test_the_screen_prints_rows_as_the_page_has_them(result, capsys):
 
 
 @declare.dataclass
+class Sampled:
+    """A mean and a share with what is known of them."""
+
+    mean: float = declare.number(
+        Quantity.of_data("as the number", "mean", digits=5), "mean", column=MAIN, bounds="low high"
+    )
+    share: float = declare.number(
+        Quantity("1", "%", digits=3), "share", column=MAIN, error="standard_error", bounds="share_low share_high"
+    )
+    low: float = declare.number(declare.NOT_MEASURED, "its low bound", default=0.0)
+    high: float = declare.number(declare.NOT_MEASURED, "its high bound", default=2.0)
+    standard_error: float | None = declare.number(declare.NOT_MEASURED, "its standard error", default=None)
+    share_low: float = declare.number(declare.NOT_MEASURED, "low bound of the share", default=1e-9)
+    share_high: float = declare.number(declare.NOT_MEASURED, "its high bound", default=0.5)
+    given_units: ClassVar = {"as the number": Quantity("m/s^2", "g", digits=5)}
+
+
+def test_bounds_stand_in_a_column_of_their_own_and_a_standard_error_beside_its_share():
+    columns = faces.columns_of(Sampled)
+    assert [one.head for one in columns] == ["mean", "95 % bounds", "share (%)", "95 % bounds of the share (%)"]
+    assert [one.priority for one in columns] == [MAIN, MAIN, MAIN, MORE]
+    rows = (
+        Sampled(1234.56 * G, 0.25, 1234.0 * G, 1235.04 * G, 0.03),
+        Sampled(G, 0.25, float("nan"), G),
+        Sampled(G, 1e-9, standard_error=float("inf")),
+    )
+    assert [[one.text(row) for one in columns] for row in rows] == [
+        ["1234.6 g", "1234 to 1235.0 g", "25 ± 3", "< 1e-4 to 50"],
+        ["1 g", "–", "25", "< 1e-4 to 50"],
+        ["1 g", "0 to 0.20394 g", "< 1e-4", "< 1e-4 to 50"],
+    ]
+    assert faces.text_of(rows[2], "share") == "< 1e-4 %"
+
+
+@declare.dataclass
 class Closing:
     """By how much a sum misses, and how late it is."""
 
@@ -393,3 +439,21 @@ def test_words_of_faces_alone_follow_the_units_that_are_chosen_later():
     assert spoken.text == "2 g"
     with showing(ShownUnits.read("m/s^2")):
         assert spoken.text == "19.61 m/s²"
+
+
+def test_a_part_says_who_gave_its_numbers_and_nothing_is_a_dash():
+    @declare.dataclass
+    class Pair:
+        """A number by two codes."""
+
+        title: str = declare.word("title", column=KEY)
+        theirs: Reading | None = declare.part(Reading, "of another code", label="theirs")
+
+    assert [one.head for one in faces.columns_of(Pair)] == ["title", "planted peak, theirs (g)", "clipped, theirs"]
+    assert [one.text(Pair("", None)) for one in faces.columns_of(Pair)] == ["\N{EN DASH}"] * 3
+    assert [leaf.headline for _, leaf in faces.leaves(Pair) if leaf.headline] == ["sensor {name}, theirs"]
+
+
+def test_a_table_without_rows_says_why(result):
+    nothing = dataclasses.replace(result, places=())
+    assert faces.face_table(nothing, "places", empty="No place is there.").empty == "No place is there."

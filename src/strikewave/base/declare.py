@@ -111,7 +111,12 @@ class Declaration:
     of : type, optional
         Declared class of a part, of rows, of named parts.
     label : str
-        What it is called on faces, where neither its quantity nor the name of the field says it.
+        What it is called on faces, where neither its quantity nor the name of the field says it; of a part what
+        follows the labels of its values, such as who gave them.
+    error : str
+        Name of the field beside a share with its standard error: its cell then has both.
+    bounds : str
+        Names of the fields beside it with its bounds at 95 %, such as "low high": a column of them follows its own.
     """
 
     kind: Kind
@@ -129,6 +134,8 @@ class Declaration:
     inline: bool = False
     of: type | None = None
     label: str = ""
+    error: str = ""
+    bounds: str = ""
 
 
 def _field(declaration: Declaration, default: Any, **rest: Any) -> Any:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -16,7 +16,16 @@ from strikewave.base.first_few import first_few
 from strikewave.base.result import Band, Result
 from strikewave.reporting.banded_numbers import table_decimals, with_band
 from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import FEWEST_DIGITS, decimals_of, fixed, headed, shown, spelled
+from strikewave.reporting.numbers import (
+    FEWEST_DIGITS,
+    LEAST_SHARE,
+    decimals_of,
+    fixed,
+    headed,
+    share_with_error,
+    shown,
+    spelled,
+)
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.table_columns import TableColumn, page_table
@@ -24,6 +33,10 @@ from strikewave.reporting.table_columns import TableColumn, page_table
 MOST_LISTED = 5
 """Values of a history that a cell lists, such as the openings of a joint: a row stays one line; documents have all."""
 PERCENT = "%"
+LEAST_WORDS = f"< {100.0 * LEAST_SHARE:.0e}".replace("e-0", "e-")
+"""What stands for a share below `LEAST_SHARE`, in per cent: rounding of the runs makes it."""
+BOUNDS = "95 % bounds"
+"""Head of a column of bounds."""
 Path = tuple[str, ...]
 Bands = Mapping[str, Sequence[Band]]
 """Bands by what declarations call them: of a row, or of all rows of a column."""
@@ -44,12 +57,21 @@ def label_of(name: str, one: Declaration) -> str:
 
 
 def leaves(kind: type, path: Path = ()) -> Iterator[tuple[Path, Declaration]]:
-    """Yield the values of a class that are no rows, with the way to them; those of its parts too."""
+    """Yield the values of a class that are no rows, with the way to them; those of its parts too.
+
+    The label of a part follows theirs: "peak, LS-DYNA".
+    """
     for name, one in declarations(kind).items():
         if one.kind == "part" and one.of is not None:
-            yield from leaves(one.of, (*path, name))
+            for place, leaf in leaves(one.of, (*path, name)):
+                yield place, _labelled(leaf, label_of(place[-1], leaf), one.label) if one.label else leaf
         elif one.of is None:
             yield (*path, name), one
+
+
+def _labelled(leaf: Declaration, label: str, of: str) -> Declaration:
+    headline = leaf.headline and f"{leaf.headline}, {of}"
+    return replace(leaf, label=f"{label}, {of}", headline=headline)
 
 
 def at(value: Any, path: Path) -> Any:
@@ -93,6 +115,9 @@ def _columns(
     def column(path: Path, one: Declaration) -> TableColumn[Any]:
         def cell(row: Any) -> float | str | Tag | None:
             value, bands = parts_of(row)
+            error = at(value, (*path[:-1], one.error)) if one.error else None
+            if error is not None and LEAST_SHARE < error < math.inf:
+                return share_with_error(at(value, path), error).removesuffix(f" {PERCENT}")
             if one.kind == "number" and quantity.given_by and not quantity.si:
                 return own_unit_cell(one, at(value, path), value)
             return cell_of(one, at(value, path), bands.get(one.band, ()), label, given)
@@ -102,13 +127,37 @@ def _columns(
         priority = KEY if one.column is None else one.column
         return TableColumn(label, cell, quantity.si, quantity.usual, quantity.digits, priority=priority, words=words)
 
+    def bounds(path: Path, one: Declaration, is_first: bool) -> TableColumn[Any]:
+        def cell(row: Any) -> str | None:
+            value, _ = parts_of(row)
+            own = one.quantity.within({**given, **getattr(value, "given_units", {})})
+            ends = [_bare(one, at(value, (*path[:-1], name)), own) for name in one.bounds.split()]
+            unit = "" if quantity.si else f" {spelled(shown_unit(own.si, own.usual))}"
+            return None if NONE in ends else f"{' to '.join(ends)}{unit}"
+
+        quantity = one.quantity.within(given)
+        called = BOUNDS if is_first else f"{BOUNDS} of the {label_of(path[-1], one)}"
+        priority = (one.column or KEY) + (not is_first)
+        return TableColumn(called, cell, quantity.si, quantity.usual, priority=priority)
+
     shown_ones = [(path, one) for path, one in leaves(kind) if one.column is not None]
     kept = [
         (path, one)
         for path, one in sorted(shown_ones, key=lambda pair: pair[1].order)
         if (least is None or (one.column or 0) <= least) and table in ("", *one.tables.split())
     ]
-    return [column(path, one) for path, one in kept]
+    columns = list[TableColumn[Any]]()
+    bounded = [one for _, one in kept if one.bounds]
+    for path, one in kept:
+        columns += [column(path, one), *([bounds(path, one, one is bounded[0])] if one.bounds else [])]
+    return columns
+
+
+def _bare(one: Declaration, value: float | None, quantity: Quantity) -> str:
+    """Return what a cell shows of a number that measures a quantity, without its unit."""
+    declared = replace(one, quantity=quantity)
+    si, usual, digits = quantity.si, quantity.usual, quantity.digits
+    return TableColumn[Any]("", lambda _: cell_of(declared, value), si, usual, digits).text(None)
 
 
 def own_unit_cell(one: Declaration, value: Any, row: Any) -> str | None:
@@ -128,17 +177,19 @@ def cell_of(
     """Return what a cell shows of a value, as its declaration says it."""
     si, usual, _, decimals, digits, _, signed = one.quantity.within(given)
     if value is None or isinstance(value, str | Tag):
-        return Tag(value, value) if one.is_tag and isinstance(value, str) else value
+        return Tag(value, value) if one.is_tag and value and isinstance(value, str) else value or None
     if isinstance(value, bool):
         if one.is_tag:
             return Tag("yes", "good") if value else Tag("no", "bad")
         return Tag(label, "bad") if value else Tag("no")
     if one.kind in ("word", "count"):
-        return str(value)
+        return ", ".join(map(str, value)) or None if isinstance(value, list | tuple) else str(value)
     if one.kind == "history":
         return first_few([written(shown(float(each), si, usual), 5) for each in value], MOST_LISTED) or NONE
     if math.isinf(value):
         return None
+    if decimals is None and usual == PERCENT and 0.0 < abs(value) < LEAST_SHARE:
+        return LEAST_WORDS
     if decimals is None and not bands:
         return float(value)
     if bands:
@@ -186,10 +237,10 @@ def numbers_of(value: Any, bands: Bands) -> list[tuple[str, str]]:
     return [(column.text(value), shown_unit(column.si, column.usual)) for column in columns]
 
 
-def face_table(result: Result, name: str, table: str = "", caption: str = "") -> Table:
-    """Return such rows as a table of a page, under their meaning or another caption."""
+def face_table(result: Result, name: str, table: str = "", caption: str = "", empty: str = Table.empty) -> Table:
+    """Return such rows as a table of a page, under their meaning or another caption; ``empty`` where there are none."""
     caption = caption or _sentence(declarations(type(result))[name].meaning)
-    return page_table(caption, face_columns(result, name, table), face_rows(result, name))
+    return page_table(caption, face_columns(result, name, table), face_rows(result, name), empty)
 
 
 def part_tables(result: Result, name: str, caption: str = "") -> list[Table]:
@@ -320,6 +371,8 @@ def _with_unit(
         as_in_tables = quantity.decimals is not None and (quantity.signed or quantity.usual == PERCENT)
         if as_in_tables and band is None and value is not None and value == value:
             return f"{cell_of(one, value, given=given)} {spelled(shown_unit(quantity.si, quantity.usual))}"
+        if quantity.usual == PERCENT and value is not None and 0.0 < abs(value) < LEAST_SHARE:
+            return f"{LEAST_WORDS} {PERCENT}"
         digits = min(quantity.digits or FEWEST_DIGITS, most_digits)  # a sentence has no more than four
         return with_band(value, band, quantity.si or NO_UNIT, quantity.usual or NO_UNIT, digits)
     return written(value)

@@ -26,7 +26,8 @@ _NUMBER = re.compile(rf"[+−-]?{_UNSIGNED}( ± {_UNSIGNED})?( ?%)?")
 class Tag:
     """A short word in a coloured box, in a cell of a table.
 
-    ``look`` is its colour: a provenance, a kind of blow, ``good`` or ``bad``; any other is grey.
+    ``look`` is its colour: a provenance, a kind of blow, a status of a number, ``good`` or
+    ``bad``; any other is grey.
     """
 
     text: str

@@ -118,8 +118,9 @@ def test_a_folder_holds_page_picture_and_document(command, read_page):
         found = json.load(file)
     assert found["values"]["mass"]["value"] == 0.1393
     page = read_page("told/report.html")
-    (exponent,) = [value for label, value in page.numbers.items() if label.startswith("exponent")]
+    exponent, _, error = page.numbers["exponent"].partition(" ± ")
     assert exponent == f"{found['values']['exponent']['value']:.5g}"
+    assert float(error) == float(f"{found['values']['exponent']['standard_error']:.2g}")
     assert page.pictures == 1
 
 

@@ -271,8 +271,8 @@ def test_cells_of_another_map_are_not_taken(tmp_path):
 def test_nearest_even_setting_is_the_nearest_and_keeps_the_limit_in_full():
     study = make_map(small((5, 4), 0), 0.03)
     assert study.setting is not None
-    assert study.setting.cv <= 0.03
-    assert study.setting.cv == pytest.approx(study.setting.cell["cv"], abs=2e-4)
+    assert study.setting.full_run.cv <= 0.03
+    assert study.setting.full_run.cv == pytest.approx(study.setting.cell["cv"], abs=2e-4)
     assert study.setting.distance == min(distance for distance, *_ in study.even_settings())
 
 
@@ -320,9 +320,9 @@ def test_settings_that_full_runs_refuse_say_why(monkeypatch):
     setting, refused = confirmed(study)
     assert setting is None
     assert len(refused) == 5
-    assert refused[0].values == study.here
-    assert "CV of 30 %" in refused[0].reason
-    assert "it broke" in refused[1].reason
+    assert tuple(refused[0].settings.values()) == study.here
+    assert "CV of 30 %" in refused[0].why
+    assert "it broke" in refused[1].why
 
 
 def test_nearest_case_keeps_the_tolerances_of_what_it_changes():

@@ -3,52 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
-from strikewave.base.units import DIMENSIONS
-from strikewave.contact.identification import Identified, IdentifiedValue
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, Quantity, declarations
+from strikewave.base.shock_quantities import IMPULSE, MICROSECONDS, RATIO, RESTITUTION
+from strikewave.contact.identification import Identified
 from strikewave.records import ChannelReading
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import percent, spelled
+from strikewave.reporting.numbers import shown, spelled
 from strikewave.reporting.options.kinds import Typed
-from strikewave.reporting.shown_result import Curve, columns_of, history_curve
+from strikewave.reporting.parts import written
+from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.reporting.shown_units import shown_unit
-from strikewave.reporting.terminal import number, significant
 
-UNITS = {
-    "stiffness": "N/m^n",
-    "exponent": "1",
-    "restitution": "1",
-    "mass": "kg",
-    "speed": "m/s",
-    "begin": "s",
-    "momentum": "N s",
-    "impulse": "N s",
-    "peak_force": "N",
-    "duration": "s",
-    "stiffness_speed": "N/s^n",
-    "noise": "N",
-    "offset": "N",
-    "residual": "1",
-    "time": "s",
-    "measured": "N",
-    "fitted": "N",
-}
-"""SI unit of each key of the JSON document."""
-USUAL = {"begin": "us", "duration": "us"}
-"""Units in which values are shown as a rule, where it is not the SI unit."""
-CALLED = {
-    "mass": "reduced mass",
-    "speed": "approach speed",
-    "momentum": "mass x speed",
-    "peak_force": "peak force",
-    "stiffness_speed": "stiffness x speed^n",
-    "begin": "first touch",
-}
-"""What values are called, where it is not their key."""
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -70,14 +43,121 @@ class Given:
     window: tuple[float | None, Typed | None]
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class ExaminedRecord:
+    """The channel that the blow was taken of, and what it was taken as."""
+
+    channel: str = declare.word("channel")
+    measured_unit: str = declare.word("unit of the channel")
+    status: str = declare.word("good, suspect or bad")
+    calibration: dict[str, Any] = declare.word("what was stated of it, as typed")
+
+
+@declare.dataclass
+class IdentifiedNumber:
+    """A value and its standard error, SI: see `strikewave.contact.identification.IdentifiedValue`."""
+
+    value: float | None = declare.number(NOT_MEASURED, "SI; null where the pulse does not determine it")
+    standard_error: float | None = declare.number(NOT_MEASURED, "of it; null where it was given")
+    given: bool = declare.word("whether it was given")
+
+
+@declare.dataclass
+class ContactValues:
+    """What a contact has."""
+
+    stiffness: IdentifiedNumber = declare.part(IdentifiedNumber, "K of F = K d^n", quantity=Quantity("N/m^n", "N/m^n"))
+    exponent: IdentifiedNumber = declare.part(IdentifiedNumber, "n", quantity=RATIO)
+    restitution: IdentifiedNumber = declare.part(IdentifiedNumber, "e", quantity=RESTITUTION)
+    mass: IdentifiedNumber = declare.part(IdentifiedNumber, "m", quantity=Quantity("kg", "kg", "reduced mass"))
+    speed: IdentifiedNumber = declare.part(IdentifiedNumber, "v", quantity=Quantity("m/s", "m/s", "approach speed"))
+
+
+@declare.dataclass
+class PulseCombinations:
+    """What a pulse determines, whatever is given."""
+
+    momentum: IdentifiedNumber = declare.part(IdentifiedNumber, "m v", quantity=IMPULSE._replace(label="mass x speed"))
+    impulse: IdentifiedNumber = declare.part(IdentifiedNumber, "m v (1 + e)", quantity=IMPULSE)
+    peak_force: IdentifiedNumber = declare.part(IdentifiedNumber, "largest force", quantity=Quantity("N", "N"))
+    duration: IdentifiedNumber = declare.part(IdentifiedNumber, "length of the contact", quantity=MICROSECONDS)
+    stiffness_speed: IdentifiedNumber = declare.part(
+        IdentifiedNumber, "K v^n", quantity=Quantity("N/s^n", "N/s^n", "stiffness x speed^n")
+    )
+
+
+@declare.dataclass
+class Correlation:
+    """How the errors of values go together."""
+
+    names: tuple[str, ...] = declare.word("what was determined and not given")
+    matrix: Array = declare.history(NO_UNIT, "correlation of the errors of their logarithms (of begin as it is)")
+
+
+@declare.dataclass
+class IdentifiedContact:
+    """What a pulse tells of a contact, and how well."""
+
+    values: ContactValues = declare.part(ContactValues, "what the contact has")
+    begin: IdentifiedNumber = declare.part(
+        IdentifiedNumber, "first touch", quantity=MICROSECONDS._replace(label="first touch")
+    )
+    combinations: PulseCombinations = declare.part(PulseCombinations, "what the pulse determines anyway")
+    correlation: Correlation = declare.part(Correlation, "how the errors go together")
+    noise: float = declare.number(
+        Quantity("N", "N", digits=3), "standard deviation of a sample on which the standard errors rest"
+    )
+    offset: float = declare.number(Quantity("N", "N"), "baseline before the pulse")
+    residual: float = declare.number(
+        Quantity(NO_UNIT, "%", decimals=2, digits=0),
+        "root mean square of measured less fitted, as a share of the peak",
+        headline="misfit, share of the peak",
+    )
+    described: bool = declare.word("whether the law describes the pulse")
+    words: tuple[str, ...] = declare.word("what is not determined, or not well, in sentences")
+    time: Array = declare.history("s", "samples that were taken")
+    measured: Array = declare.history("N", "force there, the baseline taken off")
+    fitted: Array = declare.history("N", "the fit there")
+
+
+@declare.dataclass
+class IdentifiedRow:
+    """A value with its standard error, SI, and what it measures."""
+
+    key: str = declare.word("what the document calls it", key="name")
+    number: IdentifiedNumber = declare.part(IdentifiedNumber, "the value", inline=True)
+    unit: str = declare.word("its SI unit")
+    quantity: Quantity
+
+    @declare.computed(declare.word("what faces call it", label="identified", column=KEY, in_document=False))
+    def name(self) -> str:
+        """What it is called."""
+        return self.quantity.label or self.key.replace("_", " ")
+
+    @declare.computed(
+        declare.word(
+            "the value with its standard error", label="value", column=MAIN, headline="{name}", in_document=False
+        )
+    )
+    def stated(self) -> str:
+        """The value with its standard error and its unit, as far as there are any."""
+        value, error, given = self.number.value, self.number.standard_error, self.number.given
+        if value is None:
+            return "not determined"
+        si, usual, unit = *self.quantity[:2], shown_unit(*self.quantity[:2])
+        text = written(shown(value, si, usual), 5)
+        text += "" if error is None else f" ± {written(shown(error, si, usual), 2)}"
+        return text + ("" if unit == NO_UNIT else f" {spelled(unit)}") + (", given" if given else "")
+
+
+@declare.dataclass
 class IdentifyResult(measured.AskedResult):
     """What a channel of a file tells of a contact; see `Result` for what it shares with others.
 
+    Beside what documents have:
+
     Attributes
     ----------
-    file : str
-        The measured file.
     reading : ChannelReading
         The channel, examined.
     found : Identified
@@ -85,8 +165,9 @@ class IdentifyResult(measured.AskedResult):
     """
 
     command: ClassVar[str] = "identify"
+    main_rows: ClassVar[str] = "identified_rows"
 
-    file: str
+    file: str = declare.word("measured file")
     reading: ChannelReading
     found: Identified
 
@@ -100,51 +181,37 @@ class IdentifyResult(measured.AskedResult):
         """Whether the law does not describe the blow."""
         return not self.found.described
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return UNITS
+    @declare.computed(declare.part(ExaminedRecord, "what the channel was taken as", inline=True))
+    def record(self) -> ExaminedRecord:
+        """The channel, and what it was taken as."""
+        channel = self.reading.channel
+        return ExaminedRecord(channel.name, channel.unit, self.reading.status, self.reading.calibration.stated())
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        reading, contact = self.reading, self.found
-        return {
-            "file": self.file,
-            "channel": reading.channel.name,
-            "measured_unit": reading.channel.unit,
-            "status": reading.status,
-            "calibration": reading.calibration.stated(),
-            "values": {name: _row(estimate) for name, estimate in contact.values.items()},
-            "begin": _row(contact.begin),
-            "combinations": {name: _row(estimate) for name, estimate in contact.combinations.items()},
-            "correlation": {"names": contact.names, "matrix": contact.correlation},
-            "noise": contact.noise,
-            "offset": contact.offset,
-            "residual": contact.residual,
-            "described": contact.described,
-            "words": contact.words,
-            "time": contact.time,
-            "measured": contact.measured,
-            "fitted": contact.fitted,
-        }
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the values that were determined, each with its standard error, and the misfit."""
+    @declare.computed(
+        declare.rows(IdentifiedRow, "values, with their standard errors", headline="5", in_document=False)
+    )
+    def identified_rows(self) -> list[IdentifiedRow]:
+        """Values and combinations with their standard errors."""
+        contact = self.contact
         numbers = [
-            (CALLED.get(name, name), _in_words(name, estimate))
-            for name, estimate in self.found.values.items()
-            if estimate.value is not None and not estimate.given
+            (key, getattr(part, key), one.quantity)
+            for part in (contact.values, contact, contact.combinations)
+            for key, one in declarations(type(part)).items()
+            if one.of is IdentifiedNumber
         ]
-        return [*numbers, ("misfit", percent(self.found.residual, 2))]
+        return [IdentifiedRow(key, number, quantity.si, quantity) for key, number, quantity in numbers]
 
-    def columns(self) -> list[Column]:
-        """Return values and combinations with their standard errors, a row each, SI."""
-        found = {**self.found.values, "begin": self.found.begin, **self.found.combinations}
-        rows = [{"name": name, **_row(estimate), "unit": UNITS[name]} for name, estimate in found.items()]
-        return columns_of(rows, {})
-
-    def brief(self) -> dict[str, str]:
-        """Return all columns but which values were given."""
-        return dict.fromkeys(("name", "value", "standard_error", "unit"), "")
+    @declare.computed(declare.part(IdentifiedContact, "what the pulse tells", inline=True, headline="first"))
+    def contact(self) -> IdentifiedContact:
+        """What was identified, as documents have it."""
+        found = self.found
+        values, combinations = (
+            {name: IdentifiedNumber(*one) for name, one in part.items()} for part in (found.values, found.combinations)
+        )
+        parts = ContactValues(**values), IdentifiedNumber(*found.begin), PulseCombinations(**combinations)
+        same = ("noise", "offset", "residual", "described", "words", "time", "measured", "fitted")
+        told = {name: getattr(found, name) for name in same}
+        return IdentifiedContact(*parts, Correlation(found.names, found.correlation), **told)
 
     def preview(self) -> Curve:
         """Return the measured force."""
@@ -153,27 +220,3 @@ class IdentifyResult(measured.AskedResult):
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
         return {"identify.json": self.document_text()}
-
-
-def _in_words(name: str, estimate: IdentifiedValue) -> str:
-    """Return a value with its standard error, where it has one, and its unit."""
-    _, value, error, unit = value_line(name, estimate)
-    known = value if estimate.standard_error is None else f"{value} ± {error}"
-    return known if unit == "1" else f"{known} {unit}"
-
-
-def _row(estimate: IdentifiedValue) -> dict[str, Any]:
-    return {"value": estimate.value, "standard_error": estimate.standard_error, "given": estimate.given}
-
-
-def value_line(name: str, estimate: IdentifiedValue) -> tuple[str, str, str, str]:
-    """Return what a value is called, and value, standard error and unit in words."""
-    si = UNITS[name]
-    usual = USUAL.get(name, si)
-    called, unit = CALLED.get(name, name), spelled(shown_unit(si, usual))
-    if estimate.value is None:
-        return called, "not determined", "-", unit
-    write = partial(number, si=si, usual=usual) if si in DIMENSIONS else significant
-    value = write(estimate.value, digits=5)
-    error = estimate.standard_error
-    return called, value, "given" if error is None else write(error, digits=2), unit

@@ -7,19 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
-from strikewave.analyses.impact.identified import Given, IdentifyResult, value_line
+from strikewave.analyses.impact.identified import Given, IdentifyResult
 from strikewave.base.errors import MISSING, InputError
-from strikewave.base.percents import percent
 from strikewave.base.result import Notice, Source
 from strikewave.contact.identification import DESCRIBED, Identified, identify
 from strikewave.contact.impact import reduced_mass
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.layout import keys, numerals, texts
+from strikewave.reporting.faces import face_columns, face_rows, text_of
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write
-from strikewave.reporting.terminal import significant, table, tell
+from strikewave.reporting.terminal import print_rows, tell
 
 
 def identify_contact(
@@ -150,16 +149,11 @@ def _identified(
 
 
 def _print(result: IdentifyResult) -> None:
-    contact = result.found
-    rows = [value_line(name, estimate) for name, estimate in contact.values.items()]
-    rows += [value_line(name, estimate) for name, estimate in contact.combinations.items()]
-    rows.append(value_line("begin", contact.begin))
+    contact = result.contact
     title = f"Contact of {Path(result.file).name}, {result.reading.channel.name}: F = K d^n (1 + chi d'/v0)"
-    table(title, [*keys(""), *numerals("value", "standard error"), *texts("unit")], rows)
-    tell(
-        f"noise {significant(contact.noise, 3)} N, misfit {percent(contact.residual, 2)} of the peak, "
-        f"{contact.time.size} samples"
-    )
-    shared = contact.correlated("exponent", "restitution")
+    print_rows(title, face_columns(result, "identified_rows"), face_rows(result, "identified_rows"))
+    noise, misfit = text_of(contact, "noise"), text_of(contact, "residual")
+    tell(f"noise {noise}, misfit {misfit} of the peak, {contact.time.size} samples")
+    shared = result.found.correlated("exponent", "restitution")
     if shared is not None:
         tell(f"correlation of exponent and restitution: {shared:.2f}")

@@ -7,10 +7,12 @@ cavitation", J. Comput. Phys. 184, 149-162: M and P as below, C their root of sq
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from strikewave.base import declare
+from strikewave.base.declare import MORE, NO_UNIT, Quantity
 
 Array = NDArray[np.float64]
 
@@ -18,27 +20,34 @@ SAMPLES = 4096
 """Instants of a curve that are compared, at most: an integral over a pulse is then known to 1e-6."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Agreement:
-    """A curve against a reference over a window of time.
+    """A curve against a reference over a window of time; r is the reference, c the curve."""
 
-    Attributes
-    ----------
-    magnitude : float
-        M = sqrt(integral of c^2 / integral of r^2) - 1, with r the reference: 0.1 is ten per cent too much.
-    phase : float
-        P = arccos(integral of c r / sqrt(integral of c^2 · integral of r^2)) / pi, from 0 to 1.
-    rms : float
-        Root of the mean square difference over the largest reference.
-    """
+    magnitude: float = declare.number(
+        Quantity(NO_UNIT, "%", "M", 2, 0, signed=True),
+        "M = sqrt(integral of c^2 / integral of r^2) - 1",
+        column=MORE + 1,
+        tables="pair",
+    )
+    phase: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, "P", digits=3),
+        "P = arccos(integral of c r / sqrt(integral of c^2 times integral of r^2)) / pi, from 0 to 1",
+        column=MORE + 1,
+        tables="pair",
+    )
+    rms: float = declare.number(
+        Quantity(NO_UNIT, "%", "RMS", 2, 0),
+        "root of the mean square difference over the largest reference",
+        column=MORE + 1,
+        tables="pair",
+    )
 
-    magnitude: float
-    phase: float
-    rms: float
-
-    @property
+    @declare.computed(
+        declare.number(Quantity(NO_UNIT, NO_UNIT, "C", digits=3), "C = sqrt(M^2 + P^2)", column=MORE + 1, tables="pair")
+    )
     def combined(self) -> float:
-        """C = sqrt(M^2 + P^2)."""
+        """Magnitude and phase in one."""
         return math.hypot(self.magnitude, self.phase)
 
 

@@ -17,8 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Notice
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.exchange.ls_dyna.agreement import Agreement, agreement
 from strikewave.exchange.ls_dyna.ascii import LARGEST_FILE, Array
 from strikewave.exchange.ls_dyna.folder import (
@@ -47,6 +50,7 @@ LATER = re.compile(r"histories-\d+\.nc")
 """Histories of the second blow and on."""
 _SIZES = ("peak", "impulse")
 """What grows with a sector; a width does not."""
+DIFFERENCE = Quantity(NO_UNIT, "%", decimals=2, digits=0, signed=True)
 SECTORS = (0.25, 0.5, 2.0, 4.0)
 """Ratios between a quarter, a half and a whole."""
 
@@ -81,47 +85,71 @@ class StrikewaveRun:
     as_meshed: bool = False
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class PulseDifferences:
+    """(LS-DYNA - strikewave) / strikewave of a pulse; NaN where nothing touched in one of them."""
+
+    peak: float = declare.number(DIFFERENCE, "of the peaks", key="peak_difference", headline="peak", column=MAIN)
+    impulse: float = declare.number(
+        DIFFERENCE, "of the impulses", key="impulse_difference", headline="impulse", column=MORE
+    )
+    width: float = declare.number(
+        DIFFERENCE, "of the widths", key="width_difference", headline="pulse width", column=MORE
+    )
+
+
+@declare.dataclass
 class ForcePair:
     """A contact of strikewave and its counterpart in LS-DYNA.
+
+    Beside what documents have:
 
     Attributes
     ----------
     name : str
         In strikewave.
     contact : LsDynaContact
-    side : str
-        That of LS-DYNA whose impulse points as that on the first surface in strikewave.
-    strikewave, ls_dyna : ContactPulse or None
-        None where nothing touched.
+        In LS-DYNA.
     curves : tuple of Force
         strikewave, LS-DYNA.
-    angle : float
-        Between both impulses, degrees; NaN without them.
-    plain, moved : Agreement
-        Of the sizes over both pulses: as they are, and with LS-DYNA's moved so that both begin at once.
     """
 
     name: str
     contact: LsDynaContact
-    side: str
-    strikewave: ContactPulse | None
-    ls_dyna: ContactPulse | None
     curves: tuple[Force, Force]
-    angle: float
-    plain: Agreement
-    moved: Agreement
-
-    @property
-    def shift(self) -> float:
-        """How much later the pulse of LS-DYNA begins, s; NaN where one run has no contact."""
-        return self.ls_dyna.begin - self.strikewave.begin if self.strikewave and self.ls_dyna else math.nan
-
-    def difference(self, what: str) -> float:
-        """Return (LS-DYNA - strikewave) / strikewave of ``peak``, ``impulse`` or ``width``."""
-        if self.strikewave is None or self.ls_dyna is None:
-            return math.nan
-        return relative(getattr(self.ls_dyna, what), getattr(self.strikewave, what))
+    number: int = declare.count("number of the contact in LS-DYNA")
+    side: str = declare.word("that of LS-DYNA whose impulse points as that on the first surface in strikewave")
+    ls_dyna: ContactPulse | None = declare.part(
+        ContactPulse, "pulse of LS-DYNA; null where nothing touched", label="LS-DYNA"
+    )
+    strikewave: ContactPulse | None = declare.part(
+        ContactPulse, "pulse of strikewave; null where nothing touched", label="strikewave"
+    )
+    differences: PulseDifferences = declare.part(
+        PulseDifferences, "(LS-DYNA - strikewave) / strikewave", inline=True, label="difference"
+    )
+    shift: float = declare.number(
+        MICROSECONDS,
+        "how much later the pulse of LS-DYNA begins; null where one run has no contact",
+        label="onset later by",
+        column=MORE + 1,
+        tables="pair",
+    )
+    angle: float = declare.number(
+        Quantity("deg", "deg", "angle of the impulses", digits=3),
+        "between both impulses; null alike",
+        column=MORE + 1,
+        tables="pair",
+    )
+    plain: Agreement = declare.part(
+        Agreement, "of the sizes over both pulses, as they are", key="as_they_are", label="as they are"
+    )
+    moved: Agreement = declare.part(
+        Agreement,
+        "the same with LS-DYNA's moved so that both begin at once",
+        key="begun_together",
+        label="onsets aligned",
+    )
 
 
 @dataclass(frozen=True)
@@ -208,16 +236,18 @@ def force_pair(name: str, strikewave: Force, contact: LsDynaContact) -> ForcePai
     side = max(sorted(contact.sides), key=lambda key: float(contact.sides[key].gathered @ strikewave.gathered))
     ls_dyna = contact.sides[side]
     a, b = pulse_of(strikewave), pulse_of(ls_dyna)
-    if a is None or b is None:
-        nothing = Agreement(math.nan, math.nan, math.nan)
-        return ForcePair(name, contact, side, a, b, (strikewave, ls_dyna), math.nan, nothing, nothing)
-    shift = b.begin - a.begin
-    reference = strikewave.time, strikewave.size
-    plain = agreement(reference, (ls_dyna.time, ls_dyna.size), (min(a.begin, b.begin), max(a.end, b.end)))
-    moved = agreement(reference, (ls_dyna.time - shift, ls_dyna.size), (a.begin, max(a.end, b.end - shift)))
+    off, shift, angle = PulseDifferences(math.nan, math.nan, math.nan), math.nan, math.nan
+    plain = moved = Agreement(math.nan, math.nan, math.nan)
+    if a is not None and b is not None:
+        off = PulseDifferences(*(relative(getattr(b, what), getattr(a, what)) for what in ("peak", "impulse", "width")))
+        shift, angle = b.begin - a.begin, _angle(strikewave.gathered, ls_dyna.gathered)
+        reference = strikewave.time, strikewave.size
+        plain = agreement(reference, (ls_dyna.time, ls_dyna.size), (min(a.begin, b.begin), max(a.end, b.end)))
+        moved = agreement(reference, (ls_dyna.time - shift, ls_dyna.size), (a.begin, max(a.end, b.end - shift)))
     return ForcePair(
-        name, contact, side, a, b, (strikewave, ls_dyna), _angle(strikewave.gathered, ls_dyna.gathered), plain, moved
-    )
+        name, contact, (strikewave, ls_dyna), contact.number, side, b, a, off, shift, angle,
+        plain, moved,
+    )  # fmt: skip
 
 
 def relative(value: float, reference: float) -> float:

@@ -13,12 +13,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, Quantity
 from strikewave.base.errors import InputError, show
+from strikewave.base.shock_quantities import LENGTH, MICROSECONDS, RATIO
 from strikewave.exchange.ls_dyna.ascii import Array, ContactForce, GlobalEnergies, read_glstat, read_rcforc
 from strikewave.exchange.ls_dyna.binout import read_binout
 from strikewave.exchange.ls_dyna.d3plot import D3plot, read_d3plot
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.invariants import von_mises
+from strikewave.fem.measures import MEASURED_IMPULSE, MEASURED_STRESS, MEASURED_WIDTH
 from strikewave.fem.run import FieldFrame
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 
@@ -64,39 +68,39 @@ class Force:
         return np.asarray(np.trapezoid(self.force, self.time, axis=0)) if self.impulse is None else self.impulse
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class ContactPulse:
-    """What a contact force comes to.
+    """What a contact force comes to."""
 
-    Attributes
-    ----------
-    peak, at : float
-        Largest size, N, and its instant, s.
-    impulse : float
-        Size of the impulse, N s.
-    begin, end : float
-        s: when the size first passes a tenth of the peak and when it last does, all gaps between included.
-    """
+    peak: float = declare.number(
+        Quantity("N", "kN"),
+        "largest size of the force",
+        column=MAIN,
+        tables="contacts",
+        headline="peak of contact {name}",
+    )
+    at: float = declare.number(MICROSECONDS, "its instant", label="peak at", column=MORE + 1, tables="contacts")
+    impulse: float = declare.number(MEASURED_IMPULSE, "size of the impulse", column=MAIN, tables="contacts")
+    begin: float = declare.number(
+        MICROSECONDS, "when the size first passes a tenth of the peak", label="onset", column=MORE + 1
+    )
+    end: float = declare.number(MICROSECONDS, "when it last does, all gaps between included", column=MORE + 1)
 
-    peak: float
-    at: float
-    impulse: float
-    begin: float
-    end: float
-
-    @property
+    @declare.computed(
+        declare.number(MEASURED_WIDTH, "from first to last tenth of the peak", column=MAIN, tables="contacts")
+    )
     def width(self) -> float:
-        """From first to last tenth of the peak, s."""
+        """From first to last tenth of the peak."""
         return self.end - self.begin
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Extreme:
-    """The most that a part came to at the instants of its fields: displacement, m, von Mises stress, Pa, strain."""
+    """The most that a part came to at the instants of its fields."""
 
-    displacement: float
-    von_mises: float
-    plastic_strain: float
+    displacement: float = declare.number(LENGTH, "largest displacement", column=MAIN)
+    von_mises: float = declare.number(MEASURED_STRESS, "largest von Mises stress", label="von Mises", column=MAIN)
+    plastic_strain: float = declare.number(RATIO, "largest plastic strain", column=MAIN)
 
 
 @dataclass(frozen=True)
@@ -107,22 +111,26 @@ class EnergyHistory:
     energy: Mapping[str, Array] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class LsDynaContact:
     """A contact of LS-DYNA.
 
+    Beside what documents have:
+
     Attributes
     ----------
-    number : int
-    title : str
-        Empty where it has none.
     sides : mapping of str to Force
         By ``A`` (slave) and ``B`` (master).
     """
 
-    number: int
-    title: str
-    sides: Mapping[str, Force]
+    number: int = declare.count("number of the contact", column=KEY, tables="contacts")
+    title: str = declare.word("its title; empty where it has none", column=KEY, tables="contacts")
+    sides: Mapping[str, Force] = field(repr=False)
+
+    @declare.computed(declare.named(ContactPulse, "what the force on each side comes to", key="sides"))
+    def pulses(self) -> dict[str, ContactPulse | None]:
+        """What the force on each side comes to; None where nothing touched."""
+        return {side: pulse_of(force) for side, force in sorted(self.sides.items())}
 
     @property
     def name(self) -> str:

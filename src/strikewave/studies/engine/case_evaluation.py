@@ -357,7 +357,7 @@ class KeptNumber(NamedTuple):
     @property
     def scale(self) -> float:
         """Size of that unit, in SI."""
-        return 0.01 if self.quantity.usual == "%" else axis_unit(self.si, self.quantity.usual)[0]
+        return axis_unit(self.si, self.quantity.usual)[0]
 
     def column(self, values: Values, is_shown: bool = True) -> Column:
         """Return its values in SI as a column of a table."""

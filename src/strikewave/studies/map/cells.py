@@ -10,9 +10,12 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.notices import fast_verdict
+from strikewave.base import declare
+from strikewave.base.declare import MAIN, Quantity
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_FAILED, Verdict
+from strikewave.base.shock_quantities import LENGTH, RATIO, TOTAL_PEAK, VARIATION
 from strikewave.cases.case import Case, parse_case
 from strikewave.machines import Machine
 from strikewave.machines.fast_train import FastTrain, fast_train, why_not
@@ -26,22 +29,54 @@ from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
 
-FIELDS = {
-    "cv": ("1", "coefficient of variation of the rigid peaks of the machine's own blows; missed ones are left out"),
-    "cv_later": ("1", "the same without the first blow"),
-    "peak": ("m/s^2", "mean rigid peak of the machine's own blows; missed ones are left out"),
-    "first_peak": ("m/s^2", "rigid peak of the first blow"),
-    "missed": ("1", "how many of the machine's own blows missed, or did not come before feed.hold was over"),
-    "largest_displacement": ("m", "largest displacement (rearward) of the object"),
-    "stop_force": ("N", "largest force of the stop"),
-    "train_time": ("s", "from the first to the last of the machine's own blows"),
-    "return_ratio": ("1", "time of the return after the last of the own blows, closed form, over the striking period"),
-    "bounce_ratio": ("1", "the same until the object is back once more after one bounce"),
-    "regime": ("1", "what a longer train settles to, by code"),
-    "period": ("1", "its period in blows, 0 where it has none"),
-    "reason": ("1", "why there is no result or no regime, by code; 0 where there is"),
-}
-"""What is kept of a cell: SI unit and meaning."""
+
+@declare.dataclass
+class MapCell:
+    """What is kept of a cell, or of all cells as arrays; NaN where there is nothing."""
+
+    cv: float = declare.number(
+        VARIATION._replace(label="CV of the peaks"),
+        "coefficient of variation of the rigid peaks of the machine's own blows; missed ones are left out",
+        column=MAIN,
+    )
+    cv_later: float = declare.number(
+        VARIATION._replace(label="CV from 2nd blow"), "the same without the first blow", column=MAIN
+    )
+    peak: float = declare.number(
+        TOTAL_PEAK._replace(label="mean rigid peak"),
+        "mean rigid peak of the machine's own blows; missed ones are left out",
+        column=MAIN,
+    )
+    first_peak: float = declare.number(
+        TOTAL_PEAK._replace(label="rigid peak of the first blow"), "rigid peak of the first blow"
+    )
+    missed: float = declare.number(
+        RATIO._replace(label="missed blows"),
+        "how many of the machine's own blows missed, or did not come before feed.hold was over",
+        column=MAIN,
+    )
+    largest_displacement: float = declare.number(
+        LENGTH._replace(digits=5), "largest displacement (rearward) of the object", column=MAIN
+    )
+    stop_force: float = declare.number(
+        Quantity("N", "kN", "largest force of the stop", digits=5), "largest force of the stop", column=MAIN
+    )
+    train_time: float = declare.number(
+        Quantity("s", "ms", "first to last blow", digits=5),
+        "from the first to the last of the machine's own blows",
+        column=MAIN,
+    )
+    return_ratio: float = declare.number(
+        RATIO, "time of the return after the last of the own blows, closed form, over the striking period"
+    )
+    bounce_ratio: float = declare.number(RATIO, "the same until the object is back once more after one bounce")
+    regime: float = declare.number(RATIO, "what a longer train settles to, by code")
+    period: float = declare.number(RATIO, "its period in blows, 0 where it has none")
+    reason: float = declare.number(RATIO, "why there is no result or no regime, by code; 0 where there is")
+
+
+FIELDS = tuple(declare.declarations(MapCell))
+"""Names of what is kept of a cell, in their order."""
 PLACE = {name: k for k, name in enumerate(FIELDS)}
 """Place of each field in a cell."""
 NOTE = "chosen by strikewave map"
@@ -68,7 +103,7 @@ HALF, QUARTER = 2, 4
 quarter, which may have settled later."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class MapPlan:
     """What a map is of.
 
@@ -78,16 +113,12 @@ class MapPlan:
         Text of the case.
     axes : tuple of Axis
         x, y, and panels where there are any.
-    blows : int
-        The machine's own blows.
-    train : int
-        Blows of the longer train, half of which is left out; none of it where 0.
     """
 
     case: str
     axes: tuple[Axis, ...]
-    blows: int
-    train: int
+    blows: int = declare.count("blows of the machine in each cell")
+    train: int = declare.count("blows of the longer train that names the regime")
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -98,14 +129,18 @@ class MapPlan:
     @property
     def job(self) -> Job:
         """What is run of each cell."""
-        variables = tuple(StudyVariable(axis) for axis in self.axes)
-        variation = AxisVariation(variables, NOTE, {(): parse_case(self.case)})
+        variation = AxisVariation(self.variables, NOTE, {(): parse_case(self.case)})
         return Job(variation, CellEvaluation(self.blows, self.train))
 
     @property
     def rows(self) -> list[Row]:
         """The cells, x fastest, then y, then panels."""
-        return grid([StudyVariable(axis) for axis in self.axes])
+        return grid(self.variables)
+
+    @property
+    def variables(self) -> tuple[StudyVariable, ...]:
+        """What is varied: ranges along x and y, a list of panels."""
+        return tuple(StudyVariable(axis, is_range=place < 2) for place, axis in enumerate(self.axes))
 
 
 def machine_of(case: Case) -> Machine:
@@ -238,7 +273,7 @@ class CellEvaluation:
     @property
     def names(self) -> tuple[str, ...]:
         """The fields of a cell."""
-        return tuple(FIELDS)
+        return FIELDS
 
     def __call__(self, case: Case) -> RunOutcome:
         """Return what the blows of a case come to: a cell without a result has its reason as a number."""

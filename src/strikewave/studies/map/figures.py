@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import textwrap
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.declare import declarations
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Verdicts
+from strikewave.reporting.faces import label_of
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, mark_runs, put_below, quiet, sheet_title
 from strikewave.studies.log_ticks import plain_log_ticks
+from strikewave.studies.map.cells import MapCell
 from strikewave.studies.map.regimes import FAILED, NAMES, PERIOD_1, UNKNOWN
 from strikewave.studies.map.study import MapStudy
 
@@ -36,31 +39,12 @@ LEVELS = (1.0, 2.0, 3.0)
 MARK_EDGE = {"markeredgecolor": "white", "markeredgewidth": 1.0}
 
 
-class Colour(NamedTuple):
-    """How a field is shown: its name, SI unit, usual unit, and whether on a logarithmic scale."""
-
-    name: str
-    si: str
-    usual: str
-    log: bool = False
-
-    @property
-    def label(self) -> str:
-        """Its name with the unit in which it is shown."""
-        return headed(self.name, self.si, self.usual) if self.si != "1" else f"{self.name} ({self.usual})"
-
-
-COLOURS = {
-    "cv": Colour("coefficient of variation of the peaks, all blows", "1", "%", True),
-    "cv_later": Colour("coefficient of variation of the peaks, from the second blow", "1", "%", True),
-    "peak": Colour("mean rigid peak", "m/s^2", "g"),
-    "first_peak": Colour("rigid peak of the first blow", "m/s^2", "g"),
-    "largest_displacement": Colour("largest displacement", "m", "mm"),
-    "stop_force": Colour("largest force of the stop", "N", "kN"),
-    "train_time": Colour("from first to last blow", "s", "ms"),
-    "missed": Colour("missed blows", "1", "1"),
-}
-"""What may be shown in colour."""
+COLOURS = (
+    "cv", "cv_later", "peak", "first_peak", "largest_displacement", "stop_force", "train_time", "missed",
+)  # fmt: skip
+"""Fields of a cell that may be shown in colour."""
+LOGARITHMIC = ("cv", "cv_later")
+"""Those on a logarithmic scale."""
 
 
 CELL = "cell"
@@ -82,6 +66,12 @@ def check_colour(name: str) -> None:
         raise InputError("--colour", name, "a quantity of the map", nearest(name, COLOURS))
 
 
+def colour_label(name: str) -> str:
+    """Return what a field is called, with the unit in which it is shown."""
+    one = declarations(MapCell)[name]
+    return headed(label_of(name, one), one.quantity.si, one.quantity.usual)
+
+
 def map_figure(study: MapStudy, colour: str = "cv") -> Figure:
     """Draw a map: a panel for each value of the third setting, where there is one."""
     from matplotlib.figure import Figure
@@ -91,11 +81,11 @@ def map_figure(study: MapStudy, colour: str = "cv") -> Figure:
     size = (PANEL[0] * panels + MARGIN[0], PANEL[1] + MARGIN[1])
     figure = Figure(figsize=size, layout="constrained")
     every = figure.subplots(1, panels, squeeze=False, sharey=True)[0]
-    values, norm = _shown(study.field(colour), COLOURS[colour])
+    values, norm = _shown(study.field(colour), colour)
     drawn = [_panel(axes, study, k, values[k], norm) for k, axes in enumerate(every)]
-    bar = figure.colorbar(drawn[0], ax=list(every), pad=0.02, extend="both" if COLOURS[colour].log else "neither")
-    bar.set_label(COLOURS[colour].label)
-    if COLOURS[colour].log:
+    bar = figure.colorbar(drawn[0], ax=list(every), pad=0.02, extend="both" if colour in LOGARITHMIC else "neither")
+    bar.set_label(colour_label(colour))
+    if colour in LOGARITHMIC:
         bar.ax.yaxis.set_major_formatter("{x:g}")
     _legend(figure, every[0], study)
     title = textwrap.shorten(f"{study.case.title or study.case.name}: {study.plan.blows} blows", 80 * panels)
@@ -103,15 +93,16 @@ def map_figure(study: MapStudy, colour: str = "cv") -> Figure:
     return figure
 
 
-def _shown(values: Array, colour: Colour) -> tuple[Array, Any]:
+def _shown(values: Array, colour: str) -> tuple[Array, Any]:
     """Return values in the unit in which they are shown, and the norm of their colours."""
     from matplotlib.colors import LogNorm, Normalize
 
-    shown = values / axis_unit(colour.si, colour.usual)[0]
+    quantity = declarations(MapCell)[colour].quantity
+    shown = values / axis_unit(quantity.si, quantity.usual)[0]
     known = shown[np.isfinite(shown)]
     if not known.size:
         return shown, Normalize(0.0, 1.0)
-    if not colour.log:
+    if colour not in LOGARITHMIC:
         return shown, Normalize(float(known.min()), float(known.max()) + 1e-12)
     low, high = np.percentile(known[known > 0.0], CONTRAST) if np.any(known > 0.0) else (0.1, 1.0)
     return np.where(shown == 0.0, low, shown), LogNorm(float(low), max(float(high), 1.01 * float(low)))

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from strikewave.base.declare import declarations
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.faces import columns_of, face_table, text_of
+from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table, Tag
-from strikewave.reporting.table_columns import page_table
-from strikewave.studies.map.cells import FIELDS
-from strikewave.studies.map.columns import at_words, setting_columns, setting_rows, shown_value
-from strikewave.studies.map.figures import COLOURS, map_figure
+from strikewave.studies.map.cells import MapCell
+from strikewave.studies.map.figures import colour_label, map_figure
 from strikewave.studies.map.study import MapStudy
 
 
@@ -16,7 +16,7 @@ def map_report(study: MapStudy, colour: str = "cv") -> str:
     """Return the report of a map as one HTML page: no script, nothing fetched, the same bytes each time."""
     regimes = f" Hatches name the regime of a train of {study.plan.train} blows." if study.plan.train else ""
     caption = (
-        f"{COLOURS[colour].label[0].upper()}{COLOURS[colour].label[1:]}, over {' and '.join(study.paths[:2])}."
+        f"{colour_label(colour)[0].upper()}{colour_label(colour)[1:]}, over {' and '.join(study.paths[:2])}."
         f"{regimes} The star is the case, the diamond the nearest setting with equal blows."
     )
     sections = [
@@ -28,7 +28,7 @@ def map_report(study: MapStudy, colour: str = "cv") -> str:
         chapters.inputs(study.case),
     ]
     status = Tag("no setting with equal blows", "bad") if study.broken else None
-    summary = chapters.Summary("Report of a map", map_words(study), _key_numbers(study), status)
+    summary = chapters.Summary("Report of a map", map_words(study), study.highlights(), status)
     return chapters.result_page(study, summary, sections)
 
 
@@ -49,44 +49,42 @@ def map_words(study: MapStudy) -> str:
             else f"No setting has blows that all come with {wanted}."
         )
     elif study.setting.distance == 0.0:
-        words.append(f"The case itself has {wanted}: {percent(study.setting.cv, 2)} in a full run.")
+        words.append(f"The case itself has {wanted}: {text_of(study, 'nearest_cv')} in a full run.")
     else:
-        at = ", ".join(f"{path} = {text}" for path, text in _nearest(study, study.setting.values))
+        at = ", ".join(f"{one.name} = {one.text}" for one in study.shown_setting)
         words.append(
-            f"The nearest setting with {wanted} is {at}: a full run has {percent(study.setting.cv, 2)} and a mean peak "
-            f"of {with_unit(study.setting.peak, 'm/s^2', 'g')}."
+            f"The nearest setting with {wanted} is {at}: a full run has {text_of(study, 'nearest_cv')} and a mean peak "
+            f"of {text_of(study, 'nearest_peak')}."
         )
     return " ".join(words)
 
 
-def _key_numbers(study: MapStudy) -> list[tuple[str, str]]:
-    here = study.present
-    pairs = [
-        ("CV of the peaks of the case", shown_value(here["cv"], "1", "%")),
-        ("mean peak of the case", with_unit(here["peak"], "m/s^2", "g")),
+def setting_table(study: MapStudy, caption: str) -> Table:
+    """List the case beside the nearest setting with equal blows: settings, and what the blows come to."""
+    settings, heads = [(study.here, study.present)], ["", "case"]
+    if study.setting is not None:
+        settings.append((study.setting.values, study.setting.cell))
+        heads.append(f"nearest within {percent(study.wanted)}")
+    rows: list[list[Cell]] = [
+        [f"{axis.path} ({axis.unit or '1'})", *(f"{axis.shown(values[k]):.5g}" for values, _ in settings)]
+        for k, axis in enumerate(study.axes)
     ]
-    setting = study.setting
-    if setting is None:
-        return [*pairs, ("settings with equal blows that a full run confirms", "none")]
-    pairs += [(f"{path}, nearest with equal blows", text) for path, text in _nearest(study, setting.values)]
-    pairs += [
-        ("CV there, by a full run", shown_value(setting.cv, "1", "%")),
-        ("mean peak there", with_unit(setting.peak, "m/s^2", "g")),
-    ]
-    return pairs
+    rows += [[one.head, *(one.text(cell) for _, cell in settings)] for one in columns_of(MapCell)]
+    return Table(caption, heads, rows)
 
 
-def _nearest(study: MapStudy, values: tuple[float, ...]) -> list[tuple[str, str]]:
-    pairs = zip(study.plan.axes, values, strict=True)
-    return [(axis.path, f"{axis.shown(value):.5g} {axis.unit}".strip()) for axis, value in pairs]
+def regime_table(study: MapStudy) -> Table:
+    """List the share of the cells in each regime."""
+    return Table(
+        "Regimes", ["regime", "cells (%)"], [[name, f"{100 * share:.1f}"] for name, share in study.shares.items()]
+    )
 
 
 def _nearest_section(study: MapStudy) -> Section:
     """List the case beside the nearest setting with equal blows, and those that full runs refuted."""
-    parts: list[Part] = [page_table("The case, and the nearest setting", setting_columns(study), setting_rows(study))]
-    refused: list[list[Cell]] = [[at_words(study.plan.axes, one.values), one.reason] for one in study.refused]
-    if refused:
-        parts.append(Table("Even by the fast run, but not in full", ["setting", "why"], refused))
+    parts: list[Part] = [setting_table(study, "The case, and the nearest setting")]
+    if study.refused:
+        parts.append(face_table(study, "refused", caption="Even by the fast run, but not in full"))
     if study.setting is not None:
         parts.append(Link("equal-blows.toml", "The case with that setting, equal-blows.toml"))
     text = "By the fast run, as every cell of the map. Distance is in steps relative to the value of the case" + (
@@ -97,9 +95,8 @@ def _nearest_section(study: MapStudy) -> Section:
 
 def _regime_section(study: MapStudy) -> Section:
     """List the share of the cells in each regime, and why cells have no result."""
-    rows: list[list[Cell]] = [[name, f"{100.0 * share:.1f}"] for name, share in study.shares.items()]
     failures: list[list[Cell]] = [[text, count] for text, count in study.failures.items()]
-    tables = [Table("Regimes", ["regime", "cells (%)"], rows)]
+    tables = [regime_table(study)]
     if failures:
         tables.append(Table("Cells without a result, or without a regime", ["why", "cells"], failures))
     return Section("Regimes", f"What a train of {study.plan.train} blows settles to.", tables)
@@ -107,20 +104,10 @@ def _regime_section(study: MapStudy) -> Section:
 
 def _axis_section(study: MapStudy) -> Section:
     """List the axes of the map and what its file holds."""
-    rows: list[list[Cell]] = [
-        [
-            axis.path,
-            axis.unit or "1",
-            f"{axis.shown(axis.values[0]):.5g}",
-            f"{axis.shown(axis.values[-1]):.5g}",
-            len(axis.values),
-            "logarithmic" if axis.log else "linear",
-        ]
-        for axis in study.plan.axes
-    ]
-    fields: list[list[Cell]] = [[name, unit, meaning] for name, (unit, meaning) in FIELDS.items()]
+    held = declarations(MapCell).items()
+    fields: list[list[Cell]] = [[name, one.quantity.si, one.meaning] for name, one in held]
     tables = [
-        Table("Axes", ["setting", "unit", "from", "to", "points", "spacing"], rows),
+        face_table(study, "variables", caption="Axes"),
         Table("What map.nc and map.csv hold of each cell", ["field", "SI unit", "meaning"], fields),
     ]
     return Section("Axes and files", "", tables)

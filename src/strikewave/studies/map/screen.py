@@ -7,16 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
-from strikewave.reporting.terminal import print_rows, progress_bar, say, table, tell
+from strikewave.reporting.terminal import progress_bar, report_table, say, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress, finished_before
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import MapPlan
-from strikewave.studies.map.columns import at_words, setting_columns, setting_rows
 from strikewave.studies.map.study import MapStudy, make_map, marked_text
 from strikewave.studies.resumable import ResumableCommand
 
@@ -113,10 +111,11 @@ def _words(plan: MapPlan, seconds: float, done: int) -> str:
 
 def _print(study: MapStudy) -> None:
     """Print what the map shows: shares of the regimes, why cells failed, the case, and the nearest even setting."""
-    rows = [[name, f"{100.0 * share:.1f}"] for name, share in study.shares.items()]
-    table("Regimes", [*keys("regime"), *numerals("cells (%)")], rows)
+    from strikewave.studies.map.report import regime_table, setting_table
+
+    report_table(regime_table(study))
     for text, count in study.failures.items():
         tell(f"no result, or no regime, in {count} cells: {text}")
-    print_rows(f"{study.case.name}: {study.plan.blows} blows", setting_columns(study), setting_rows(study))
-    for values, reason in study.refused:
-        tell(f"even by the fast run, but not in full: {at_words(study.plan.axes, values)}: {reason}")
+    report_table(setting_table(study, f"{study.case.name}: {study.plan.blows} blows"))
+    for one in study.refused:
+        tell(f"even by the fast run, but not in full: {one.setting}: {one.why}")

@@ -6,35 +6,38 @@ import dataclasses
 import hashlib
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.notices import fast_not_judged, run_verdict
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_PASSED, RUN_STATUSES, Notice, Source
+from strikewave.base.shock_quantities import RATIO, VARIATION
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.written_case import dump_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
+from strikewave.reporting.case_result import ResultOfCase
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import percent
-from strikewave.reporting.shown_result import ShownResult
 from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import StudyProgress, carry_out
 from strikewave.studies.engine.store import RunStore, given_or_temporary
+from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.map.cells import (
     FIELDS,
     NOTE,
     PLACE,
     REASONS,
+    MapCell,
     MapPlan,
     cell_of,
     machine_of,
@@ -59,34 +62,37 @@ MOST_SECONDS = 12 * 3600.0
 """Longest estimated time of a map, s: a night."""
 SECONDS_A_BLOW = 0.4e-3
 """About what a blow takes on one core, s: for the estimate only (measured: 0.3 ms, li-ma-2019)."""
+SHARE = Quantity(NO_UNIT, "%", decimals=1, digits=0)
 CONFIRMED = 5
 """Even settings nearest to the case that are tried by full runs until one keeps the limit: each takes some 0.1 s
 (measured, li-ma-2019). Where the nearest five all disagree, the fast run is not to be trusted there."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class FullRun:
+    """What a full run of a setting of the map comes to."""
+
+    cv: float = declare.number(VARIATION, "coefficient of variation in a full run there")
+    peak: float = declare.number(Quantity("m/s^2", "g"), "mean rigid peak in it")
+    tolerance: float = declare.number(RATIO, "tolerance of the integrator in it", default=RUN_TOLERANCE)
+
+
+@declare.dataclass
 class EvenSetting:
     """A setting of the map with equal blows, and what it costs.
 
-    Attributes
-    ----------
-    values : tuple of float
-        Of each axis, SI.
-    distance : float
-        From the case: root of the summed squares of the steps, each over its scale (`MapStudy.scales`).
-    cell : dict
-        What the map has of it, by the names of `FIELDS`.
-    cv : float
-        Of the same blows in a full run.
-    peak : float
-        Their mean rigid peak there, m/s^2.
+    Its distance is the root of the summed squares of the steps from the case, each over its scale (`MapStudy.scales`).
     """
 
-    values: tuple[float, ...]
-    distance: float
-    cell: dict[str, float]
-    cv: float
-    peak: float
+    settings: dict[str, float] = declare.word("nearest setting with equal blows, SI; null where there is none")
+    distance: float = declare.number(RATIO, "how far it is, in steps over their scales")
+    cell: dict[str, float] = declare.part(MapCell, "what the map has of it", key="result")
+    full_run: FullRun = declare.part(FullRun, "what the same blows come to in a full run")
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Of each axis, SI."""
+        return tuple(self.settings.values())
 
 
 def marked_text(plan: MapPlan, wanted: float) -> str:
@@ -97,21 +103,45 @@ def marked_text(plan: MapPlan, wanted: float) -> str:
     return f"# strikewave map of {asked}; plan {key}\n{plan.case}"
 
 
-class Refusal(NamedTuple):
-    """An even setting of the map, SI, and why its full run refutes it."""
+@declare.dataclass
+class Refusal:
+    """An even setting of the map that its full run refutes."""
 
-    values: tuple[float, ...]
-    reason: str
+    setting: str = declare.word("what it is", column=KEY, in_document=False)
+    settings: dict[str, float] = declare.word("nearer setting that a full run did not confirm, SI")
+    why: str = declare.word("why", column=MAIN)
 
 
-@dataclass(frozen=True, eq=False)
-class MapStudy(ShownResult):
+@declare.dataclass
+class SettingOfCase:
+    """Where the case stands along an axis."""
+
+    value: float = declare.word("setting of the case, SI")
+    provenance: str = declare.word("where it comes from")
+
+
+@declare.dataclass
+class Present:
+    """Where the case stands, and what its blows come to."""
+
+    settings: dict[str, SettingOfCase] = declare.named(SettingOfCase, "settings of the case", inline=True)
+    result: dict[str, float] = declare.part(MapCell, "what its blows come to")
+
+
+@declare.dataclass
+class ShownSetting:
+    """A value of the nearest setting with equal blows, as it is shown."""
+
+    name: str = declare.word("path of the setting")
+    text: str = declare.word("its value", headline="{name}, nearest with equal blows")
+
+
+@declare.dataclass
+class MapStudy(ResultOfCase):
     """A map; see `Result` for what it shares with others.
 
     Attributes
     ----------
-    plan : MapPlan
-        What it is of.
     values : ndarray
         Shape (panels, rows, columns, fields); see `strikewave.studies.map.cells.FIELDS`.
     wanted : float
@@ -120,7 +150,7 @@ class MapStudy(ShownResult):
         The case itself, as a cell.
     setting : EvenSetting or None
         The nearest even setting that a full run confirms; the case itself, at distance 0, where it is even already.
-    refused : tuple of Refusal
+    refusals : tuple of Refusal
         Nearer ones whose full runs disagree.
     asked : str
         Command line that gives it again, where one does.
@@ -129,28 +159,20 @@ class MapStudy(ShownResult):
     command: ClassVar[str] = "map"
     data_file: ClassVar[str] = "map.nc"
 
-    plan: MapPlan
+    main_rows: ClassVar[str] = "cell_table"
+
+    plan: MapPlan = declare.part(MapPlan, "what it is of", inline=True)
     values: Array
     wanted: float
     present: dict[str, float]
     setting: EvenSetting | None = None
-    refused: tuple[Refusal, ...] = ()
+    refusals: tuple[Refusal, ...] = ()
     asked: str = ""
 
     @cached_property
     def case(self) -> Case:
         """The case that is mapped."""
         return parse_case(self.plan.case)
-
-    @property
-    def title(self) -> str:
-        """The title of the case."""
-        return self.case.title or self.case.name
-
-    @property
-    def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
-        return self.case.test.stated()
 
     @property
     def source(self) -> Source:
@@ -177,79 +199,147 @@ class MapStudy(ShownResult):
         """Return one field, shape (panels, rows, columns)."""
         return np.asarray(self.values[..., PLACE[name]])
 
-    @property
-    def shares(self) -> dict[str, float]:
-        """Share of the cells in each regime that occurs."""
-        codes = self.field("regime")
-        shares = {name: float(np.mean(codes == code)) for code, name in enumerate(NAMES)}
-        return {name: share for name, share in shares.items() if share > 0.0}
-
-    @property
-    def failures(self) -> dict[str, int]:
-        """How many cells have no result, by reason."""
-        codes = self.field("reason").astype(int)
-        return {text: int((codes == k).sum()) for k, text in enumerate(REASONS) if k and (codes == k).any()}
-
     def over_range(self, path: str) -> tuple[float, float] | None:
         """Return the ends of the range over which an assumed value of the case is in doubt; None where it is known."""
         value = self.case.values()[path]
         low, high = HALF_TO_TWICE
         return (low * value.si, high * value.si) if value.provenance == "assumed" else None
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the number of cells, the scatter of the case, and the nearest setting with equal blows."""
-        numbers = [("cells", str(math.prod(self.plan.shape))), ("CV of the case", percent(self.present["cv"], 2))]
-        if self.setting is None:
-            return [*numbers, ("setting with equal blows", "none")]
-        at = zip(self.plan.axes, self.setting.values, strict=True)
-        return [
-            *numbers,
-            *((axis.path, str(axis.typed(value))) for axis, value in at),
-            ("CV there", percent(self.setting.cv, 2)),
-        ]
+    @declare.computed(declare.count("how many cells", headline="cells", in_document=False))
+    def cell_count(self) -> int:
+        """How many machines were run."""
+        return math.prod(self.plan.shape)
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        units = {name: unit for name, (unit, _) in FIELDS.items()} | {
-            axis.path: axis.si_unit for axis in self.plan.axes
-        }
-        return units | {"wanted_cv": "1", "distance": "1"}
+    @declare.computed(declare.rows(Axis, "what the axes are of"))
+    def axes(self) -> tuple[Axis, ...]:
+        """What the axes are of."""
+        return self.plan.axes
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        axes = [{"path": axis.path, "values": list(axis.values), "log": axis.log} for axis in self.plan.axes]
+    @declare.computed(declare.word("names of the regimes, by their codes from 0"))
+    def regimes(self) -> tuple[str, ...]:
+        """Names of the regimes."""
+        return NAMES
+
+    @declare.computed(declare.word("reasons for no result, by their codes from 0"))
+    def reasons(self) -> tuple[str, ...]:
+        """Reasons for no result."""
+        return REASONS
+
+    @declare.computed(declare.number(VARIATION, "largest coefficient of variation of equal blows"))
+    def wanted_cv(self) -> float:
+        """What counts as even."""
+        return self.wanted
+
+    @declare.computed(declare.part(Present, "the case itself", key="present"))
+    def present_setting(self) -> Present:
+        """Where the case stands, and what its blows come to."""
         values = self.case.values()
-        published = {
-            axis.path: {"value": at, "provenance": values[axis.path].provenance}
-            for axis, at in zip(self.plan.axes, self.here, strict=True)
-        }
-        return {
-            "case": self.case.name,
-            "blows": self.plan.blows,
-            "train": self.plan.train,
-            "axes": axes,
-            "regimes": list(NAMES),
-            "reasons": list(REASONS),
-            "wanted_cv": self.wanted,
-            "present": {**published, "result": self.present},
-            "shares": self.shares,
-            "failures": self.failures,
-            "nearest": self._nearest(),
-            "refused": [
-                {"settings": dict(zip(self.paths, r.values, strict=True)), "why": r.reason} for r in self.refused
-            ],
-            "cells": {name: self.field(name) for name in FIELDS},
-            "verdict": self._verdict_codes(),
-            "verdict_codes": list(RUN_STATUSES),
-        }
+        pairs = zip(self.paths, self.here, strict=True)
+        return Present({path: SettingOfCase(at, values[path].provenance) for path, at in pairs}, self.present)
 
-    def _nearest(self) -> dict[str, Any] | None:
-        if self.setting is None:
-            return None
-        nearest = self.setting
-        full = {"cv": nearest.cv, "peak": nearest.peak, "tolerance": RUN_TOLERANCE}
-        settings = dict(zip(self.paths, nearest.values, strict=True))
-        return {"settings": settings, "distance": nearest.distance, "result": nearest.cell, "full_run": full}
+    @declare.computed(
+        declare.number(VARIATION, "its scatter", headline="CV of the peaks of the case", in_document=False)
+    )
+    def present_cv(self) -> float:
+        """Scatter of the peaks of the case."""
+        return self.present["cv"]
+
+    @declare.computed(
+        declare.number(Quantity("m/s^2", "g"), "its mean peak", headline="mean peak of the case", in_document=False)
+    )
+    def present_peak(self) -> float:
+        """Mean peak of the case."""
+        return self.present["peak"]
+
+    @declare.computed(declare.number(SHARE, "share of the cells in each regime"))
+    def shares(self) -> dict[str, float]:
+        """Share of the cells in each regime that occurs."""
+        codes = self.field("regime")
+        shares = {name: float(np.mean(codes == code)) for code, name in enumerate(NAMES)}
+        return {name: share for name, share in shares.items() if share > 0.0}
+
+    @declare.computed(declare.count("cells without a result, by reason"))
+    def failures(self) -> dict[str, int]:
+        """How many cells have no result, by reason."""
+        codes = self.field("reason").astype(int)
+        return {text: int((codes == k).sum()) for k, text in enumerate(REASONS) if k and (codes == k).any()}
+
+    @declare.computed(declare.part(EvenSetting, "nearest setting with equal blows; null where there is none"))
+    def nearest(self) -> EvenSetting | None:
+        """The nearest even setting."""
+        return self.setting
+
+    @declare.computed(
+        declare.word(
+            "what is said where there is none",
+            headline="settings with equal blows that a full run confirms",
+            in_document=False,
+        )
+    )
+    def nothing_even(self) -> str | None:
+        """That no setting is even; nothing where one is."""
+        return "none" if self.setting is None else None
+
+    @declare.computed(declare.rows(ShownSetting, "the nearest setting", headline="each", in_document=False))
+    def shown_setting(self) -> list[ShownSetting]:
+        """The nearest even setting in words; none where there is none."""
+        pairs = zip(self.plan.axes, self.setting.values, strict=True) if self.setting else ()
+        return [ShownSetting(axis.path, f"{axis.shown(value):.5g} {axis.unit}".strip()) for axis, value in pairs]
+
+    @declare.computed(declare.number(VARIATION, "scatter there", headline="CV there, by a full run", in_document=False))
+    def nearest_cv(self) -> float | None:
+        """Scatter of the peaks at the nearest setting; None where there is none."""
+        return self.setting.full_run.cv if self.setting else None
+
+    @declare.computed(
+        declare.number(Quantity("m/s^2", "g"), "mean peak there", headline="mean peak there", in_document=False)
+    )
+    def nearest_peak(self) -> float | None:
+        """Mean peak at the nearest setting; None where there is none."""
+        return self.setting.full_run.peak if self.setting else None
+
+    @declare.computed(declare.rows(Refusal, "nearer settings that a full run did not confirm, and why"))
+    def refused(self) -> tuple[Refusal, ...]:
+        """Nearer settings whose full runs disagree."""
+        return self.refusals
+
+    @declare.computed(declare.part(MapCell, "each of them as an array"))
+    def cells(self) -> dict[str, Array]:
+        """All cells: shape (panels, rows, columns)."""
+        return {name: self.field(name) for name in FIELDS}
+
+    @declare.computed(declare.word("what the checks of each cell came to, by code"))
+    def verdict(self) -> Array:
+        """The verdict of each cell by its place in `RUN_STATUSES`; NaN where none is known."""
+        codes = [RUN_STATUSES.index(one) if one in RUN_STATUSES else math.nan for one in self.verdicts.statuses]
+        return np.array(codes, dtype=float).reshape(self.plan.shape)
+
+    @declare.computed(declare.word("what the verdict of a cell is, by its code"))
+    def verdict_codes(self) -> tuple[str, ...]:
+        """What a verdict may be."""
+        return RUN_STATUSES
+
+    @declare.computed(declare.rows(StudyVariable, "what was varied", in_document=False))
+    def variables(self) -> tuple[StudyVariable, ...]:
+        """The axes as faces list them."""
+        return self.plan.variables
+
+    @declare.computed(declare.table("all cells"))
+    def cell_table(self) -> list[Column]:
+        """All cells, a file has settings in the units asked for; regimes by name."""
+        places = list(np.ndindex(*self.plan.shape))
+        settings = zip(*(self._values(place) for place in places), strict=True)
+        columns = [one.column(values) for one, values in zip(self.variables, settings, strict=True)]
+        for name, one in declare.declarations(MapCell).items():
+            values = [_named(name, self.values[place][PLACE[name]]) for place in places]
+            si, usual, label, *_ = ("", "", *one.quantity[2:]) if name in COUNTED else one.quantity
+            columns.append(Column(name, values, si, "", usual if name in SHOWN else None, label))
+        return [*columns, Column("verdict", self.verdicts.texts, shown="")]
+
+    @property
+    def named_units(self) -> Mapping[str, str]:
+        """SI units of the settings."""
+        return {axis.path: axis.si_unit for axis in self.plan.axes}
 
     @property
     def arrays(self) -> LabelledArrays:
@@ -263,18 +353,14 @@ class MapStudy(ShownResult):
             if axis is not None
         }
         variables = {
-            name: quantity(dimensions, self.field(name), unit, meaning) for name, (unit, meaning) in FIELDS.items()
+            name: quantity(dimensions, self.field(name), one.quantity.si, one.meaning)
+            for name, one in declare.declarations(MapCell).items()
         }
         variables["verdict"] = quantity(
-            dimensions, self._verdict_codes(), "1", f"what the checks came to, by code: {' | '.join(RUN_STATUSES)}"
+            dimensions, self.verdict, "1", f"what the checks came to, by code: {' | '.join(RUN_STATUSES)}"
         )
         words = {"case": self.plan.case, "regimes": " | ".join(NAMES), "reasons": " | ".join(REASONS)}
         return LabelledArrays.of(variables, coordinates, {**words, "blows": self.plan.blows, "train": self.plan.train})
-
-    def _verdict_codes(self) -> Array:
-        """Return the verdict of each cell by its place in `RUN_STATUSES`; NaN where none is known."""
-        codes = [RUN_STATUSES.index(one) if one in RUN_STATUSES else math.nan for one in self.verdicts.statuses]
-        return np.array(codes, dtype=float).reshape(self.plan.shape)
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document, and the case of the nearest even setting, as files."""
@@ -283,25 +369,7 @@ class MapStudy(ShownResult):
 
     def tables(self) -> dict[str, str]:
         """Return the table of cells."""
-        return {"map.csv": csv_table(self.columns(), HISTORY_DIGITS)}
-
-    def columns(self) -> list[Column]:
-        """Return all cells, a file has settings in the units asked for; regimes by name."""
-        places = list(np.ndindex(*self.plan.shape))
-        settings = zip(*(self._values(place) for place in places), strict=True)
-        columns = [
-            Column(axis.path, values, axis.si_unit or "1", axis.unit)
-            for axis, values in zip(self.plan.axes, settings, strict=True)
-        ]
-        for name, (si, _) in FIELDS.items():
-            values = [_named(name, self.values[place][PLACE[name]]) for place in places]
-            columns.append(Column(name, values, "" if name in COUNTED else si))
-        return [*columns, Column("verdict", self.verdicts.texts)]
-
-    def brief(self) -> dict[str, str]:
-        """Return settings, scatter, mean peak, missed blows and regime."""
-        settings = {axis.path: axis.unit or "1" for axis in self.plan.axes}
-        return {**settings, "cv": "1", "peak": "g", "missed": "", "regime": "", "verdict": ""}
+        return {"map.csv": csv_table(self.cell_table, HISTORY_DIGITS)}
 
     def _values(self, place: tuple[int, ...]) -> tuple[float, ...]:
         """Return the settings of a cell (panel, row, column)."""
@@ -334,6 +402,10 @@ class MapStudy(ShownResult):
         """Whether the blows of the case itself all come and are even, by the fast run."""
         return self.present["cv"] <= self.wanted and self.present["missed"] == 0
 
+    def at(self, values: tuple[float, ...]) -> str:
+        """Return a setting in words."""
+        return ", ".join(f"{axis.path} = {axis.typed(value)}" for axis, value in zip(self.axes, values, strict=True))
+
     def case_of(self, values: tuple[float, ...]) -> Case:
         """Return the case with other settings; their tolerances stay. The case itself where nothing is other."""
         if values == self.here:
@@ -347,6 +419,8 @@ class MapStudy(ShownResult):
 
 COUNTED = ("missed", "regime", "period", "reason")
 """Fields of a cell that are counts or codes: their heads have no unit."""
+SHOWN = ("cv", "peak", "missed", "regime")
+"""Fields of a cell that screens and notebooks show."""
 
 
 def _named(name: str, value: float) -> str | float:
@@ -423,7 +497,7 @@ def make_map(
         verdicts = kept.verdicts(finished.keys, "cells", fast_not_judged(case))
     study = MapStudy(plan, cells.reshape(*plan.shape, len(FIELDS)), wanted, present, verdicts=verdicts)
     setting, refused = confirmed(study)
-    study = dataclasses.replace(study, setting=setting, refused=refused)
+    study = dataclasses.replace(study, setting=setting, refusals=refused)
     return dataclasses.replace(study, notices=(*verdicts.notices(), *range_notices(study)))
 
 
@@ -446,14 +520,15 @@ def confirmed(study: MapStudy) -> tuple[EvenSetting | None, tuple[Refusal, ...]]
     """Return the nearest even setting that a full run confirms, and those nearer that it does not."""
     refused: list[Refusal] = []
     for distance, values, cell in study.even_settings()[:CONFIRMED]:
+        settings = dict(zip(study.paths, values, strict=True))
         try:
-            cv, peak = in_full(study.case_of(values), study.plan.blows)
+            full_run = FullRun(*in_full(study.case_of(values), study.plan.blows))
         except (StrikewaveError, IntegrationError) as error:
-            refused.append(Refusal(values, f"the full run failed: {error}"))
+            refused.append(Refusal(study.at(values), settings, f"the full run failed: {error}"))
             continue
-        if cv <= study.wanted:
-            return EvenSetting(values, distance, cell, cv, peak), tuple(refused)
-        refused.append(Refusal(values, f"the full run has a CV of {100.0 * cv:.3g} %"))
+        if full_run.cv <= study.wanted:
+            return EvenSetting(settings, distance, cell, full_run), tuple(refused)
+        refused.append(Refusal(study.at(values), settings, f"the full run has a CV of {100.0 * full_run.cv:.3g} %"))
     return None, tuple(refused)
 
 

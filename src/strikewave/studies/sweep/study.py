@@ -22,7 +22,6 @@ from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.case_result import ResultOfCase
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import share_with_error
 from strikewave.reporting.shown_result import shown_table
 from strikewave.studies.engine.case_evaluation import CaseEvaluation, KeptNumber, checked_device, kept_number
 from strikewave.studies.engine.evaluation import Job, Row, Variation
@@ -48,7 +47,7 @@ SOURCES = {HYPERCUBE: ("mckay-1979",), SOBOL: ("joe-kuo-2008",)}
 
 
 OF_NUMBER = Quantity.of_data("as the number")
-SHARE = Quantity(NO_UNIT, "%", "share of the variance")
+SHARE = Quantity(NO_UNIT, "%", "share of the variance", 1, 0)
 
 
 @declare.dataclass
@@ -83,20 +82,17 @@ class EffectShare:
     kept: KeptNumber
     number: str = declare.word("which number", column=KEY, in_document=False)
     setting: str = declare.word("path of the setting", column=KEY, in_document=False)
-    share: float = declare.number(SHARE, "share of the setting in the variance of the number")
+    share: float = declare.number(
+        SHARE, "share of the setting in the variance of the number", column=MAIN, error="standard_error"
+    )
     standard_error: float = declare.number(SHARE, "its standard error")
     share_by_chance: float = declare.number(
-        Quantity(NO_UNIT, "%", "by chance below", 1, 0), "the share that chance would give", column=MAIN, order=1
+        Quantity(NO_UNIT, "%", "by chance below", 1, 0), "the share that chance would give", column=MAIN
     )
-    smallest_mean: float = declare.number(OF_NUMBER, "smallest mean", column=MAIN, order=1, in_document=False)
-    largest_mean: float = declare.number(OF_NUMBER, "largest mean", column=MAIN, order=1, in_document=False)
+    smallest_mean: float = declare.number(OF_NUMBER, "smallest mean", column=MAIN, in_document=False)
+    largest_mean: float = declare.number(OF_NUMBER, "largest mean", column=MAIN, in_document=False)
 
     given_units = RunRange.given_units
-
-    @declare.computed(declare.word("share with its error", quantity=SHARE, column=MAIN, in_document=False))
-    def shown_share(self) -> str:
-        """The share with its standard error."""
-        return share_with_error(self.share, self.standard_error, 1).removesuffix(" %")
 
     @property
     def stands_out(self) -> bool:

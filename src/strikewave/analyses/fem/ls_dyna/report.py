@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
-from strikewave.exchange.ls_dyna.folder import ENERGIES, pulse_of
+from strikewave.analyses.fem.ls_dyna.result import EnergyExtent
+from strikewave.base.declare import declarations
+from strikewave.exchange.ls_dyna.comparison import ForcePair, PulseDifferences
+from strikewave.exchange.ls_dyna.folder import ENERGIES, ContactPulse, Extreme
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import headed, shown, shown_heads, with_unit
+from strikewave.reporting.faces import columns_of, face_table, text_of
+from strikewave.reporting.numbers import headed, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
+from strikewave.reporting.table_columns import TableColumn
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
-    from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
-    from strikewave.exchange.ls_dyna.folder import ContactPulse, Extreme, LsDynaContact, LsDynaRun
+    from strikewave.exchange.ls_dyna.comparison import RunComparison
+    from strikewave.exchange.ls_dyna.folder import LsDynaRun
+
+RUNS = ("LS-DYNA", "strikewave")
 
 _METHOD = (
     "LS-DYNA computed its numbers; strikewave read them from its files, in the units that were stated, as the files "
@@ -29,92 +37,36 @@ _ENERGIES = (
     "The internal energy of strikewave includes the work of bulk viscosity, which LS-DYNA does not list by itself. "
     "The hourglass energy of LS-DYNA is 0 where its deck did not ask for it (HGEN = 2 of *CONTROL_ENERGY)."
 )
-_COLUMNS = (
-    ("peak", "peak", "N", "kN"),
-    ("at", "at", "s", "us"),
-    ("impulse", "impulse", "N s", "N s"),
-    ("pulse width at 10 %", "width", "s", "us"),
-)
-"""Of a contact: what it is called, its name, SI unit, and the unit in which it is shown as a rule."""
-_TIMES = (("peak at", "at"), ("onset", "begin"), ("end", "end"))
-_FIELDS = (
-    ("displacement", "displacement", "m", "mm"),
-    ("von Mises", "von_mises", "Pa", "MPa"),
-    ("plastic strain", "plastic_strain", "1", "1"),
-)
-"""Of a part: as of a contact."""
 
 
 def ls_dyna_report(result: LsDynaResult) -> str:
     """Return the report as one HTML page: no script, nothing fetched."""
-    comparison = result.found
-    theirs, ours = comparison.ls_dyna, comparison.strikewave
-    sections = [_forces(comparison), _energies(comparison)]
-    sections += [_fields(comparison)] if theirs.fields or (ours and ours.extremes) else []
+    theirs, ours = result.found.ls_dyna, result.found.strikewave
+    sections = [_forces(result), _energies(result)]
+    sections += [_fields(result)] if theirs.fields or (ours and ours.extremes) else []
     sections += [chapters.warnings(result.notices), _read(theirs)]
-    summary = chapters.Summary("Report of a run of LS-DYNA", ls_dyna_words(comparison), _key_numbers(comparison))
+    summary = chapters.Summary("Report of a run of LS-DYNA", ls_dyna_words(result), result.highlights())
     return chapters.result_page(result, summary, sections)
 
 
-def ls_dyna_words(comparison: RunComparison) -> str:
+def ls_dyna_words(result: LsDynaResult) -> str:
     """Say in words what the contact came to, and how far both runs are apart: on the screen and in the report."""
-    pair = _largest(comparison)
-    if pair and pair.strikewave and pair.ls_dyna:
+    for name, pair in result.strongest_pair.items():
+        theirs, ours = (text_of(pulse, "peak") for pulse in (pair.ls_dyna, pair.strikewave))
+        peak, width, impulse = (text_of(pair.differences, what) for what in ("peak", "width", "impulse"))
         return (
-            f"Contact {pair.name}: LS-DYNA reaches {with_unit(pair.ls_dyna.peak, 'N', 'kN')}, strikewave "
-            f"{with_unit(pair.strikewave.peak, 'N', 'kN')} ({share(pair.difference('peak'))}); pulse width "
-            f"{share(pair.difference('width'))}, impulse {share(pair.difference('impulse'))}.{_meshed(comparison)}"
+            f"Contact {name}: LS-DYNA reaches {theirs}, strikewave {ours} ({peak}); pulse width {width}, impulse "
+            f"{impulse}.{_meshed(result.found)}"
         )
-    pulses = {contact.name: pulse_of(contact.first) for contact in comparison.ls_dyna.contacts}
-    touched = {name: pulse for name, pulse in pulses.items() if pulse}
-    if not touched:
-        return "No contact force is in the folder." if not pulses else "Nothing touched."
-    name, strongest = max(touched.items(), key=lambda entry: entry[1].peak)
-    return f"Contact {name} of LS-DYNA reaches {with_unit(strongest.peak, 'N', 'kN')}; no run of strikewave to compare."
+    for name, pulse in result.strongest_pulse.items():
+        return f"Contact {name} of LS-DYNA reaches {text_of(pulse, 'peak')}; no run of strikewave to compare."
+    return "Nothing touched." if result.pulses else "No contact force is in the folder."
 
 
 def _meshed(comparison: RunComparison) -> str:
     """Say that a sector is compared, where forces of whole bodies stand elsewhere."""
     of_sector = comparison.strikewave is not None and comparison.strikewave.as_meshed
     return " Forces and energies of both are those of the meshed sector, not of whole bodies." if of_sector else ""
-
-
-def _key_numbers(comparison: RunComparison) -> list[tuple[str, str]]:
-    pair = _largest(comparison)
-    numbers = [
-        ("contacts", f"{len(comparison.ls_dyna.contacts)}"),
-        ("states of d3plot", f"{comparison.ls_dyna.frames}"),
-    ]
-    if pair and pair.strikewave and pair.ls_dyna:
-        numbers = [
-            ("peak, LS-DYNA", with_unit(pair.ls_dyna.peak, "N", "kN")),
-            ("peak, strikewave", with_unit(pair.strikewave.peak, "N", "kN")),
-            ("difference of peaks", share(pair.difference("peak"))),
-            ("difference of pulse widths", share(pair.difference("width"))),
-            ("difference of impulses", share(pair.difference("impulse"))),
-            *numbers,
-        ]
-    return numbers
-
-
-def _largest(comparison: RunComparison) -> ForcePair | None:
-    both = [pair for pair in comparison.forces if pair.strikewave and pair.ls_dyna]
-    return max(both, key=lambda pair: pair.strikewave.peak if pair.strikewave else 0.0, default=None)
-
-
-def share(value: float) -> str:
-    """Write a relative difference in per cent with its sign; a dash where it is not known.
-
-    Files of LS-DYNA hold six digits: what is less than a hundred-thousandth is not told apart.
-
-    Examples
-    --------
-    >>> share(0.0312), share(-4e-7), share(float("nan"))
-    ('+3.12 %', '< 0.001 %', '–')
-    """
-    if value != value:
-        return NONE
-    return "< 0.001 %" if 0.0 < abs(value) < 1e-5 else f"{100.0 * value:+.3g} %"
 
 
 def _read(theirs: LsDynaRun) -> Section:
@@ -127,10 +79,10 @@ def _read(theirs: LsDynaRun) -> Section:
     return Section("What was read", text + _METHOD, [Table("Files", ["file", "bytes"], rows)])
 
 
-def _forces(comparison: RunComparison) -> Section:
+def _forces(result: LsDynaResult) -> Section:
     from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
 
-    parts: list[Part] = []
+    comparison, parts = result.found, list[Part]()
     for pair in comparison.forces:
         caption = f"Magnitude of the contact force {pair.name}: strikewave solid, LS-DYNA dashed."
         parts.append(Picture(ls_dyna.force_figure(pair), caption))
@@ -139,74 +91,65 @@ def _forces(comparison: RunComparison) -> Section:
             Picture(ls_dyna.contact_figure(comparison.ls_dyna.contacts), "Magnitudes of the contact forces of LS-DYNA.")
         )
     parts += [pair_table(pair) for pair in comparison.forces]
-    parts.append(contact_table(comparison.ls_dyna.contacts))
+    parts.append(contact_table(result))
     return Section("Contact forces", _DIFFERENCES if comparison.forces else "", parts)
 
 
 def pair_table(pair: ForcePair) -> Table:
     """Return the numbers of a contact of both."""
-    both = (pair.ls_dyna, pair.strikewave)
+    both, differs = (pair.ls_dyna, pair.strikewave), declarations(PulseDifferences)
     rows: list[list[Cell]] = [
-        [headed(label, si, usual), *(_cell(one, what, si, usual) for one in both), share(pair.difference(what))]
-        for label, what, si, usual in _COLUMNS
-        if what != "at"
+        [column.head, *_cells(column, *both), text_of(pair.differences, name) if name in differs else NONE]
+        for name, column in zip(declarations(ContactPulse), columns_of(ContactPulse), strict=True)
     ]
-    rows += [[headed(label, "s", "us"), *(_cell(one, what, "s", "us") for one in both), NONE] for label, what in _TIMES]
-    rows.append([headed("onset later by", "s", "us"), written(shown(pair.shift, "s", "us")), NONE, NONE])
-    rows.append(["angle of the impulses (deg)", written(pair.angle, 3), NONE, NONE])
-    for label, agreement in (("as they are", pair.plain), ("onsets aligned", pair.moved)):
-        rows.append([f"M, {label}", share(agreement.magnitude), NONE, NONE])
-        rows.append([f"P, {label}", written(agreement.phase, 3), NONE, NONE])
-        rows.append([f"C, {label}", written(agreement.combined, 3), NONE, NONE])
-        rows.append([f"RMS, {label}", share(agreement.rms).lstrip("+"), NONE, NONE])
-    heads = ["", "LS-DYNA", "strikewave", "difference"]
+    rows += [[column.head, column.cell(pair), NONE, NONE] for column in columns_of(ForcePair, "pair")]
+    heads = ["", *RUNS, "difference"]
     return Table(f"Contact {pair.name}: contact {pair.contact.name} of LS-DYNA, side {pair.side}", heads, rows)
 
 
-def contact_table(contacts: tuple[LsDynaContact, ...]) -> Table:
+def contact_table(result: LsDynaResult) -> Table:
     """Return what each contact of LS-DYNA came to, by side."""
-    rows: list[list[Cell]] = []
-    for contact in contacts:
-        for side, force in sorted(contact.sides.items()):
-            pulse = pulse_of(force)
-            cells = [_cell(pulse, *column[1:]) for column in _COLUMNS]
-            rows.append([str(contact.number), contact.title or NONE, side, *cells])
-    heads = ["number", "title", "side", *(headed(name, si, usual) for name, _, si, usual in _COLUMNS)]
-    return Table("Contacts of LS-DYNA", heads, rows, empty="No rcforc or binout with contact forces is there.")
+    empty = "No rcforc or binout with contact forces is there."
+    return face_table(result, "sides", "contacts", "Contacts of LS-DYNA", empty)
 
 
-def _cell(found: ContactPulse | Extreme | None, what: str, si: str, usual: str) -> str:
-    """Return a number of a contact, or of a part, in the unit shown; a dash where there is none."""
-    return NONE if found is None else written(shown(getattr(found, what), si, usual))
+def _cells(column: TableColumn[Any], *both: object) -> list[Cell]:
+    """Return a column of LS-DYNA and of strikewave; a dash where there is nothing."""
+    return [NONE if one is None else column.cell(one) for one in both]
 
 
-def _energies(comparison: RunComparison) -> Section:
+def _table_of_both(caption: str, heads: list[str], kind: type, rows: Iterable[tuple[Any, ...]], empty: str) -> Table:
+    """Return a table of columns of LS-DYNA and strikewave in turn; rows end with what they are of, None for nothing."""
+    columns = columns_of(kind)
+    named = [headed(f"{column.name}, {run}", column.si, column.usual) for column in columns for run in RUNS]
+    cells = [
+        [*names, *(cell for one in columns for cell in _cells(one, *both))]
+        for *names, a, b in rows
+        for both in [(a, b)]
+    ]
+    return Table(caption, [*heads, *named], cells, empty)
+
+
+def _energies(result: LsDynaResult) -> Section:
     from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
 
-    picture = Picture(ls_dyna.energy_figure(comparison), "Energies: strikewave solid, LS-DYNA dashed.")
-    return Section("Energies", _ENERGIES, [picture, energy_table(comparison)])
+    picture = Picture(ls_dyna.energy_figure(result.found), "Energies: strikewave solid, LS-DYNA dashed.")
+    return Section("Energies", _ENERGIES, [picture, energy_table(result)])
 
 
-def energy_table(comparison: RunComparison) -> Table:
+def energy_table(result: LsDynaResult) -> Table:
     """Return the energies of both: the largest in size over time, and at the end."""
-    runs = [comparison.ls_dyna.energies, comparison.strikewave.energies if comparison.strikewave else None]
-    rows: list[list[Cell]] = []
-    for word in ENERGIES:
-        curves = [run.energy.get(word) if run else None for run in runs]
-        if any(curve is not None for curve in curves):
-            most = [NONE if c is None else written(shown(c[abs(c).argmax()], "J", "J")) for c in curves]
-            last = [NONE if c is None else written(shown(c[-1], "J", "J")) for c in curves]
-            rows.append([word, *most, *last])
-    heads = ("energy", "largest, LS-DYNA (J)", "largest, strikewave (J)", "end, LS-DYNA (J)", "end, strikewave (J)")
-    return Table("Energies", shown_heads(*heads), rows, empty="No glstat or binout with energies is there.")
+    theirs, ours = result.read.energy or {}, result.comparison.energy if result.comparison else {}
+    rows = [(word, theirs.get(word), ours.get(word)) for word in ENERGIES if word in theirs or word in ours]
+    return _table_of_both("Energies", ["energy"], EnergyExtent, rows, "No glstat or binout with energies is there.")
 
 
-def _fields(comparison: RunComparison) -> Section:
+def _fields(result: LsDynaResult) -> Section:
     text = (
         "Largest in each part at the instants of its fields; of an element with several points, their mean; stress and "
         "strain without deleted elements."
     )
-    return Section("Fields", text, [field_table(comparison)])
+    return Section("Fields", text, [field_table(result.found)])
 
 
 def field_table(comparison: RunComparison) -> Table:
@@ -215,10 +158,6 @@ def field_table(comparison: RunComparison) -> Table:
     pairs: list[tuple[str | None, str | None]] = [(other, name) for name, other in comparison.parts.items()]
     pairs += [(other, None) for other in theirs if other not in comparison.parts.values()]
     pairs += [(None, name) for name in ours if name not in comparison.parts]
-    rows: list[list[Cell]] = []
-    for other, name in pairs:
-        both = (theirs.get(other) if other else None, ours.get(name) if name else None)
-        cells = [_cell(extreme, *column[1:]) for column in _FIELDS for extreme in both]
-        rows.append([other or NONE, name or NONE, *cells])
-    heads = [headed(f"{name}, {who}", *units) for name, _, *units in _FIELDS for who in ("LS-DYNA", "strikewave")]
-    return Table("Parts", ["part in LS-DYNA", "part in strikewave", *heads], rows, empty="No fields are there.")
+    rows = [(other, name, theirs.get(other or ""), ours.get(name or "")) for other, name in pairs]
+    heads = [f"part in {run}" for run in RUNS]
+    return _table_of_both("Parts", heads, Extreme, rows, "No fields are there.")

@@ -1,31 +1,82 @@
-"""What a run of LS-DYNA gave, alone or beside a run of ours: JSON document and source."""
+"""What a run of LS-DYNA gave, alone or beside a run of ours."""
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN
+from strikewave.base.shock_quantities import ENERGY
 from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
 from strikewave.exchange.ls_dyna.folder import ContactPulse, EnergyHistory, Extreme, LsDynaContact, pulse_of
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.columns import Column
-from strikewave.reporting.numbers import percent, with_unit
-from strikewave.reporting.shown_result import Curve, columns_of, history_curve
-
-UNITS = {
-    "peak": "N", "at": "s", "impulse": "N s", "begin": "s", "end": "s", "width": "s", "span": "s", "shift": "s",
-    "angle": "deg", "peak_difference": "1", "impulse_difference": "1", "width_difference": "1",
-    "magnitude": "1", "phase": "1", "combined": "1", "rms": "1", "displacement": "m", "von_mises": "Pa",
-    "plastic_strain": "1", "largest": "J", "last": "J",
-}  # fmt: skip
-"""Of the JSON document."""
+from strikewave.reporting.shown_result import Curve, history_curve
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class EnergyExtent:
+    """How large an energy was."""
+
+    largest: float = declare.number(ENERGY, "largest in size over the run", column=MAIN)
+    last: float = declare.number(ENERGY, "at the end of the run", label="end", column=MAIN)
+
+
+@declare.dataclass
+class ContactSide:
+    """One side of a contact of LS-DYNA."""
+
+    contact: LsDynaContact = declare.part(LsDynaContact, "the contact")
+    side: str = declare.word("A or B", column=KEY, tables="contacts")
+    pulse: ContactPulse | None = declare.part(ContactPulse, "what its force comes to; None where nothing touched")
+
+
+@declare.dataclass
+class LsDynaPart:
+    """A part of LS-DYNA."""
+
+    number: int = declare.count("number of the part")
+    extreme: Extreme | None = declare.part(Extreme, "the most that it came to", inline=True, optional=True)
+
+
+@declare.dataclass
+class ReadRun:
+    """What was read of LS-DYNA."""
+
+    folder: str = declare.word("folder that was read")
+    files: list[str] = declare.word("files that were read")
+    span: tuple[float, float] = declare.history("s", "first and last instant of anything")
+    states: int = declare.count("instants of its fields", headline="states of d3plot")
+    contacts: tuple[LsDynaContact, ...] = declare.rows(LsDynaContact, "its contacts")
+    contact_count: int = declare.count("how many these are", headline="contacts", in_document=False)
+    energy: dict[str, EnergyExtent] | None = declare.named(EnergyExtent, "its energies; null where no file has them")
+    parts: dict[str, LsDynaPart] = declare.named(LsDynaPart, "its parts")
+
+
+@declare.dataclass
+class StrikewavePart:
+    """A part of strikewave."""
+
+    of: str | None = declare.word("part of LS-DYNA that it is compared with; null where there is none")
+    extreme: Extreme = declare.part(Extreme, "the most that it came to", inline=True)
+
+
+@declare.dataclass
+class StrikewaveBeside:
+    """The run of strikewave that LS-DYNA is compared with."""
+
+    folder: str = declare.word("its folder")
+    title: str = declare.word("title of its case")
+    contacts: dict[str, ForcePair] = declare.named(ForcePair, "its contacts with their counterparts in LS-DYNA")
+    energy: dict[str, EnergyExtent] = declare.named(EnergyExtent, "its energies, in the words of LS-DYNA")
+    parts: dict[str, StrikewavePart] = declare.named(StrikewavePart, "its parts")
+
+
+@declare.dataclass
 class LsDynaResult(measured.AskedResult):
     """A run of LS-DYNA, alone or beside one of ours; see `Result` for what it shares with others.
+
+    Beside what documents have:
 
     Attributes
     ----------
@@ -38,65 +89,69 @@ class LsDynaResult(measured.AskedResult):
     found: RunComparison
 
     @property
+    def main_rows(self) -> str:  # type: ignore[override]  # which they are is known of the result alone
+        """The contacts of both runs where they are compared, else those of LS-DYNA."""
+        return "pulses" if self.found.strikewave is None else "pairs"
+
+    @property
     def title(self) -> str:
         """The case of ours that it is laid beside, or the name of its folder."""
         theirs, ours = self.found.ls_dyna, self.found.strikewave
         return f"LS-DYNA compared with strikewave: {ours.title}" if ours else f"LS-DYNA: {folder_name(theirs.folder)}"
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return UNITS
+    @declare.computed(declare.named(ForcePair, "strongest contact of both", headline="first", in_document=False))
+    def strongest_pair(self) -> dict[str, ForcePair]:
+        """The contact of the largest force in strikewave, of those that touch in both runs; none where none does."""
+        peaks = {name: one.strikewave.peak for name, one in self.pairs.items() if one.strikewave and one.ls_dyna}
+        most = max(peaks, key=peaks.__getitem__, default="")
+        return {most: self.pairs[most]} if peaks else {}
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        comparison, theirs, ours = self.found, self.found.ls_dyna, self.found.strikewave
-        parts = {name: {"number": n, **_extreme(theirs.extremes.get(name))} for name, n in theirs.parts.items()}
-        content = {
-            "folder": str(theirs.folder),
-            "files": [path.name for path in theirs.files],
-            "span": theirs.span,
-            "states": theirs.frames,
-            "contacts": [_contact(contact) for contact in theirs.contacts],
-            "energy": _energies(theirs.energies),
-            "parts": parts,
-        }
-        if ours is not None:
-            content["comparison"] = {
-                "folder": str(ours.folder),
-                "title": ours.title,
-                "contacts": {pair.name: _pair(pair) for pair in comparison.forces},
-                "energy": _energies(ours.energies),
-                "parts": {
-                    name: {"of": comparison.parts.get(name), **_extreme(one)} for name, one in ours.extremes.items()
-                },
-            }
-        return content
+    @declare.computed(declare.named(ContactPulse, "strongest contact", headline="first", in_document=False))
+    def strongest_pulse(self) -> dict[str, ContactPulse]:
+        """The contact of the largest force in LS-DYNA, where no pair is; none where nothing touched."""
+        touched = {name: pulse for name, pulse in self.pulses.items() if pulse}
+        most = max(touched, key=lambda name: touched[name].peak, default="")
+        return {most: touched[most]} if touched and not self.strongest_pair else {}
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the largest force of the first contact in LS-DYNA, and its difference from ours where there is one."""
-        pulses = [(contact.name, pulse_of(contact.first)) for contact in self.found.ls_dyna.contacts]
-        numbers = [("contacts", str(len(pulses)))]
-        for name, pulse in pulses[:1]:
-            peak = None if pulse is None else pulse.peak
-            numbers.append((f"peak of contact {name}", with_unit(peak, "N", "kN")))
-        for pair in self.found.forces[:1]:
-            numbers.append((f"difference of {pair.name}", percent(pair.difference("peak"), 1, "+")))
-        return numbers
+    @declare.computed(declare.named(ContactPulse, "contacts of LS-DYNA", label="contact", in_document=False))
+    def pulses(self) -> dict[str, ContactPulse | None]:
+        """What the force of each contact of LS-DYNA comes to."""
+        return {contact.name: pulse_of(contact.first) for contact in self.found.ls_dyna.contacts}
 
-    def columns(self) -> list[Column]:
-        """Return the contacts of both runs where they are compared, else those of LS-DYNA."""
-        if self.found.strikewave is not None:
-            rows = [{"name": pair.name, **_pair(pair)} for pair in self.found.forces]
-        else:
-            contacts = self.found.ls_dyna.contacts
-            rows = [{"name": contact.name, **(_pulse(pulse_of(contact.first)) or {})} for contact in contacts]
-        return columns_of(rows, UNITS)
+    @declare.computed(declare.named(ForcePair, "contacts of both runs", label="contact", in_document=False))
+    def pairs(self) -> dict[str, ForcePair]:
+        """The contacts of both runs."""
+        return {pair.name: pair for pair in self.found.forces}
 
-    def brief(self) -> dict[str, str]:
-        """Return the peaks of both runs and their difference, or the pulses of LS-DYNA."""
-        if self.found.strikewave is not None:
-            return {"name": "", "strikewave.peak": "kN", "ls_dyna.peak": "kN", "peak_difference": "1"}
-        return {"name": "", "peak": "kN", "width": "us", "impulse": "N s"}
+    @declare.computed(declare.rows(ContactSide, "contacts of LS-DYNA", in_document=False))
+    def sides(self) -> list[ContactSide]:
+        """Each side of each contact of LS-DYNA."""
+        contacts = self.found.ls_dyna.contacts
+        return [ContactSide(contact, side, pulse) for contact in contacts for side, pulse in contact.pulses.items()]
+
+    @declare.computed(declare.part(ReadRun, "what was read of LS-DYNA", inline=True, headline="first"))
+    def read(self) -> ReadRun:
+        """What was read of LS-DYNA."""
+        theirs = self.found.ls_dyna
+        return ReadRun(
+            folder=str(theirs.folder),
+            files=[path.name for path in theirs.files],
+            span=theirs.span,
+            states=theirs.frames,
+            contacts=theirs.contacts,
+            contact_count=len(theirs.contacts),
+            energy=_extents(theirs.energies),
+            parts={name: LsDynaPart(number, theirs.extremes.get(name)) for name, number in theirs.parts.items()},
+        )
+
+    @declare.computed(declare.part(StrikewaveBeside, "the run of strikewave that it is compared with", optional=True))
+    def comparison(self) -> StrikewaveBeside | None:
+        """The run of strikewave that it is compared with; None where there is none."""
+        ours, parts = self.found.strikewave, self.found.parts
+        if ours is None:
+            return None
+        extremes = {name: StrikewavePart(parts.get(name), one) for name, one in ours.extremes.items()}
+        return StrikewaveBeside(str(ours.folder), ours.title, self.pairs, _extents(ours.energies) or {}, extremes)
 
     def preview(self) -> Curve | None:
         """Return the force of the first contact in LS-DYNA."""
@@ -114,34 +169,7 @@ def folder_name(folder: Path) -> str:
     return folder.absolute().name or "run"
 
 
-def _contact(contact: LsDynaContact) -> dict[str, Any]:
-    sides = {side: _pulse(pulse_of(force)) for side, force in sorted(contact.sides.items())}
-    return {"number": contact.number, "title": contact.title, "sides": sides}
-
-
-def _pulse(pulse: ContactPulse | None) -> dict[str, float] | None:
-    return None if pulse is None else {**dataclasses.asdict(pulse), "width": pulse.width}
-
-
-def _pair(pair: ForcePair) -> dict[str, Any]:
-    agreements = {"as_they_are": pair.plain, "begun_together": pair.moved}
-    return {
-        "number": pair.contact.number,
-        "side": pair.side,
-        "ls_dyna": _pulse(pair.ls_dyna),
-        "strikewave": _pulse(pair.strikewave),
-        **{f"{what}_difference": pair.difference(what) for what in ("peak", "impulse", "width")},
-        "shift": pair.shift,
-        "angle": pair.angle,
-        **{name: {**dataclasses.asdict(one), "combined": one.combined} for name, one in agreements.items()},
-    }
-
-
-def _energies(balance: EnergyHistory | None) -> dict[str, dict[str, float]] | None:
+def _extents(balance: EnergyHistory | None) -> dict[str, EnergyExtent] | None:
     if balance is None:
         return None
-    return {name: {"largest": float(v[abs(v).argmax()]), "last": float(v[-1])} for name, v in balance.energy.items()}
-
-
-def _extreme(one: Extreme | None) -> dict[str, float]:
-    return {} if one is None else dataclasses.asdict(one)
+    return {name: EnergyExtent(float(v[abs(v).argmax()]), float(v[-1])) for name, v in balance.energy.items()}

@@ -40,11 +40,11 @@ class LsDynaCommand(Command[LsDynaResult]):
 
     def summary(self, result: LsDynaResult) -> str:
         """Say what the contact came to, and how far both runs are apart."""
-        return ls_dyna_words(result.found)
+        return ls_dyna_words(result)
 
     def show(self, result: LsDynaResult) -> None:
         """Print contacts, energies, fields, and how far both are apart."""
-        _show(result.found)
+        _show(result)
 
     def draw(self, result: LsDynaResult, folder: Path) -> list[str]:
         """Write page and picture."""
@@ -67,12 +67,12 @@ def read_run(command: LsDynaCommand, output: Output) -> int:
     return run_and_write(command, output, usual, None)
 
 
-def _show(comparison: RunComparison) -> None:
+def _show(result: LsDynaResult) -> None:
     """Print contacts, energies, fields, and how far both are apart."""
-    _show_read(comparison.ls_dyna)
-    for pair in comparison.forces:
+    _show_read(result.found.ls_dyna)
+    for pair in result.found.forces:
         report_table(pair_table(pair))
-    for run_table in (contact_table(comparison.ls_dyna.contacts), energy_table(comparison), field_table(comparison)):
+    for run_table in (contact_table(result), energy_table(result), field_table(result.found)):
         if run_table.rows:
             report_table(run_table, keys=2)
 

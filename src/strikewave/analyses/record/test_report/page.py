@@ -22,17 +22,19 @@ from strikewave.analyses.record.test_report.shocks import (
     shock_tables,
 )
 from strikewave.analyses.record.verdicts.chapter import limit_words_of
-from strikewave.analyses.record.verdicts.specification_result import asked_clauses, asked_words, status_cell
+from strikewave.analyses.record.verdicts.specification_result import AskedRow, asked_rows
 from strikewave.analyses.record.verdicts.words import sentence, tag_of_records
 from strikewave.analyses.record.words import named
 from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import clause_name
+from strikewave.reporting.faces import columns_of
 from strikewave.reporting.measured_files import digests_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Photo, Picture, Section, SignatureLines, Table, Tag
 from strikewave.reporting.run_and_write import drawing
+from strikewave.reporting.table_columns import page_table
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judged_records import RecordsVerdict
 
@@ -135,7 +137,7 @@ def _lapse_words(stated: StatedTest) -> list[str]:
 
 def _key_numbers(found: RecordsVerdict) -> list[tuple[str, str]]:
     verdicts = blow_verdicts(found.shocks)
-    nominal = {clause.clause: asked_words(clause) for clause in asked_clauses(found.specification)}
+    nominal = {row.clause: row.limit for row in asked_rows(found.specification)}
     counts = [("shocks", len(verdicts)), ("pass", verdicts.count(PASS)), ("fail", verdicts.count(FAIL))]
     unclear = verdicts.count(CANNOT_TELL)
     counts += [("cannot tell", unclear)] if unclear else []
@@ -197,16 +199,13 @@ def _items(stated: StatedTest) -> Section:
 
 def _specification(found: RecordsVerdict) -> Section:
     file = found.specification.file
-    rows: list[list[Cell]] = [
-        [clause_name(clause.clause), asked_words(clause), status_cell(clause.status)]
-        for clause in asked_clauses(found.specification)
-    ]
+    rows = asked_rows(found.specification, clause_name)
     if found.limits.band is not None:
         band = found.limits.band
         words = f"{100.0 * band.time:g} % of the duration, {100.0 * band.amplitude:g} % of the peak"
-        rows.append(["tolerance band", words, status_cell(found.limits.band_status)])
+        rows.append(AskedRow("tolerance band", words, found.limits.band_status))
     text = f"{found.specification.title} ({file.edition}).\n\n{_decision(found)}\n\n{limit_words_of(found)}"
-    table = Table("What is asked of a shock", ["clause", "limit", "status"], rows)
+    table = page_table("What is asked of a shock", columns_of(AskedRow), rows)
     return Section("Specification and decision rule", text, [table])
 
 

@@ -6,14 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.record.verdicts.figures import limits_figure, spectrum_limits_figure
-from strikewave.analyses.record.verdicts.specification_result import (
-    SpecificationResult,
-    asked_words,
-    specification_words,
-    status_cell,
-)
+from strikewave.analyses.record.verdicts.specification_result import SpecificationResult, specification_words
 from strikewave.reporting import chapters
-from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
+from strikewave.reporting.faces import face_table
+from strikewave.reporting.parts import Part, Picture, Section, Tag
 from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import save
 
@@ -40,19 +36,15 @@ def page(result: SpecificationResult) -> str:
     if figure is not None:
         words = "The ideal pulse and the band about it." if file.band is not None else "What it asks."
         parts.append(Picture(figure, words))
-    asked: list[list[Cell]] = [[one.clause, asked_words(one), status_cell(one.status)] for one in result.clauses]
-    if asked:
-        parts.append(Table("What it asks of a shock", ["clause", "limit", "status"], asked))
-    demands: list[list[Cell]] = [[one.text, status_cell(one.status or file.status)] for one in file.demand]
-    if demands:
-        parts.append(Table("Asked too, and not judged by a record", ["what", "status"], demands))
-    rows: list[list[Cell]] = [
-        [row.path, row.typed, status_cell(row.status), row.source, row.note or NONE] for row in result.numbers
+    tables = [
+        face_table(result, "asked"),
+        face_table(result, "demands", caption="Asked too, and not judged by a record"),
     ]
-    heads = ["number", "value", "status", "source", "note"]
-    sections = [Section("Specification", "", parts), Section("Numbers", "", [Table("All numbers", heads, rows)])]
+    parts += [table for table in tables if table.rows]
+    numbers = face_table(result, "numbers", caption="All numbers")
+    sections = [Section("Specification", "", parts), Section("Numbers", "", [numbers])]
     worst = "indicative" if any(row.status == "indicative" for row in result.numbers) else file.status
-    tag = Tag(f"{worst} numbers" if worst == "indicative" else worst, status_cell(worst).look)
+    tag = Tag(f"{worst} numbers" if worst == "indicative" else worst, worst)
     summary = chapters.Summary("Specification", specification_words(result), result.highlights(), tag)
     return chapters.result_page(result, summary, sections)
 

@@ -2,94 +2,113 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Callable
+from typing import ClassVar
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NOT_MEASURED, Quantity
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import limit_words
-from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import listed, with_unit
-from strikewave.reporting.parts import Tag
-from strikewave.reporting.shown_result import columns_of
-from strikewave.specifications.judging import QUOTED, STATUSES, Clause, Limits, judged
-from strikewave.specifications.reading import (
-    Specification,
-)
+from strikewave.specifications.judging import STATUSES, Limits, judged
+from strikewave.specifications.reading import Specification
 from strikewave.specifications.tables import SpecificationFile, numbers_of
 
-STATUS_LOOKS = {"normative": "good", QUOTED: "", "indicative": "warned"}
+
+@declare.dataclass
+class StatedOfAll:
+    """What a specification says of its numbers."""
+
+    status: str = declare.word("of numbers that say nothing else: normative, quoted or indicative")
+    source: str = declare.word("where they come from")
+    note: str = declare.word("what is said of them")
 
 
-class SpecificationNumber(NamedTuple):
-    """A number of a specification: path in its file, as typed, in SI, status, source, note."""
+@declare.dataclass
+class SpecificationNumber:
+    """A number of a specification."""
 
-    path: str
-    typed: str
-    si: float
-    status: str
-    source: str
-    note: str
+    path: str = declare.word("place of a number in the file", label="number", column=KEY)
+    typed: str = declare.number(NOT_MEASURED, "as typed", label="value", column=MAIN)
+    si: float = declare.number(Quantity.of_data("that of each number"), "SI")
+    status: str = declare.word("how it is known", column=MAIN, is_tag=True)
+    source: str = declare.word("from whom", column=MORE)
+    note: str = declare.word("what is said of it")
+
+    @declare.phrase("note", column=MORE + 1)
+    def said(self) -> str | None:
+        """Note on it."""
+        return self.note or None
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class DemandRow:
+    """What a standard demands, and no record is judged by."""
+
+    text: str = declare.word("what the standard demands, in words", label="what", column=KEY)
+    status: str = declare.word("how it is known", column=MAIN, is_tag=True)
+
+
+@declare.dataclass
+class AskedRow:
+    """What is asked of a shock."""
+
+    clause: str = declare.word("what is asked", column=KEY)
+    limit: str = declare.number(NOT_MEASURED, "its nominal value, or its limits", column=MAIN)
+    status: str = declare.word("how it is known", column=MAIN, is_tag=True)
+
+
+@declare.dataclass
+class StatusCount:
+    """How many numbers have a status."""
+
+    name: str = declare.word("the status")
+    count: int = declare.count("how many numbers", headline="{name} numbers")
+
+
+@declare.dataclass
 class SpecificationResult(measured.AskedResult):
-    """One specification with its numbers; see `Result` for what it shares with others.
-
-    Attributes
-    ----------
-    specification : Specification
-        The specification.
-    """
+    """One specification with its numbers; see `Result` for what it shares with others."""
 
     command: ClassVar[str] = "spec"
+    main_rows: ClassVar[str] = "numbers"
 
-    specification: Specification
+    specification: Specification = declare.part(Specification, "the specification", inline=True)
 
     @property
     def title(self) -> str:
         """Its title."""
         return self.specification.title
 
-    @property
+    @declare.computed(declare.part(StatedOfAll, "of its numbers", inline=True))
+    def stated(self) -> StatedOfAll:
+        """What its file says of all numbers."""
+        file = self.specification.file
+        return StatedOfAll(file.status, file.source, file.note)
+
+    @declare.computed(declare.rows(SpecificationNumber, "its numbers"))
     def numbers(self) -> list[SpecificationNumber]:
         """Its numbers; of other conditions than the one asked for, none."""
         condition = self.specification.condition
         return number_rows(self.specification.file, None if condition is None else condition.name)
 
-    @property
-    def clauses(self) -> list[Clause]:
+    @declare.computed(declare.rows(DemandRow, "what the standard demands in words, with its status"))
+    def demands(self) -> list[DemandRow]:
+        """What is asked too, and not judged by a record."""
+        return [DemandRow(one.text, one.status or self.stated.status) for one in self.specification.file.demand]
+
+    @declare.computed(declare.rows(AskedRow, "what it asks of a shock", in_document=False))
+    def asked(self) -> list[AskedRow]:
         """What it asks, as clauses without a value."""
-        return asked_clauses(self.specification)
+        return asked_rows(self.specification)
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return {"si": "that of each number"}
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        file = self.specification.file
-        return {
-            **self.specification.document(),
-            "status": file.status,
-            "source": file.source,
-            "note": file.note,
-            "numbers": [row._asdict() for row in self.numbers],
-            "demands": [{"text": one.text, "status": one.status or file.status} for one in file.demand],
-        }
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return how many numbers there are of each status."""
+    @declare.computed(declare.rows(StatusCount, "numbers by status", in_document=False, headline="each"))
+    def counts(self) -> list[StatusCount]:
+        """How many numbers there are of each status."""
         counts = Counter(row.status for row in self.numbers)
-        return [(f"{status} numbers", str(counts[status])) for status in STATUSES if counts[status]]
-
-    def columns(self) -> list[Column]:
-        """Return its numbers."""
-        return columns_of([row._asdict() for row in self.numbers], {})
-
-    def brief(self) -> dict[str, str]:
-        """Return path, number, status and source."""
-        return dict.fromkeys(("path", "typed", "status", "source"), "")
+        return [StatusCount(status, counts[status]) for status in STATUSES if counts[status]]
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document and the specification itself as files."""
@@ -109,17 +128,14 @@ def _of_another(path: str, condition: str) -> bool:
     return path.startswith("condition.") and not path.startswith(f"condition.{condition}.")
 
 
-def asked_clauses(specification: Specification) -> list[Clause]:
-    """Return what a specification asks, as clauses; of a spectrum there are none."""
+def asked_rows(specification: Specification, named: Callable[[str], str] = str) -> list[AskedRow]:
+    """Return what a specification asks of a shock, of a spectrum nothing; ``named`` is what clauses are called."""
     if specification.file.pulse is None:
         return []
-    limits = specification.pulse_limits()
-    nan = float("nan")
-    found = [
-        judged("nominal peak", limits.pulse.peak, Limits(nan, nan, limits.status), "m/s^2"),
-        judged("nominal duration", limits.pulse.duration, Limits(nan, nan, limits.status), "s"),
-    ]
-    asked = (
+    limits, count = specification.pulse_limits(), specification.count()
+    pulse, status = limits.pulse, limits.status
+    duration = with_unit(pulse.duration, "s", "ms" if pulse.duration >= 1e-3 else "us")
+    asked = [
         ("peak", limits.peak, "m/s^2"),
         (f"pulse width at {100.0 * limits.level:g} %", limits.width, "s"),
         ("velocity change", limits.velocity_change, "m/s"),
@@ -127,28 +143,25 @@ def asked_clauses(specification: Specification) -> list[Clause]:
         ("sampling rate", limits.rate, "Hz"),
         ("filter", limits.cutoff, "Hz"),
         ("shocks a second", specification.repetition(), "Hz"),
-    )
-    found += [judged(name, nan, one, unit) for name, one, unit in asked if one is not None]
-    count = specification.count()
+    ]
     if count is not None:
         each = f"shocks in each of {count.directions} directions"
-        found.append(judged(each, nan, Limits(count.low, count.high, count.status), "1"))
-    return found
-
-
-def asked_words(clause: Clause) -> str:
-    """Write what a clause asks: its nominal value, or its limits."""
-    if clause.clause.startswith("nominal"):
-        usual = "g" if clause.unit == "m/s^2" else "ms" if clause.value >= 1e-3 else "us"
-        return with_unit(clause.value, clause.unit, usual)
-    return limit_words(clause)
+        asked.append((each, Limits(count.low, count.high, count.status), "1"))
+    return [
+        AskedRow("nominal peak", with_unit(pulse.peak, "m/s^2", "g"), status),
+        AskedRow("nominal duration", duration, status),
+        *(
+            AskedRow(named(name), limit_words(judged(name, math.nan, one, unit)), one.status)
+            for name, one, unit in asked
+            if one is not None
+        ),
+    ]
 
 
 def specification_words(result: SpecificationResult) -> str:
     """Say what a specification is, and how well its numbers are known."""
     file = result.specification.file
-    counts = Counter(row.status for row in result.numbers)
-    many = listed([f"{counts[status]} {status}" for status in STATUSES if counts[status]])
+    many = listed([f"{one.count} {one.name}" for one in result.counts])
     words = [f"{result.title} ({file.edition}). Its numbers: {many}. Source: {file.source}."]
     if file.note:
         words.append(" ".join(file.note.split()))
@@ -156,8 +169,3 @@ def specification_words(result: SpecificationResult) -> str:
     if len(others) > 1:
         words.append(f"Conditions: {', '.join(one.name for one in file.condition)}.")
     return " ".join(words)
-
-
-def status_cell(status: str) -> Tag:
-    """Return a status as a tag."""
-    return Tag(status, STATUS_LOOKS[status])

@@ -7,21 +7,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.analyses.record.verdicts.specification_result import (
-    SpecificationResult,
-    asked_words,
-    specification_words,
-)
+from strikewave.analyses.record.verdicts.specification_result import SpecificationResult, specification_words
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.faces import columns_of, face_columns, face_rows
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import print_json, say, table, tell
+from strikewave.reporting.terminal import print_face, print_json, print_rows, say, tell
 from strikewave.specifications.judging import STATUSES
 from strikewave.specifications.reading import (
     Specification,
@@ -43,34 +41,46 @@ HEADER = """\
 """Begin of a new file."""
 
 
+@declare.dataclass
+class ListedSpecification:
+    """A built-in specification in their list."""
+
+    name: str = declare.word("name", column=KEY)
+    title: str = declare.word("title", column=MORE, order=1)
+    edition: str = declare.word("which edition of the standard")
+    kind: str = declare.word("half-sine, spectrum, ...", column=MAIN)
+    conditions: list[str] = declare.word("names of its conditions", column=MAIN)
+    numbers: dict[str, int] = declare.word("how many numbers of each status")
+
+    @declare.phrase("numbers", column=MAIN)
+    def counted(self) -> str:
+        """How many numbers of each status."""
+        return ", ".join(f"{number} {status}" for status, number in self.numbers.items())
+
+
+@declare.dataclass
+class SpecificationList:
+    """The built-in specifications."""
+
+    specifications: list[ListedSpecification] = declare.rows(ListedSpecification, "the built-in specifications")
+
+
 def list_specifications(output: Output) -> int:
     """Print the built-in specifications, and return the exit code."""
-    rows, entries = [], []
+    rows = []
     for name in specification_names():
         file, _ = read_built_in(name)
         counts = Counter(status for _, _, status, _ in numbers_of(file))
-        conditions = [one.name for one in file.condition]
         kind = NONE if file.pulse is None else file.pulse.shape
         kind = "spectrum" if file.srs is not None else kind
         statuses = {status: counts[status] for status in STATUSES if counts[status]}
-        entries.append(
-            {
-                "name": name,
-                "title": file.title,
-                "edition": file.edition,
-                "kind": kind,
-                "conditions": conditions,
-                "numbers": statuses,
-            }
-        )
-        many = ", ".join(f"{number} {status}" for status, number in statuses.items())
-        rows.append([name, kind, ", ".join(conditions) or NONE, many, file.title])
+        conditions = [one.name for one in file.condition]
+        rows.append(ListedSpecification(name, file.title, file.edition, kind, conditions, statuses))
     if output.json:
-        print_json({**head({}), "specifications": entries})
+        print_json({**head({}), **declare.content(SpecificationList(rows))})
         return 0
     tell(f"{len(rows)} built-in specifications; NAME:CONDITION asks for one condition.")
-    columns = [*keys("name"), *texts("kind"), *texts("conditions"), *texts("numbers"), *texts("title", priority=MORE)]
-    table("Built-in specifications", columns, rows)
+    print_rows("Built-in specifications", columns_of(ListedSpecification), rows)
     return 0
 
 
@@ -114,12 +124,8 @@ class SpecificationCommand(Command[SpecificationResult]):
 
     def show(self, result: SpecificationResult) -> None:
         """Print what it asks, and its numbers."""
-        rows = [[clause.clause, asked_words(clause), clause.status] for clause in result.clauses]
-        if rows:
-            table("What it asks of a shock", [*keys("clause"), *numerals("limit"), *texts("status")], rows)
-        numbers = [[row.path, row.typed, row.status, row.source] for row in result.numbers]
-        columns = [*keys("number"), *numerals("value"), *texts("status"), *texts("source", priority=MORE)]
-        table("Numbers", columns, numbers)
+        print_face(result, "asked", "What it asks of a shock")
+        print_rows("Numbers", face_columns(result, "numbers", least=MORE), face_rows(result, "numbers"))
         for one in result.specification.file.demand:
             tell(f"asked too, and not judged: {one.text}")
 
