@@ -113,3 +113,37 @@ def test_a_record_turned_round_that_began_later_is_the_same(name):
         for sign, (one, of_other) in ((-1.0, scaled), (1.0, sizes), (1.0, same)):
             np.testing.assert_allclose(of_other, sign * one, rtol=1e-5, atol=1e-9)
         np.testing.assert_allclose(times[1], times[0] + 8.0, rtol=0.0, atol=1e-9)
+
+
+ANSWER = 60.0 * np.exp(-SINCE / 3e-3) * np.sin(2.0 * np.pi * 900.0 * SINCE) * (TIME > 0.01) + 0.05 * NOISE[::-1]
+ANSWERS = {
+    "plain": (ANSWER, []),
+    "on a level": (ANSWER + 20.0, ["not-settled"]),
+    "shifted": (ANSWER + 4.0 * (TIME > 0.0105), ["zero-shift"]),
+    "drifting": (ANSWER + 30.0 * TIME / TIME[-1], ["drift", "noise", "cut", "not-settled"]),
+    "humming": (ANSWER + 4.0 * np.sin(2.0 * np.pi * 50.0 * TIME), ["noise", "not-settled"]),
+    "clipped": (np.clip(ANSWER, -30.0, 30.0), ["clipped", "clipped", "flat-top", "noise"]),
+    "silent": (0.05 * NOISE[::-1], ["no-response"]),
+}
+
+
+@pytest.mark.parametrize("name", ANSWERS)
+def test_a_response_in_a_small_unit_is_the_same(name):
+    values, codes = ANSWERS[name]
+
+    def answered(scale):
+        channels = [Channel(c, scale * v, STEP, 0.0, "m/s^2") for c, v in (("base", ONE + 0.1 * NOISE), ("c", values))]
+        return read_file(Record("a", "text", tuple(channels)), {}, Request(base="base")).channels[1]
+
+    one, small = answered(1.0), answered(SMALL)
+    assert [f.code for f in one.findings] == codes
+    assert [(f.code, f.severity, f.harms) for f in small.findings] == [
+        (f.code, f.severity, f.harms) for f in one.findings
+    ]
+    for found, other in zip(one.responses, small.responses, strict=True):
+        for figure in ("peak", "rms", "zero", "base_peak"):
+            assert getattr(other, figure) == SMALL * getattr(found, figure)
+        for figure in ("time", "delay", "ratio", "begin", "duration", "decay"):
+            assert getattr(other, figure) == getattr(found, figure)
+        for mode, of_other in zip(found.modes, other.modes, strict=True):
+            np.testing.assert_allclose(of_other, np.array(mode) * [1.0, 1.0, SMALL, 1.0, 1.0], rtol=1e-9)
