@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from strikewave.records import Channel, Record, Request, read_file
+from strikewave.records import Channel, Record, Request, find_pulses, read_file
+from strikewave.records.two_sensors import paired_motion
 
 STEP, SIZE = 1e-5, 3000
 TIME = STEP * np.arange(SIZE)
@@ -147,3 +148,42 @@ def test_a_response_in_a_small_unit_is_the_same(name):
             assert getattr(other, figure) == getattr(found, figure)
         for mode, of_other in zip(found.modes, other.modes, strict=True):
             np.testing.assert_allclose(of_other, np.array(mode) * [1.0, 1.0, SMALL, 1.0, 1.0], rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["noisy", "ringing", "train", "shifted"])
+def test_a_record_of_a_faster_recorder_is_the_same_in_less_time(name):
+    """Steps of a power of two less: times and areas are as much less, frequencies more, all else is the same."""
+    found, fast = (find_pulses(RECORDS[name], factor * STEP) for factor in (1.0, SMALL))
+    for pulse, other in zip(found, fast, strict=True):
+        for figure in ("peak", "offset", "noise", "rigid_peak", "split_peak", "baseline"):
+            np.testing.assert_equal(getattr(other, figure), getattr(pulse, figure))
+        for figure in ("time", "rise", "width", "velocity_change", "begin", "end", "rigid_width", "split_width"):
+            np.testing.assert_allclose(getattr(other, figure), SMALL * getattr(pulse, figure), rtol=1e-9)
+        np.testing.assert_allclose(other.ringing_frequency, pulse.ringing_frequency / SMALL, rtol=1e-9)
+        np.testing.assert_allclose(other.uncertainty, np.array(pulse.uncertainty) * [1.0, SMALL, SMALL], rtol=1e-6)
+        np.testing.assert_allclose(other.methods_apart, pulse.methods_apart, rtol=1e-6)
+        np.testing.assert_allclose(
+            [(one.time, one.peak) for one in other.rebounds],
+            [(SMALL * one.time, one.peak) for one in pulse.rebounds],
+            rtol=1e-9,
+        )
+
+
+def test_two_sensors_in_a_small_unit_and_a_faster_recorder_do_the_same():
+    """Half of a swing in each against the other, and the second two steps later."""
+    first = ONE + 2.0 * SWING + 0.1 * NOISE
+    second = np.roll(0.95 * ONE, 2) - 2.0 * SWING + 0.1 * NOISE[::-1]
+    one, small, fast = (
+        paired_motion(scale * first, scale * second, quick * STEP, find_pulses(scale * first, quick * STEP))
+        for scale, quick in ((1.0, 1.0), (SMALL, 1.0), (1.0, SMALL))
+    )
+    for other, scale, quick in ((small, SMALL, 1.0), (fast, 1.0, SMALL)):
+        assert (other.blows, other.one_body, other.leads) == (one.blows, one.one_body, one.leads)
+        for figure in ("delay", "delay_uncertainty", "peak_lag"):
+            assert getattr(other, figure) == pytest.approx(quick * getattr(one, figure), rel=1e-6, abs=0.0)
+        for figure in ("gain", "gain_uncertainty", "explained", "differential_share"):
+            assert getattr(other, figure) == pytest.approx(getattr(one, figure), rel=1e-6)
+        for figure in ("common_uncertainty", "differential_peak", "differential_in_band"):
+            assert getattr(other, figure) == pytest.approx(scale * getattr(one, figure), rel=1e-6, abs=0.0)
+        np.testing.assert_allclose(other.transfer.trusted, np.array(one.transfer.trusted) / quick, rtol=1e-9)
+        np.testing.assert_allclose(other.transfer.h1, one.transfer.h1, rtol=1e-6)
