@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from strikewave.records import Channel, Record, Request, find_pulses, read_file
+from strikewave.records import Channel, Record, Request, compare, find_pulses, read_file, summed
+from strikewave.records.budget.blows import blow_uncertainty
+from strikewave.records.budget.contributions import Budget, Contribution
 from strikewave.records.two_sensors import paired_motion
 
 STEP, SIZE = 1e-5, 3000
@@ -187,3 +189,64 @@ def test_two_sensors_in_a_small_unit_and_a_faster_recorder_do_the_same():
             assert getattr(other, figure) == pytest.approx(scale * getattr(one, figure), rel=1e-6, abs=0.0)
         np.testing.assert_allclose(other.transfer.trusted, np.array(one.transfer.trusted) / quick, rtol=1e-9)
         np.testing.assert_allclose(other.transfer.h1, one.transfer.h1, rtol=1e-6)
+
+
+def budget(quick):
+    """Return a budget of all that changes a record, for a recorder so much faster."""
+    return Budget((
+        Contribution("sensitivity", "s", 0.02), Contribution("linearity", "l", 0.01), Contribution("clock", "c", 0.001),
+        Contribution("response", "r", 1.0, tolerances=((10.0 / quick, 0.01), (9e3 / quick, 0.05))),
+        Contribution("resonance", "m", 1.0, frequency=2e4 / quick, quality=30.0),
+        Contribution("filter", "f", 0.05, frequency=1e4 / quick, order=4.0),
+        Contribution("offset", "o", 0.01, "rectangular"), Contribution("drift", "d", 0.02), Contribution("noise", "n", 0.01),
+        Contribution("coupling", "a", 1.0, time_constant=0.05 * quick),
+    ))  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["plain", "train"])
+def test_a_budget_of_a_small_unit_and_of_a_faster_recorder_is_the_same(name):
+    def found(scale, quick):
+        channel = Channel("c", scale * RECORDS[name], quick * STEP, 0.0, "m/s^2")
+        pulse = find_pulses(channel.values, channel.step)[0]
+        return blow_uncertainty(channel, pulse, budget(quick)).figures
+
+    one = found(1.0, 1.0)
+    for scale, quick in ((SMALL, 1.0), (1.0, SMALL)):
+        other = found(scale, quick)
+        for figure, factor in (("peak", scale), ("width", quick), ("velocity_change", scale * quick)):
+            assert other[figure].standard == pytest.approx(factor * one[figure].standard, rel=1e-6, abs=0.0)
+            assert [row.name for row in other[figure].contributions] == [row.name for row in one[figure].contributions]
+            assert [row.share for row in other[figure].contributions] == pytest.approx(
+                [row.share for row in one[figure].contributions], rel=1e-5, abs=1e-9
+            )
+
+
+def test_a_campaign_in_a_small_unit_is_the_same():
+    """Ten files: one at another gain, one turned round, one that is a copy, one with an outlier, one cut short."""
+    sizes = [1.0, 1.01, 0.99, 1.015, 0.985, 10.0, -1.005, 1.002, 1.15]
+    shots = [size * ONE + 0.1 * np.roll(NOISE, 7 * k) for k, size in enumerate(sizes)]
+    shots += [shots[2], shots[1][:2500]]
+
+    def found(scale):
+        records = [Record(f"{k}", "text", (Channel("c", scale * v, STEP, 0.0, "m/s^2"),)) for k, v in enumerate(shots)]
+        files = compare([read_file(one, {}, Request()) for one in records])
+        return [[(f.code, f.severity, f.harms) for f in file.channels[0].findings] for file in files], summed(files)
+
+    (told, one), (same, small) = found(1.0), found(SMALL)
+    assert told == same
+    assert [[code for code, _, _ in file] for file in told] == [
+        [], [], [], [], [], ["gain-differs"], ["polarity", "polarity-differs"], [], ["outlier", "outlier"], ["copy"], ["truncated"],
+    ]  # fmt: skip
+    assert one.statistics.keys() == small.statistics.keys()
+    assert [(a.path, a.figure, a.ratio) for a in one.outliers] == [(a.path, a.figure, a.ratio) for a in small.outliers]
+    for figure, factor in (("peak", SMALL), ("velocity_change", SMALL), ("width", 1.0)):
+        ours, theirs = one.statistics[figure], small.statistics[figure]
+        assert (theirs.n, theirs.cv, theirs.robust_cv) == (
+            ours.n,
+            pytest.approx(ours.cv),
+            pytest.approx(ours.robust_cv),
+        )
+        assert (theirs.mean, theirs.low, theirs.high) == pytest.approx(
+            (factor * ours.mean, factor * ours.low, factor * ours.high), rel=1e-9, abs=0.0
+        )
+    assert one.statistics["peak"].mean == pytest.approx(100.0, rel=0.01)
