@@ -3,6 +3,7 @@
 import math
 import shutil
 import struct
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -410,6 +411,30 @@ def test_channels_of_oscilloscopes_have_their_unit_step_and_start():
     assert rigol._column(channel(times=None)).start == rigol._column(channel(times=[])).start == 0.0
     assert [rigol._column(channel(unit=SimpleNamespace(name=n))).unit for n in ("v", "W", "unknown")] == ["V", "W", ""]
     assert rigol._column(channel(unit="")).unit == "V"
+
+
+def test_channels_of_an_oscilloscope_that_are_switched_on_are_read(written, monkeypatch):
+    """Of four the second and the last; the first is off, the third has no samples."""
+    asked = []
+
+    def channel(waveform, number, form):
+        asked.append((waveform, number, form))
+        volts = {1: [9.0], 2: [1.0, 2.0, 4.0], 3: [], 4: [3.0, 5.0, 7.0]}[number]
+        return SimpleNamespace(
+            enabled=number > 1, volts=volts, seconds_per_point=0.5, times=[-3.0], unit=SimpleNamespace(name="V"),
+            channel_number=number,
+        )  # fmt: skip
+
+    parsers = SimpleNamespace(parse_file=lambda family, path: [f"{family} waveform"])
+    monkeypatch.setitem(sys.modules, "RigolWFM", None)
+    monkeypatch.setattr(
+        rigol, "extra", lambda name, _: parsers if name.endswith("rigol") else SimpleNamespace(Channel=channel)
+    )
+    path = written(b"RG03" + bytes(300))
+    assert shown(rigol.parse(path, Options())) == [
+        ("CH2", "V", [1.0, 2.0, 4.0], 0.5, -3.0), ("CH4", "V", [3.0, 5.0, 7.0], 0.5, -3.0),
+    ]  # fmt: skip
+    assert asked == [("DHO waveform", number, "dho1000") for number in (1, 2, 3, 4)]
 
 
 # TDMS

@@ -516,6 +516,7 @@ def test_noise_and_baseline_need_seven_widths_before_the_first_blow(before, know
     found = spectra.spectrum_uncertainty(cut, 0.0, [whole], Budget(()), np.array([10.0, 20.0, 80.0]), largest)
     own = by(found, "noise and baseline")
     assert np.isfinite(own).all() == known
+    assert found.standard == pytest.approx(np.hypot(own, by(found, "instants of sampling")), nan_ok=True)
     if known:
         wander = whole.baseline.wander
         quiet = cut.values[: round((whole.begin - cut.start) / cut.step - 0.5 * length)]

@@ -132,3 +132,18 @@ def test_of_each_channel_the_largest_blow_is_tried_by_draws(monkeypatch):
     found = budgeted.with_budget(files, SimpleNamespace(contributions=[]))
     tried = [[[getattr(one, "tried", one) for one in each.uncertainties] for each in file.channels] for file in found]
     assert tried == [[[(3.0, -5.0), True], [(1.0, -2.0)]], [[(4.0, -5.0)], [True, (1.5, -2.0)]], [[]]]
+
+
+def test_blows_of_a_zero_that_steps_stand_above_both_of_its_levels():
+    """A half-sine of 100 from 1000 to 1050, in noise: the zero steps by 40 long after it, before it, or in its fall."""
+    place = np.arange(3000.0)
+    values = 100.0 * np.sin(np.pi * np.clip((place - 1000.0) / 50.0, 0.0, 1.0))
+    values += 0.1 * np.random.default_rng(5).normal(size=3000)
+    for at, offset in ((2000, 0.0), (600, 40.0), (1040, 0.0)):
+        [pulse] = readings._blows(channel_of(values + 40.0 * (place >= at)))
+        assert pulse.peak == pytest.approx(100.0, abs=0.5)
+        assert pulse.time == pytest.approx(START + 1.025, abs=2e-3)
+        if at != 600:
+            assert pulse.offset == pytest.approx(offset, abs=0.1)
+        if at != 1040:
+            assert pulse.width == pytest.approx(0.0468, abs=5e-4)
