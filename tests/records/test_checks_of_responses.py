@@ -544,3 +544,24 @@ def test_noise_that_only_makes_a_timing_uncertain_is_told(monkeypatch):
             lambda self, reach, e=effects: dict.fromkeys(("peak", "rms", "delay", "duration"), 0.0) | e,
         )
         assert bool(noise.noise(record(FLAT))) is said
+
+
+def test_hum_is_sought_beside_what_each_blow_does(monkeypatch):
+    """From the begin of its own blow to the end of its effective duration; it is noted from a hundredth of the peak on."""
+    spans = []
+    heard = {"amplitude": 0.11}
+
+    def beside(values, step, start, blows):
+        spans.append((step, start, blows))
+        return 50.0, heard["amplitude"]
+
+    monkeypatch.setattr(noise, "hum_beside", beside)
+    answers = [response(blow=1), response(blow=3, begin=START + 350 * STEP, duration=30 * STEP)]
+    one = record(FLAT, *answers, places=(100, 200, 320))
+    [found] = noise.hum(one)
+    assert (found.code, found.value) == ("hum", 0.11)
+    assert spans == [
+        (STEP, START, [(START + 100 * STEP, START + 200 * STEP), (START + 320 * STEP, START + 380 * STEP)])
+    ]
+    heard["amplitude"] = 0.09
+    assert noise.hum(one) == []

@@ -219,6 +219,19 @@ def test_a_shift_and_a_line_with_their_standard_errors(kind):
     assert found.explained == pytest.approx(1.0 - left / np.sum(level**2), rel=1e-9)
 
 
+def test_a_shift_beside_values_that_resemble_the_next_is_known_less_well():
+    """Of neighbours that are alike by r the mean is as uncertain as of (1 - r) / (1 + r) as many."""
+    level = 2.0 + 0.05 * np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0] * 5)
+    found = model_of(Tail(TIME, level, 0.02 + 0.0 * TIME))
+    rest = level - level.mean()
+    alike = np.sum(rest[1:] * rest[:-1]) / np.sum(rest**2)
+    assert alike == pytest.approx(11.0 / 30.0)
+    assert found.kind == "shift"
+    assert found.level_error == pytest.approx(
+        math.sqrt(np.sum(rest**2) / 28 / 30 * (1.0 + alike) / (1.0 - alike)), rel=1e-9
+    )
+
+
 def test_a_decay_costs_two_parameters_and_one_of_the_zero():
     """Beside values that alternate about it: 27 of 30 are left for its standard error."""
     level = 5.0 * np.exp(-TIME / 4e-3) + 0.05 * (-1.0) ** np.arange(30)
