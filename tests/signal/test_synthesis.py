@@ -1,6 +1,7 @@
 """Base motions that have a spectrum: judged by another code of the spectrum, at rest at the end, and what cannot be."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -101,7 +102,7 @@ def test_parts_of_a_motion_are_what_is_written_of_them():
     assert wavelet.end == pytest.approx(0.1 + 3 / 20.0, rel=1e-15)
     # e^-18 is left of a damped sine at its end
     assert math.exp(-0.05 * 20.0 * math.pi * (sine.end - 0.1)) == pytest.approx(math.exp(-18.0), rel=1e-12)
-    assert math.isfinite(sine._replace(damping=0.0).end)
+    assert math.isfinite(replace(sine, damping=0.0).end)
 
 
 def test_wavelets_are_nine_half_sines_and_the_motion_lasts_as_long_as_the_lowest():

@@ -10,17 +10,21 @@ Source: D. O. Smallwood, A. R. Nord 1974 (damped sines, compensation); the wavel
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
+from strikewave.base.shock_quantities import FREQUENCY, LENGTH, VELOCITY
 from strikewave.signal.motion import motion
 from strikewave.signal.oscillator_groups import SMOOTH
 from strikewave.signal.srs import Scope, octaves, srs
 
 Array = NDArray[np.float64]
 
+PEAK, MILLISECONDS, DECIBELS = Quantity("m/s^2", "g"), Quantity("s", "ms"), Quantity("dB", "dB")
 DAMPED_SINES, WAVELETS = "damped-sines", "wavelets"
 BASES = (DAMPED_SINES, WAVELETS)
 """What a motion is the sum of."""
@@ -40,32 +44,36 @@ MOST_STEPS = 40
 """Steps of the iteration at most; those that come close do it in 5 to 25 (measured on five spectra)."""
 CORRECTED = 0.7
 """Power of the ratio of target and spectrum by which an amplitude is corrected: neighbours correct it too."""
+ROUNDING = 1e-9
+"""Share of the largest value below which what is left at the end is rounding: compensation leaves 1e-15."""
 LARGEST_CORRECTION = 4.0
 """Largest factor of a correction: a component that its neighbours drown is not driven to zero at once."""
 
 
-class Component(NamedTuple):
-    """A part of a motion.
+@declare.dataclass
+class Component:
+    """A part of a motion."""
 
-    Attributes
-    ----------
-    frequency : float
-        Frequency f, Hz.
-    amplitude : float
-        Amplitude A, m/s^2.
-    delay : float
-        Delay t0, s.
-    damping : float
-        Damping ratio zeta of a damped sine A exp(-zeta w (t - t0)) sin(w (t - t0)), w = 2 pi f; NaN of a wavelet.
-    half_sines : int
-        Half sines N of a wavelet A sin(w (t - t0)/N) sin(w (t - t0)), which lasts N/(2 f); 0 of a damped sine.
-    """
+    frequency: float = declare.number(FREQUENCY, "frequency f", column=KEY)
+    amplitude: float = declare.number(PEAK, "amplitude A", column=MAIN)
+    delay: float = declare.number(MILLISECONDS, "delay t0", column=MAIN)
+    damping: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, digits=3),
+        "damping ratio zeta of a damped sine A exp(-zeta w (t - t0)) sin(w (t - t0)), w = 2 pi f; null of a wavelet",
+        column=MAIN,
+    )
+    half_sines: int = declare.count(
+        "half sines N of a wavelet A sin(w (t - t0)/N) sin(w (t - t0)), which lasts N/(2 f); 0 of a damped sine",
+        default=0,
+    )
+    role: str = declare.word(
+        "spectrum, or compensation: it brings the motion to rest", label="for", default="spectrum", column=MAIN, order=1
+    )
 
-    frequency: float
-    amplitude: float
-    delay: float
-    damping: float
-    half_sines: int = 0
+    @declare.phrase("half-sines", column=MAIN)
+    def half_sine_count(self) -> str | None:
+        """Return how many half-sines a wavelet has."""
+        return str(self.half_sines) if self.half_sines else None
 
     def at(self, time: ArrayLike) -> Array:
         """Return it at times, s.
@@ -90,7 +98,25 @@ class Component(NamedTuple):
         return self.delay + DECAYED / max(2.0 * math.pi * self.frequency * self.damping, 1e-12)
 
 
-class SynthesizedMotion(NamedTuple):
+@declare.dataclass
+class MotionPeaks:
+    """The largest values of a motion to either side: what a shaker must reach."""
+
+    acceleration: float = declare.number(PEAK, "largest acceleration", headline="largest acceleration")
+    velocity: float = declare.number(VELOCITY, "largest velocity", headline="largest velocity")
+    displacement: float = declare.number(LENGTH, "largest displacement", headline="largest displacement")
+
+
+@declare.dataclass
+class MotionEnd:
+    """The end of a motion."""
+
+    velocity: float = declare.number(VELOCITY, "velocity at the end")
+    displacement: float = declare.number(LENGTH, "displacement at the end")
+
+
+@declare.dataclass
+class SynthesizedMotion:
     """A base motion with a spectrum.
 
     Attributes
@@ -105,10 +131,6 @@ class SynthesizedMotion(NamedTuple):
         Those; faded out at the end as the others are.
     frequency, spectrum : ndarray
         Frequencies of the components, and the spectrum there.
-    distance : float
-        Largest distance to the target, dB.
-    steps : int
-        Steps of the iteration.
     """
 
     acceleration: Array
@@ -119,8 +141,40 @@ class SynthesizedMotion(NamedTuple):
     compensation: tuple[Component, ...]
     frequency: Array
     spectrum: Array
-    distance: float
-    steps: int
+
+    @declare.computed(declare.part(MotionPeaks, "largest values", headline="first"))
+    def peak(self) -> MotionPeaks:
+        """Largest acceleration, velocity and displacement to either side."""
+        histories = (self.acceleration, self.velocity, self.displacement)
+        return MotionPeaks(*(float(np.max(np.abs(one))) for one in histories))
+
+    @declare.computed(declare.part(MotionEnd, "values at the end"))
+    def end(self) -> MotionEnd:
+        """Velocity and displacement at the end."""
+        return MotionEnd(float(self.velocity[-1]), float(self.displacement[-1]))
+
+    @declare.computed(declare.number(VELOCITY, "what is left", headline="velocity at the end", in_document=False))
+    def left(self) -> float:
+        """Velocity at the end without what rounding makes of nothing."""
+        return self.end.velocity if abs(self.end.velocity) > ROUNDING * self.peak.velocity else 0.0
+
+    @declare.computed(declare.number(MILLISECONDS, "length of the motion", headline="duration"))
+    def duration(self) -> float:
+        """From the first to the last sample, s."""
+        return (self.acceleration.size - 1) * self.step
+
+    @declare.computed(declare.number(FREQUENCY, "samples a second"))
+    def rate(self) -> float:
+        """Samples a second."""
+        return 1.0 / self.step
+
+    @declare.computed(declare.count("how many samples"))
+    def samples(self) -> int:
+        """How many samples it has."""
+        return self.acceleration.size
+
+    distance: float = declare.number(DECIBELS, "largest distance of its spectrum to the one asked for")
+    steps: int = declare.count("steps of the iteration")
 
 
 def synthesized(
@@ -188,7 +242,8 @@ def synthesized(
         _unit(float(one), k, q, basis, float(a)) for k, (one, a) in enumerate(zip(f, amplitudes, strict=True))
     )
     rest = tuple(
-        pulse._replace(amplitude=amplitude) for (pulse, _), amplitude in zip(pulses, (first, second), strict=True)
+        replace(pulse, amplitude=amplitude, role="compensation")
+        for (pulse, _), amplitude in zip(pulses, (first, second), strict=True)
     )
     return SynthesizedMotion(
         values, moved.velocity, moved.displacement, 1.0 / rate, parts, rest, f, spectrum, distance, steps
@@ -236,7 +291,7 @@ def _compensating(lowest: float, time: Array) -> tuple[tuple[Component, Array], 
     """Return two compensating pulses with their samples, the second half a period later."""
     frequency = COMPENSATION_SHARE * lowest
     one = Component(frequency, 1.0, 0.0, COMPENSATION_DAMPING)
-    two = one._replace(delay=0.5 / frequency)
+    two = replace(one, delay=0.5 / frequency)
     return (one, _faded(one.at(time), time.size)), (two, _faded(two.at(time), time.size))
 
 
@@ -260,12 +315,13 @@ def _sum(
     return values + first * pulses[0][1] + second * pulses[1][1], (float(first), float(second))
 
 
-class HalfSine(NamedTuple):
-    """A half-sine, and how far its spectrum lies outside of limits at most, dB; below zero inside."""
+@declare.dataclass
+class HalfSine:
+    """A half-sine for limits of a spectrum."""
 
-    peak: float
-    duration: float
-    outside: float
+    peak: float = declare.number(PEAK, "its peak")
+    duration: float = declare.number(MILLISECONDS, "its duration")
+    outside: float = declare.number(DECIBELS, "how far its spectrum lies outside of limits at most; below 0 inside")
 
 
 def matching_half_sine(

@@ -103,7 +103,7 @@ class Asked:
         return 0.0 if self.budget is None else self.budget.share
 
     @declare.computed(
-        declare.word("what the stated uncertainty holds of: noise, calibration, ...", key="uncertainty_holds")
+        declare.word("what the stated uncertainty holds of, such as noise, calibration", key="uncertainty_holds")
     )
     def holds(self) -> tuple[str, ...]:
         """Names of the contributions that uncertainties hold."""

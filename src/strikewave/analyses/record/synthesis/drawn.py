@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.record.synthesis.result import MOTIONS, SynthesisResult, synthesis_words
+from strikewave.analyses.record.synthesis.result import SynthesisResult, synthesis_words
 from strikewave.analyses.record.verdicts.figures import draw_spectrum_limits
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_section
+from strikewave.base.declare import declarations
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import tag_of, verdict_words
 from strikewave.reporting.curves import thin
-from strikewave.reporting.numbers import axis_unit, shown, shown_heads, time_unit
-from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
+from strikewave.reporting.faces import face_table
+from strikewave.reporting.numbers import axis_unit, time_unit
+from strikewave.reporting.parts import Picture, Section, Tag
 from strikewave.reporting.style import BLUE, new_figure, plain, put_below, quiet, titled
-from strikewave.signal.synthesis import Component
+from strikewave.signal.synthesis import MotionPeaks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,12 +34,11 @@ def picture(result: SynthesisResult) -> Figure:
     found = result.motion
     time = np.asarray(found.step * np.arange(found.acceleration.size), dtype=np.float64)
     size, clock = time_unit(float(time[-1]))
-    usual = {"acceleration": ("m/s^2", "g"), "velocity": ("m/s", "m/s"), "displacement": ("m", "mm")}
     first = None
-    for row, name in enumerate(MOTIONS):
+    for row, (name, one) in enumerate(declarations(MotionPeaks).items()):
         axes = figure.add_subplot(grid[row, 0], sharex=first)
         first = first or axes
-        scale, unit = axis_unit(*usual[name])
+        scale, unit = axis_unit(one.quantity.si, one.quantity.usual)
         x, y = thin(time, getattr(found, name), POINTS)
         axes.plot(x / size, y / scale, color=BLUE, linewidth=0.9)
         quiet(axes, "", f"time ({clock})" if row == 2 else "", f"{name} ({unit})")
@@ -56,38 +57,19 @@ def page(result: SynthesisResult) -> str:
     caption = "Left, the motion: it begins and ends at rest. Right, its spectrum within the tolerance."
     if result.half_sine is not None:
         caption = "Left, the pulse, which leaves a velocity. Right, its spectrum and the tolerance."
-    found = result.motion
-    rows: list[list[Cell]] = [
-        _row(part, role)
-        for role, parts in (("spectrum", found.components), ("compensation", found.compensation))
-        for part in parts
-    ]
-    heads = shown_heads("frequency (Hz)", "amplitude (g)", "delay (ms)")
     sections = [
         Section("The motion", "", [Picture(picture(result), caption, caption)]),
         spectra_section(result.verdict),
     ]
-    if rows:
+    if result.components:
         text = (
             "A damped sine is A exp(−ζ ω (t − t₀)) sin(ω (t − t₀)); a wavelet A sin(ω (t − t₀)/N) sin(ω (t − t₀)) over "
             "N half-sines. The compensating pulses bring velocity and displacement at the end to zero. Damped sines "
             "are faded out over the last fifth. acceleration.csv has the history, after some rest."
         )
-        columns = [*heads, "damping", "half-sines", "for"]
-        sections.append(Section("Components", text, [Table("What the motion is the sum of", columns, rows)]))
+        sections.append(Section("Components", text, [face_table(result, "components")]))
     sections.append(chapters.warnings(result.notices))
     verdict = result.verdict
     tag = Tag(verdict_words(verdict.verdict, verdict.by_indicative), tag_of(verdict.verdict).look)
     summary = chapters.Summary("Synthesis of a shock", synthesis_words(result), result.highlights(), tag)
     return chapters.result_page(result, summary, sections)
-
-
-def _row(part: Component, role: str) -> list[Cell]:
-    return [
-        written(shown(part.frequency, "Hz", "Hz")),
-        written(shown(part.amplitude, "m/s^2", "g")),
-        written(shown(part.delay, "s", "ms")),
-        NONE if part.half_sines else written(part.damping, 3),
-        str(part.half_sines) if part.half_sines else NONE,
-        role,
-    ]

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +12,16 @@ from numpy.typing import NDArray
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_sentence
 from strikewave.base import declare
+from strikewave.base.declare import declarations
 from strikewave.base.errors import InputError
 from strikewave.base.result import Notice
+from strikewave.base.shock_quantities import FREQUENCY
 from strikewave.base.units import si_value
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import text_of
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.options.kinds import wrong_choice
-from strikewave.reporting.shown_result import columns_of
 from strikewave.signal.motion import motion
 from strikewave.signal.oscillator_groups import SMOOTH
 from strikewave.signal.srs import srs
@@ -29,7 +30,9 @@ from strikewave.signal.synthesis import (
     CLOSE,
     DAMPED_SINES,
     WAVELETS,
+    Component,
     HalfSine,
+    MotionPeaks,
     SynthesizedMotion,
     matching_half_sine,
     synthesized,
@@ -62,113 +65,46 @@ HALF_SINE_SAMPLES = 200
 """Samples of a half-sine at least: its peak then lies 3e-5 above the samples at most."""
 UPPER_SHARE = 1.0 / 6.0
 """Share of the upper tolerance that is aimed at where its middle lies lower: half of a spectrum must often be above."""
-UNITS = {
-    "peak.acceleration": "m/s^2", "peak.velocity": "m/s", "peak.displacement": "m", "end.velocity": "m/s",
-    "end.displacement": "m", "duration": "s", "rate": "Hz", "distance": "dB", "components.frequency": "Hz",
-    "components.amplitude": "m/s^2", "components.delay": "s", "spectrum.frequency": "Hz", "spectrum.values": "m/s^2",
-    "spectrum.nominal": "m/s^2", "half_sine.peak": "m/s^2", "half_sine.duration": "s",
-}  # fmt: skip
-"""SI unit of each quantity of the document."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@declare.dataclass
+class MotionSpectrum:
+    """The spectrum of a motion, and the one asked for."""
+
+    frequency: Array = declare.history(FREQUENCY, "natural frequencies")
+    values: Array = declare.history("m/s^2", "spectrum of the motion")
+    nominal: Array = declare.history("m/s^2", "spectrum that was asked for")
+
+
+@declare.dataclass
 class SynthesisResult(measured.AskedResult):
-    """A base motion for a specification of a spectrum; see `Result` for what it shares with others.
-
-    Attributes
-    ----------
-    by : str
-        One of `WAYS`.
-    motion : SynthesizedMotion
-        The motion.
-    verdict : SpectraVerdict
-        Of the specification on its spectrum.
-    half_sine : HalfSine or None
-        Of a single half-sine.
-    """
+    """A base motion for a specification of a spectrum; see `Result` for what it shares with others."""
 
     command: ClassVar[str] = "spec"
+    main_rows: ClassVar[str] = "components"
 
-    by: str
-    motion: SynthesizedMotion
-    verdict: SpectraVerdict
-    half_sine: HalfSine | None = None
+    by: str = declare.word("damped-sines, wavelets or half-sine")
+    motion: SynthesizedMotion = declare.part(SynthesizedMotion, "the motion", inline=True, headline="first")
+    half_sine: HalfSine | None = declare.part(HalfSine, "the half-sine, where it is one")
+
+    @declare.computed(declare.rows(Component, "what the motion is the sum of"))
+    def components(self) -> list[Component]:
+        """The components, and the compensating pulses."""
+        return [*self.motion.components, *self.motion.compensation]
+
+    @declare.computed(declare.part(MotionSpectrum, "the spectrum of the motion"))
+    def spectrum(self) -> MotionSpectrum:
+        """The spectrum of the motion beside the one asked for."""
+        (judged,) = self.verdict.spectra
+        return MotionSpectrum(judged.frequency, judged.values, self.verdict.limits.nominal(judged.frequency))
+
+    verdict: SpectraVerdict = declare.part(SpectraVerdict, "the verdict on its spectrum", key="spec")
 
     @property
     def title(self) -> str:
         """What was made, for which specification."""
         what = {DAMPED_SINES: "Damped sines", WAVELETS: "Wavelets"}.get(self.by, "Half-sine")
         return f"{what} for {self.verdict.specification.title}"
-
-    @property
-    def peaks(self) -> dict[str, float]:
-        """Largest acceleration, velocity and displacement to either side: what a shaker must reach; SI."""
-        return {name: float(np.max(np.abs(getattr(self.motion, name)))) for name in MOTIONS}
-
-    @property
-    def end(self) -> dict[str, float]:
-        """Velocity and displacement at the end; SI."""
-        return {name: float(getattr(self.motion, name)[-1]) for name in ("velocity", "displacement")}
-
-    @property
-    def duration(self) -> float:
-        """From the first to the last sample, s."""
-        return (self.motion.acceleration.size - 1) * self.motion.step
-
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return UNITS
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head; the history is a file."""
-        found, (judged,) = self.motion, self.verdict.spectra
-        components = [
-            {**part._asdict(), "role": role}
-            for role, parts in (("spectrum", found.components), ("compensation", found.compensation))
-            for part in parts
-        ]
-        return {
-            "by": self.by,
-            "peak": self.peaks,
-            "end": self.end,
-            "duration": self.duration,
-            "rate": 1.0 / found.step,
-            "samples": found.acceleration.size,
-            "distance": found.distance,
-            "steps": found.steps,
-            "half_sine": None if self.half_sine is None else self.half_sine._asdict(),
-            "components": components,
-            "spectrum": {
-                "frequency": judged.frequency,
-                "values": judged.values,
-                "nominal": self.verdict.limits.nominal(judged.frequency),
-            },
-            "spec": declare.content(self.verdict),
-        }
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return what a shaker must reach, and how near the spectrum is."""
-        peaks = self.peaks
-        return [
-            ("largest acceleration", with_unit(peaks["acceleration"], "m/s^2", "g")),
-            ("largest velocity", with_unit(peaks["velocity"], "m/s", "m/s")),
-            ("largest displacement", with_unit(peaks["displacement"], "m", "mm")),
-            ("velocity at the end", with_unit(self._rounded(self.end["velocity"], "velocity"), "m/s", "m/s")),
-            ("duration", with_unit(self.duration, "s", "ms")),
-        ]
-
-    def _rounded(self, value: float, name: str) -> float:
-        """Return a value without what rounding makes of nothing."""
-        return value if abs(value) > ROUNDING * self.peaks[name] else 0.0
-
-    def columns(self) -> list[Column]:
-        """Return its components."""
-        rows = [part._asdict() for part in (*self.motion.components, *self.motion.compensation)]
-        return columns_of(rows, {key.partition(".")[2]: unit for key, unit in UNITS.items() if "components" in key})
-
-    def brief(self) -> dict[str, str]:
-        """Return frequency and amplitude of each component."""
-        return {"frequency": "Hz", "amplitude": "g"}
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document and the history as files."""
@@ -177,12 +113,6 @@ class SynthesisResult(measured.AskedResult):
         time = self.motion.step * (np.arange(values.size) - lead.size)
         history = [Column("time", time, "s"), Column("acceleration", values, "m/s^2")]
         return {"synthesis.json": self.document_text(), "acceleration.csv": csv_table(history, HISTORY_DIGITS)}
-
-
-MOTIONS = ("acceleration", "velocity", "displacement")
-"""Histories of a motion."""
-ROUNDING = 1e-9
-"""Share of the largest value below which what is left at the end is rounding: compensation leaves 1e-15."""
 
 
 def synthesize(
@@ -218,7 +148,7 @@ def synthesize(
     --------
     >>> import strikewave
     >>> found = strikewave.synthesize("nasa-gevs")
-    >>> found.verdict.verdict, round(found.peaks["displacement"] * 1e3)
+    >>> found.verdict.verdict, round(found.motion.peak.displacement * 1e3)
     ('pass', 77)
     """
     if by not in WAYS:
@@ -310,9 +240,8 @@ def _notices(result: SynthesisResult) -> list[Notice]:
     """Return what the user should know of a motion."""
     found, notices = result.motion, []
     if result.by == HALF_SINE:
-        change = with_unit(result.end["velocity"], "m/s", "m/s")
-        message = f"a half-sine ends with {change}: a drop table gives it, a shaker does not"
-        notices.append(Notice("velocity-at-end", message, result.end["velocity"], severity="info"))
+        message = f"a half-sine ends with {text_of(found.end, 'velocity')}: a drop table gives it, a shaker does not"
+        notices.append(Notice("velocity-at-end", message, found.end.velocity, severity="info"))
     elif found.distance > CLOSE:
         off = np.abs(20.0 * np.log10(found.spectrum / aim(result.verdict.limits, found.frequency)))
         place = int(np.argmax(off))
@@ -327,17 +256,12 @@ def _notices(result: SynthesisResult) -> list[Notice]:
 
 def synthesis_words(result: SynthesisResult) -> str:
     """Say what came out."""
-    peaks, found = result.peaks, result.motion
+    found = result.motion
     what = {
         DAMPED_SINES: f"{len(found.components)} damped sines and two compensating pulses",
         WAVELETS: f"{len(found.components)} wavelets",
     }.get(result.by, "A half-sine")
     if result.half_sine is not None:
-        what += (
-            f" of {with_unit(result.half_sine.peak, 'm/s^2', 'g')} and "
-            f"{with_unit(result.half_sine.duration, 's', 'ms')}"
-        )
-    return (
-        f"{spectra_sentence(result.verdict)} {what}: at most {with_unit(peaks['acceleration'], 'm/s^2', 'g')}, "
-        f"{with_unit(peaks['velocity'], 'm/s', 'm/s', 3)} and {with_unit(peaks['displacement'], 'm', 'mm', 3)}."
-    )
+        what += f" of {text_of(result.half_sine, 'peak')} and {text_of(result.half_sine, 'duration')}"
+    most = listed([text_of(found.peak, name) for name in declarations(MotionPeaks)])
+    return f"{spectra_sentence(result.verdict)} {what}: at most {most}."

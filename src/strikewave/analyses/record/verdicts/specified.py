@@ -48,7 +48,7 @@ class ListedSpecification:
     name: str = declare.word("name", column=KEY)
     title: str = declare.word("title", column=MORE, order=1)
     edition: str = declare.word("which edition of the standard")
-    kind: str = declare.word("half-sine, spectrum, ...", column=MAIN)
+    kind: str = declare.word("what it asks of, such as half-sine, spectrum", column=MAIN)
     conditions: list[str] = declare.word("names of its conditions", column=MAIN)
     numbers: dict[str, int] = declare.word("how many numbers of each status")
 
