@@ -297,6 +297,7 @@ class Marked:
 
     name: str = declare.word("name")
     mark: str = declare.word("name, marked", column=MAIN, in_document=False)
+    needs: tuple[str, ...] = declare.word("what it takes", default=(), column=MAIN)
 
 
 @declare.dataclass
@@ -308,11 +309,11 @@ class Counted(Planted):
     marks: tuple[Marked, ...] = declare.rows(Marked, "the rows", headline="count", label="marked rows")
 
 
-def test_words_of_faces_alone_are_no_data_and_rows_are_counted():
-    counted = Counted((), 1.0, (Marked("a", "! a !"), Marked("b", "b")))
+def test_words_of_faces_alone_and_lists_are_no_data_and_rows_are_counted():
+    counted = Counted((), 1.0, (Marked("a", "! a !", ("c", "d")), Marked("b", "b")))
     assert ("marked rows", "2") in counted.highlights()
     assert [column.name for column in counted.columns()] == ["name"]
-    assert shown_table(counted) == (["mark"], [["! a !"], ["b"]])
+    assert shown_table(counted) == (["mark", "needs"], [["! a !", "c, d"], ["b", "–"]])
 
 
 def test_the_screen_prints_rows_as_the_page_has_them(result, capsys):

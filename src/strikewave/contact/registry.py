@@ -21,53 +21,57 @@ from typing import Any, ClassVar, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.citations import CHECKED as CHECKED
 from strikewave.base.citations import FROM_MEMORY as FROM_MEMORY
 from strikewave.base.citations import QUOTED as QUOTED
 from strikewave.base.citations import SOURCES
+from strikewave.base.declare import KEY, MAIN, MORE
 from strikewave.base.errors import InputError, StrikewaveError, StrikewaveWarning, nearest, show
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Law:
-    """What every law says of itself.
+    """What every law says of itself, in the order in which documents have it.
 
-    Parameters
+    Attributes
     ----------
-    name : str
-        As a case file and the command line name it.
     function : callable
         The law.
-    equation : str
-        With the symbols of its kind.
-    limits : str
-        Where it holds.
-    status : str
-        `CHECKED`, `QUOTED` or `FROM_MEMORY`.
-    source : str
-        Key of `strikewave.base.citations`, or a reference in full.
-    seen : str, optional
-        Where its formula was seen, if not in the source itself: a law of ours with it is `QUOTED`.
-    note : str, optional
-        What a user should know.
     """
 
-    name: str
+    name: str = declare.word("as a case file and the command line name it", column=KEY, tables="list")
     function: Callable[..., Any]
-    equation: str
-    limits: str
-    status: str
-    source: str
-    seen: str = ""
-    note: str = ""
+    equation: str = declare.word("with the symbols of its kind", column=MAIN, tables="list full", order=1)
+
+    @declare.computed(declare.word("what its symbols mean, with their units", key="symbols"))
+    def explained(self) -> dict[str, str]:
+        """What the symbols of its kind mean."""
+        return dict(self.symbols)
+
+    limits: str = declare.word("where it holds", label="range", column=MORE + 1, tables="full", order=1)
+    status: str = declare.word("checked, quoted or from memory")
+    source: str = declare.word("key of `strikewave.base.citations`, or a reference in full")
+
+    @declare.computed(declare.word("the source in full", label="source", column=MORE + 1, tables="full", order=2))
+    def reference(self) -> str:
+        """The source in full."""
+        return SOURCES.get(self.source, self.source)
+
+    seen: str = declare.word(
+        "where its formula was seen, if not there", default="", label="seen in", column=MORE + 1, tables="full", order=2
+    )
+    note: str = declare.word("what a user should know", default="", column=MORE + 1, tables="full", order=2)
 
     group: ClassVar[str] = ""
     symbols: ClassVar[Mapping[str, str]] = {}
 
-    @property
-    def reference(self) -> str:
-        """The source in full."""
-        return SOURCES.get(self.source, self.source)
+    @declare.computed(
+        declare.word("status, marked", label="status", column=MAIN, tables="list full", in_document=False)
+    )
+    def mark(self) -> str:
+        """The status, in capitals where its formula was not seen."""
+        return f"! {self.status.upper()} !" if self.status == FROM_MEMORY else self.status
 
 
 @dataclass(frozen=True)
@@ -105,14 +109,16 @@ class DamperLaw(Law):
     }
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class StiffnessLaw(Law):
     """A law of the elastic force: ``function(body1, body2, **needs) -> Stiffness or LogarithmicStiffness``.
 
-    ``needs`` names the sizes that it takes: radius1, radius2, length, datum_depth.
+    The sizes are radius1, radius2, length, datum_depth.
     """
 
-    needs: tuple[str, ...] = ()
+    needs: tuple[str, ...] = declare.word(
+        "sizes that it takes, such as length", default=(), column=MORE, tables="list full", order=1
+    )
     group: ClassVar[str] = "strikewave.stiffness_laws"
     symbols: ClassVar[Mapping[str, str]] = {
         "F": "force, N",
@@ -139,15 +145,14 @@ class CapLaw(Law):
     }
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class CushionLaw(Law):
-    """A law of a cushion: ``function(pad, **properties) -> AnyContact``.
+    """A law of a cushion: ``function(pad, **properties) -> AnyContact``."""
 
-    ``needs`` names the properties that it takes, ``options`` those that it can do without.
-    """
-
-    needs: tuple[str, ...] = ()
-    options: tuple[str, ...] = ()
+    needs: tuple[str, ...] = declare.word(
+        "properties that it takes", default=(), column=MORE, tables="list full", order=1
+    )
+    options: tuple[str, ...] = declare.word("properties that it can do without", default=())
     group: ClassVar[str] = "strikewave.cushion_laws"
     symbols: ClassVar[Mapping[str, str]] = {
         "F": "force, N",

@@ -265,7 +265,7 @@ def _sentence(meaning: str) -> str:
 def data_columns(result: Result, name: str) -> list[Column]:
     """Return such rows as columns in SI for Python, CSV and workbooks: every single value, and those of named parts.
 
-    A table is its columns. Words that no document has are for faces alone.
+    A table is its columns. Words that no document has are for faces alone, and what is a list in a row is no column.
     """
     one = declarations(type(result))[name]
     if one.kind == "table":
@@ -280,6 +280,7 @@ def data_columns(result: Result, name: str) -> list[Column]:
         for path, leaf in leaves(one.of)
         if leaf.kind != "history" and (leaf.in_document or leaf.kind != "word")
     ]
+    columns = [one for one in columns if not any(isinstance(value, list | tuple | dict) for value in one.values)]
     for path, kind in _named(one.of):
         parts = [at(row, path) or {} for row in rows]
         for called in dict.fromkeys(called for by_name in parts for called in by_name):

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MORE, NO_UNIT
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import material
 from strikewave.base.result import INFO, Notice, Source
+from strikewave.base.shock_quantities import RATIO
 from strikewave.contact import (
     CAP_LAWS,
     CapLaw,
@@ -29,13 +32,13 @@ from strikewave.contact import (
 from strikewave.contact.cushions import cushion_laws
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.columns import Column
-from strikewave.reporting.layout import KEY, MORE, keys, numerals, texts
+from strikewave.reporting.faces import FaceRow, columns_of, face_columns, face_rows, face_table
+from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write
-from strikewave.reporting.shown_result import columns_of
-from strikewave.reporting.terminal import say, table, tell
+from strikewave.reporting.table_columns import TableColumn
+from strikewave.reporting.terminal import print_rows, say, table, tell
 
 ASKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 """Restitutions asked of each law; the overview shows every other."""
@@ -43,6 +46,10 @@ EXPONENT = 1.5
 """n for the dampers whose restitution depends on it."""
 RADII, LENGTH, LOADS = (0.010, 0.020), 0.040, (100.0, 100e3)
 """Steel cylinders of the picture of the stiffness laws, m, and its loads, N."""
+
+_CALLED = "damping law", "damper", "stiffness law", "pressure cap", "cushion law"
+KINDS = dict(zip(("damping", "dampers", "stiffness", "caps", "cushions"), _CALLED, strict=True))
+"""Kinds of laws, with what one of them is called."""
 
 
 class Laws(NamedTuple):
@@ -58,12 +65,43 @@ class Laws(NamedTuple):
     @property
     def kinds(self) -> tuple[tuple[str, Mapping[str, Law]], ...]:
         """Kind in words, and its laws."""
-        laws: tuple[Mapping[str, Law], ...] = (self.damping, self.dampers, self.stiffness, self.caps, self.cushions)
-        kinds = ("damping law", "damper", "stiffness law", "pressure cap", "cushion law")
-        return tuple(zip(kinds, laws, strict=True))
+        return tuple((called, getattr(self, kind)) for kind, called in KINDS.items())
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class AskedLaw:
+    """A law of which a restitution is asked."""
+
+    law: Law = declare.part(Law, "the law", inline=True)
+    asked: list[float] | None = declare.history(NO_UNIT, "restitutions asked for; null where none can be")
+    given: list[float] | None = declare.history(NO_UNIT, "what comes out of them")
+
+
+@declare.dataclass
+class AskedDamper(AskedLaw):
+    """A damper of which a restitution is asked."""
+
+    @declare.computed(
+        declare.word("what comes out", label="restitution", column=MORE, tables="list", order=1, in_document=False)
+    )
+    def relation(self) -> str:
+        """How what comes out stands to the restitution asked for."""
+        if self.asked is None or self.given is None:
+            return "cannot be prescribed"
+        if all(abs(value - asked) < 1e-9 for value, asked in zip(self.given, self.asked, strict=True)):
+            return "gives e"
+        return f"0.5 comes out as {self.given[self.asked.index(0.5)]:.4f}"
+
+
+@declare.dataclass
+class LawOfKind:
+    """A law among those of all kinds."""
+
+    kind: str = declare.word("which kind of law", column=KEY)
+    law: Law = declare.part(Law, "the law", inline=True)
+
+
+@declare.dataclass
 class LawsResult(measured.AskedResult):
     """The laws that are shown; see `Result` for what it shares with others.
 
@@ -76,6 +114,7 @@ class LawsResult(measured.AskedResult):
     """
 
     command: ClassVar[str] = "laws"
+    main_rows: ClassVar[str] = "every_law"
 
     laws: Laws
     everything: Laws
@@ -85,38 +124,46 @@ class LawsResult(measured.AskedResult):
         """What it lists."""
         return "Contact laws"
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return {"asked": "1", "given": "1"}
+    @declare.computed(declare.number(RATIO, "n for the dampers whose restitution depends on it"))
+    def exponent(self) -> float:
+        """The exponent of the dampers."""
+        return EXPONENT
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        laws = self.laws
-        return {
-            "exponent": EXPONENT,
-            "damping": [{**_entry(law), **_given(laws, "damping", law)} for law in laws.damping.values()],
-            "dampers": [{**_entry(law), **_given(laws, "damper", law)} for law in laws.dampers.values()],
-            "stiffness": [{**_entry(law), "needs": list(law.needs)} for law in laws.stiffness.values()],
-            "caps": [_entry(law) for law in laws.caps.values()],
-            "cushions": [
-                {**_entry(law), "needs": list(law.needs), "options": list(law.options)}
-                for law in laws.cushions.values()
-            ],
-        }
+    @declare.computed(
+        declare.rows(
+            AskedLaw,
+            "damping laws, F = K d^n (1 + chi d'/v0), and the restitution that comes out for e",
+            headline="count",
+        )
+    )
+    def damping(self) -> list[AskedLaw]:
+        """The damping laws."""
+        return [AskedLaw(law, *_asked(self.laws, "damping", law)) for law in self.laws.damping.values()]
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return how many laws there are of each kind."""
-        return [(kind, str(len(rows))) for kind, rows in self.content().items() if isinstance(rows, list)]
+    @declare.computed(declare.rows(AskedDamper, "dampers, F = K d^n + c d^p d'", headline="count"))
+    def dampers(self) -> list[AskedDamper]:
+        """The dampers."""
+        return [AskedDamper(law, *_asked(self.laws, "damper", law)) for law in self.laws.dampers.values()]
 
-    def columns(self) -> list[Column]:
-        """Return the laws with equation, status and source."""
-        kinds = {kind: rows for kind, rows in self.content().items() if isinstance(rows, list)}
-        rows = [{"kind": kind, **row} for kind, rows in kinds.items() for row in rows]
-        return columns_of(rows, self.units())
+    @declare.computed(declare.rows(StiffnessLaw, "stiffness laws", headline="count"))
+    def stiffness(self) -> list[StiffnessLaw]:
+        """The stiffness laws."""
+        return list(self.laws.stiffness.values())
 
-    def brief(self) -> dict[str, str]:
-        """Return kind, name, equation and status."""
-        return dict.fromkeys(("kind", "name", "equation", "status"), "")
+    @declare.computed(declare.rows(CapLaw, "pressure caps: elastic-plastic contacts that remember", headline="count"))
+    def caps(self) -> list[CapLaw]:
+        """The laws of what yields."""
+        return list(self.laws.caps.values())
+
+    @declare.computed(declare.rows(CushionLaw, "cushions: pads between plane faces", headline="count"))
+    def cushions(self) -> list[CushionLaw]:
+        """The laws of cushions."""
+        return list(self.laws.cushions.values())
+
+    @declare.computed(declare.rows(LawOfKind, "laws of all kinds", in_document=False))
+    def every_law(self) -> list[LawOfKind]:
+        """The laws, each with its kind."""
+        return [LawOfKind(kind, law) for kind in KINDS for law in getattr(self.laws, kind).values()]
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
@@ -161,9 +208,11 @@ class LawsCommand(Command[LawsResult]):
     def show(self, result: LawsResult) -> None:
         """Print an overview, or the laws of a name in full."""
         if self.name is not None:
-            _print_each(result.laws)
+            _print_each(result)
             return
-        _print_all(result.laws)
+        for kind in KINDS:
+            columns = [*face_columns(result, kind, "list"), *(_given_columns() if kind == "damping" else ())]
+            print_rows(face_table(result, kind).caption, columns, face_rows(result, kind))
         tell("")
         tell(
             "one law in full: strikewave laws NAME; a law of your own: name it as an entry point in the "
@@ -192,7 +241,10 @@ class LawsCommand(Command[LawsResult]):
 def _notices(laws: Laws) -> tuple[Notice, ...]:
     """Return a notice that names the laws whose formula was not seen in an opened text."""
     names = [
-        f"{name} ({kind})" for kind, laws_of_kind in laws.kinds for name, law in laws_of_kind.items() if _unseen(law)
+        f"{name} ({kind})"
+        for kind, laws_of_kind in laws.kinds
+        for name, law in laws_of_kind.items()
+        if law.status == FROM_MEMORY
     ]
     message = f"from memory, the formula not seen in an opened text: {', '.join(names)}"
     return (Notice("law-from-memory", message, severity=INFO),) if names else ()
@@ -238,96 +290,35 @@ def _named(laws: Laws, name: str | None) -> Laws:
     return Laws(*contact, of(laws.cushions), laws.given)
 
 
-def _entry(law: Law) -> dict[str, Any]:
-    return {
-        "name": law.name,
-        "equation": law.equation,
-        "symbols": dict(law.symbols),
-        "limits": law.limits,
-        "status": law.status,
-        "source": law.source,
-        "reference": law.reference,
-        "seen": law.seen,
-        "note": law.note,
-    }
-
-
-def _given(laws: Laws, kind: str, law: Law) -> dict[str, Any]:
+def _asked(laws: Laws, kind: str, law: Law) -> tuple[list[float] | None, list[float] | None]:
     given = laws.given[f"{kind} {law.name}"]
-    return {"asked": list(ASKED) if given is not None else None, "given": given}
+    return None if given is None else list(ASKED), given
 
 
-def _unseen(law: Law) -> bool:
-    return law.status == FROM_MEMORY
+def _given_columns() -> list[TableColumn[FaceRow]]:
+    """Return columns of what comes out for every other restitution asked for."""
+
+    def column(place: int) -> TableColumn[FaceRow]:
+        named = f"e = {ASKED[place]:g}"
+        return TableColumn(named, lambda row: row.value.given[place], decimals=4, priority=MORE)
+
+    return [column(place) for place in range(0, len(ASKED), 2)]
 
 
-def _mark(law: Law) -> str:
-    return f"! {law.status.upper()} !" if _unseen(law) else law.status
-
-
-def _print_all(laws: Laws) -> None:
-    shown = range(0, len(ASKED), 2)
-    named = [*keys("name"), *texts("status"), *texts("equation")]
-    needing = [*named, *texts("needs", priority=MORE)]
-    columns = [*named, *numerals(*(f"e = {ASKED[k]:g}" for k in shown), priority=MORE)]
-    rows = []
-    for law in laws.damping.values():
-        given = laws.given[f"damping {law.name}"] or []
-        rows.append([law.name, _mark(law), law.equation, *(f"{given[k]:.4f}" for k in shown)])
-    table("Damping laws, F = K d^n (1 + chi d'/v0), and the restitution that comes out for e", columns, rows)
-    rows = [
-        [law.name, _mark(law), law.equation, _relation(laws.given[f"damper {law.name}"])]
-        for law in laws.dampers.values()
-    ]
-    table("Dampers, F = K d^n + c d^p d'", [*named, *texts("restitution", priority=MORE)], rows)
-    rows = [[law.name, _mark(law), law.equation, _needs(law)] for law in laws.stiffness.values()]
-    table("Stiffness laws", needing, rows)
-    rows = [[law.name, _mark(law), law.equation] for law in laws.caps.values()]
-    table("Pressure caps: elastic-plastic contacts that remember", named, rows)
-    rows = [[law.name, _mark(law), law.equation, _needs(law)] for law in laws.cushions.values()]
-    table("Cushions: pads between plane faces", needing, rows)
-
-
-def _relation(given: Sequence[float] | None) -> str:
-    """Say how a damper stands to the restitution asked for.
-
-    Examples
-    --------
-    >>> _relation(ASKED), _relation(None)
-    ('gives e', 'cannot be prescribed')
-    """
-    if given is None:
-        return "cannot be prescribed"
-    if all(abs(value - asked) < 1e-9 for value, asked in zip(given, ASKED, strict=True)):
-        return "gives e"
-    middle = ASKED.index(0.5)
-    return f"0.5 comes out as {given[middle]:.4f}"
-
-
-def _needs(law: Law) -> str:
-    return ", ".join(need.replace("_", " ") for need in getattr(law, "needs", ()))
-
-
-def _print_each(laws: Laws) -> None:
-    for kind, laws_of_kind in laws.kinds:
-        for law in laws_of_kind.values():
-            table(f"{law.name}, {kind}", [*keys(""), *texts("")], _rows(law))
-    for name in laws.damping:
-        _print_given(laws.given[f"damping {name}"], "Restitution of the damping law")
-    for name in laws.dampers:
-        given = laws.given[f"damper {name}"]
-        if given is None:
+def _print_each(result: LawsResult) -> None:
+    for row in result.every_law:
+        law = row.law
+        told = [(one.head, one.text(law)) for one in columns_of(type(law), "full") if one.value(law)]
+        table(f"{law.name}, {KINDS[row.kind]}", [*keys(""), *texts("")], [*told, *law.symbols.items()])
+    for asked in result.damping:
+        _print_given(asked, "Restitution of the damping law")
+    for asked in result.dampers:
+        if asked.given is None:
             tell("its restitution cannot be prescribed: it depends on the speed")
         else:
-            _print_given(given, f"Restitution of the damper (n = {EXPONENT:g} where it depends on n)")
+            _print_given(asked, f"Restitution of the damper (n = {EXPONENT:g} where it depends on n)")
 
 
-def _rows(law: Law) -> list[tuple[str, str]]:
-    rows = [("equation", law.equation), ("range", law.limits), ("needs", _needs(law)), ("status", _mark(law))]
-    rows += [("source", law.reference), ("seen in", law.seen), ("note", law.note)]
-    return [(what, text) for what, text in rows if text] + list(law.symbols.items())
-
-
-def _print_given(given: Sequence[float] | None, title: str) -> None:
-    rows = [[f"{asked:g}", f"{value:.4f}"] for asked, value in zip(ASKED, given or (), strict=False)]
+def _print_given(law: AskedLaw, title: str) -> None:
+    rows = [[f"{asked:g}", f"{value:.4f}"] for asked, value in zip(law.asked or (), law.given or (), strict=True)]
     table(title, [*numerals("asked", priority=KEY), *numerals("given")], rows)
