@@ -124,6 +124,8 @@ def test_a_peak_of_a_factor_and_the_same_width_is_another_gain(peak, width, foun
     files = [*(reading(blow(one)) for one in PEAKS), reading(blow(peak, width=width))]
     said = told(siblings._other_gain, files)
     assert said == ([(4, "gain-differs", pytest.approx(peak / 100.0), "suspect")] if found else [])
+    beside = told(siblings._other_gain, [reading(), *files])  # one without a blow has no width
+    assert [(k - 1, *rest) for k, *rest in beside] == said
 
 
 def test_others_that_do_not_agree_tell_no_gain():

@@ -207,6 +207,37 @@ def test_the_stretch_about_a_blow():
     assert measuring.stretch_of(values, 1e-3, 7.0, measured(width=2e-3, end=7.102)).values.size == 2 + 2 + 32 + 1
 
 
+def test_the_stretch_about_a_blow_ends_with_the_record():
+    values = np.arange(400.0)
+    early = measuring.stretch_of(values, 1e-3, 7.0, measured(begin=7.005, end=7.02))
+    assert (early.values[0], early.begin, early.end) == (-2.0, 5, 20)
+    assert early.smooth.begin == pytest.approx(0.1)
+    late = measuring.stretch_of(values, 1e-3, 7.0, measured(begin=7.39, end=7.5))
+    assert (late.values[0], late.values[-1], late.begin, late.end) == (368.0, 397.0, 20, 29)
+    before = measuring.stretch_of(values, 1e-3, 7.0, measured(begin=6.9, end=7.02))
+    assert (before.begin, before.end, before.values[0]) == (0, 20, -2.0)
+    assert measuring.stretch_of(values, 1e-3, 7.0, measured(), 7.11).values.size == 120 - 80  # its own end at least
+
+
+def test_a_blow_near_an_end_of_its_record_has_the_same_figures():
+    """Two samples behind it are enough; with half of its width before it the line of the record is its baseline."""
+    values = 100.0 * np.sin(np.pi * np.clip((np.arange(3000.0) - 1000.3) / 50.0, 0.0, 1.0))
+    [whole] = find_pulses(values, 1e-3)
+    for last in (1060, 1052):
+        [cut] = find_pulses(values[:last], 1e-3)
+        assert (cut.peak, cut.width, cut.velocity_change, cut.time, cut.begin, cut.end) == (
+            whole.peak, whole.width, whole.velocity_change, whole.time, whole.begin, whole.end,
+        )  # fmt: skip
+    for first in (930, 970):
+        [cut] = find_pulses(values[first:], 1e-3, first * 1e-3)
+        assert (cut.peak, cut.width, cut.velocity_change) == pytest.approx(
+            (whole.peak, whole.width, whole.velocity_change), rel=1e-4
+        )
+        assert (cut.time, cut.begin, cut.end) == pytest.approx((whole.time, whole.begin, whole.end), abs=1e-6)
+    [cut] = find_pulses(values[:1045], 1e-3)
+    assert (cut.peak, math.isnan(cut.width)) == (whole.peak, True)
+
+
 def split_of(peak, doubt, **parts):
     known = {"loss_uncertainty": 0.0, "leak": 0.0, "elastic": 0.0} | parts
     return BandSplit(

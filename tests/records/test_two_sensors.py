@@ -332,6 +332,15 @@ def test_a_window_lasts_until_both_channels_have_settled(settles, length):
     assert np.array_equal(found.first, first[490 : 490 + found.first.size])
 
 
+def test_a_window_in_which_neither_channel_moves_is_none():
+    [blow] = find_pulses(np.where((np.arange(3000) >= 500) & (np.arange(3000) < 510), 5.0, 0.0), 1e-3)
+    silent = np.full(3000, 7.0)
+    assert two_sensors._window(silent, silent, 1e-3, 0.0, [blow], 0) is None
+    moves = silent + (np.arange(3000) == 505)
+    for pair in ((silent, moves), (moves, silent)):
+        assert two_sensors._window(*pair, 1e-3, 0.0, [blow], 0) is not None
+
+
 @pytest.mark.parametrize(("height", "length"), [(0.81, 311), (0.79, 210)])
 def test_a_window_lasts_until_both_channels_stay_below_four_noises(height, length):
     """Zeros of 3 and -7 with noise of 0.2 and 0.1 to both sides; in the first what stands above 0.8 counts."""
