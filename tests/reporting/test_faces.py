@@ -458,3 +458,14 @@ def test_a_part_says_who_gave_its_numbers_and_nothing_is_a_dash():
 def test_a_table_without_rows_says_why(result):
     nothing = dataclasses.replace(result, places=())
     assert faces.face_table(nothing, "places", empty="No place is there.").empty == "No place is there."
+
+
+def test_a_part_that_is_kept_as_a_dictionary_has_its_lines():
+    @declare.dataclass
+    class Kept(Planted):
+        """A result with a part by its keys."""
+
+        reading: dict[str, float] = declare.part(Reading, "what a sensor shows", default=None)
+
+    (table,) = faces.part_tables(Kept((), 1.0, {"peak": G}), "reading")
+    assert table.cells() == [["planted peak (g)", "1.000"]]

@@ -248,12 +248,23 @@ def part_tables(result: Result, name: str, caption: str = "") -> list[Table]:
     one, value = declarations(type(result))[name], getattr(result, name)
     if value is None or one.of is None:
         return []
-    return [line_table(value, "", caption or _sentence(one.meaning), label_of(name, one), result.given_units)]
+    caption = caption or _sentence(one.meaning)
+    return [line_table(value, "", caption, label_of(name, one), result.given_units, one.of)]
 
 
-def line_table(value: Any, table: str, caption: str, head: str, given: GivenUnits = MappingProxyType({})) -> Table:
-    """Return what a declared value and its parts have of one of their tables, a line each; none of what is missing."""
-    columns = [one for one in columns_of(type(value), table, given=given) if one.value(value) is not None]
+def line_table(
+    value: Any,
+    table: str,
+    caption: str,
+    head: str,
+    given: GivenUnits = MappingProxyType({}),
+    kind: type | None = None,
+) -> Table:
+    """Return what a declared value and its parts have of one of their tables, a line each; none of what is missing.
+
+    ``kind`` is its class, where it is a dictionary.
+    """
+    columns = [one for one in columns_of(kind or type(value), table, given=given) if one.value(value) is not None]
     lines: list[list[Cell]] = [[column.head, column.cell(value)] for column in columns]
     return Table(caption, [head, "value"], lines)
 
