@@ -51,7 +51,7 @@ class Law:
 
     limits: str = declare.word("where it holds", label="range", column=MORE + 1, tables="full", order=1)
     status: str = declare.word("checked, quoted or from memory")
-    source: str = declare.word("key of `strikewave.base.citations`, or a reference in full")
+    source: str = declare.word("key of its source, or a reference in full")
 
     @declare.computed(declare.word("the source in full", label="source", column=MORE + 1, tables="full", order=2))
     def reference(self) -> str:

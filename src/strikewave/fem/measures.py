@@ -52,10 +52,16 @@ class ContactMeasure:
     """A contact over the whole run."""
 
     peak: float = declare.number(
-        CONTACT_FORCE, "largest mean force of an interval of the histories, of whole bodies", column=MAIN
+        CONTACT_FORCE,
+        "largest mean force of an interval of the histories, of whole bodies (before, of the meshed sector)",
+        column=MAIN,
     )
     at: float = declare.number(MICROSECONDS, "middle of the interval of the peak", key="time", label="at", column=MORE)
-    impulse: float = declare.number(MEASURED_IMPULSE, "size of the impulse over the run, of whole bodies", column=MAIN)
+    impulse: float = declare.number(
+        MEASURED_IMPULSE,
+        "size of the impulse over the run, of whole bodies (before, of the meshed sector)",
+        column=MAIN,
+    )
     begin: float = declare.number(
         MICROSECONDS, "when the force first rises above a tenth of its peak", label="begins", column=MORE
     )
