@@ -162,6 +162,16 @@ def test_the_last_digit_of_stamps_is_that_of_the_largest_ones():
     assert clock._last_digit(np.r_[np.full(60, 0.1234), np.full(50, 0.25)]) == 1e-3
 
 
+@pytest.mark.parametrize(("odd", "rounded"), [(4, False), (6, True), (9, True)])
+def test_stamps_are_rounded_where_more_than_one_step_in_two_hundred_is_odd(odd, rounded):
+    """Whole numbers of which so many of a thousand steps are two: fewer are lost samples of an even clock."""
+    stamps = np.round((1.0 + odd / 1000.0) * np.arange(1001.0))
+    found = clock._rounded(stamps, np.diff(stamps))
+    assert (found is not None) is rounded
+    if rounded:
+        assert found == (pytest.approx(0.0, abs=0.5), pytest.approx(1.0 + odd / 1000.0, rel=1e-4))
+
+
 def test_rounded_stamps_give_the_line_through_them():
     """2 ms apart, printed to whole ms or to 5: neighbours become equal, and the line is that of all of them."""
     true = 7.0 + 2e-3 * np.arange(201.0) / 3.0
