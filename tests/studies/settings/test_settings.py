@@ -466,15 +466,15 @@ def test_stop_limit_is_kept_or_named(machine, study_of):
 def test_estimates_begin_within_a_third(study_of):
     """The closed forms of approach and stiffness are first guesses: within a third of what full runs ask for."""
     best = study_of(0).best
-    assert best.estimate["approach"] == pytest.approx(best.observation.approach, rel=0.33)
-    assert best.estimate["stiffness"] == pytest.approx(best.case.values()["object.frame_stiffness"].si, rel=0.33)
-    assert best.estimate["velocity_change"] == pytest.approx(best.observation.velocity_change, rel=0.15)
-    assert best.estimate["approach"] == approach_speed(best.estimate["velocity_change"], 0.7)
+    assert best.estimate.approach == pytest.approx(best.observation.approach, rel=0.33)
+    assert best.estimate.stiffness == pytest.approx(best.case.values()["object.frame_stiffness"].si, rel=0.33)
+    assert best.estimate.velocity_change == pytest.approx(best.observation.velocity_change, rel=0.15)
+    assert best.estimate.approach == approach_speed(best.estimate.velocity_change, 0.7)
 
 
 def test_supports_return_after_the_nose_has_passed(published):
     """An object that is back before would be hit by the same nose again."""
-    passing = Design(Trial(published, 4, None, None, "frame", ""), goal()).estimates()["passage_time"]
+    passing = Design(Trial(published, 4, None, None, "frame", ""), goal()).estimates().passage_time
     change = pulse_velocity_change(4000 * G, 200e-6)
     offered = supports(published, goal(), 4)
     assert offered[0] is None

@@ -4,17 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from itertools import pairwise
 from statistics import median
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, Quantity
 from strikewave.base.materials import material
 from strikewave.base.percents import percent
 from strikewave.base.result import BALANCE_LIMIT, RUN_BROKEN, status_of
+from strikewave.base.shock_quantities import (
+    ENERGY,
+    LENGTH,
+    PULSE_WIDTH,
+    RATIO,
+    VARIATION,
+    VELOCITY_CHANGE,
+)
 from strikewave.cases.case import Case
 from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.contact import Geometry, first_yield, stiffness_law
@@ -22,8 +31,8 @@ from strikewave.machines import Blow, MachineRun, Striker, Turntable
 from strikewave.machines.blows import contact_table
 from strikewave.machines.spans import ChainSpan
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
-from strikewave.specifications.judging import ShockVerdict, worst_clauses
-from strikewave.studies.settings.estimate import disc_stress, rim_speed_at_yield
+from strikewave.specifications.judging import Clause, ShockVerdict, worst_clauses
+from strikewave.studies.settings.estimate import disc_stress, engagement_sensitivity, rim_speed_at_yield
 from strikewave.studies.settings.goal import BlowGoal
 from strikewave.uncertainty.statistics import variation
 
@@ -51,67 +60,107 @@ SCATTER_DIGITS = 3
 since tolerances scatter the blows by more."""
 
 
-class BlowSpread(NamedTuple):
-    """A quantity over the blows: that of the typical one, of the first, of the one farthest from the goal; scatter.
-
-    ``typical`` is the median of the later full blows (of all struck ones where no later one is full), ``variation`` the
-    standard deviation (n - 1) of all struck ones over their mean, NaN of one blow alone.
-    """
-
-    typical: float
-    first: float
-    worst: float
-    variation: float
+PEAK = Quantity("m/s^2", "g", "peak")
+INTERVAL = Quantity("s", "ms", "interval", 3, 0)
+TURNING = Quantity("rad/s", "rpm", digits=3)
+STIFFNESS = Quantity("N/m", "MN/m", digits=3)
+DAMPING = Quantity("N s/m", "N s/m")
+MILLISECONDS = Quantity("s", "ms")
+TYPICAL, FIRST, WORST = "median of the later full blows", "of the first blow", "of the blow farthest from the goal"
+SCATTER, MISS = "standard deviation over mean of all struck blows", "by how much of itself the goal is missed"
+OWN_UNIT = "its unit"
 
 
-class Limit(NamedTuple):
+@declare.dataclass
+class PeakSpread:
+    """The peaks of blows; the typical one is that of all struck ones where no later one is full."""
+
+    typical: float = declare.number(PEAK, TYPICAL, column=MAIN, tables="ranking", headline="typical peak")
+    first: float = declare.number(PEAK, FIRST)
+    worst: float = declare.number(PEAK, WORST)
+    variation: float = declare.number(
+        VARIATION._replace(label="CV"), SCATTER, column=MORE, tables="ranking", headline="scatter of the peaks, CV"
+    )
+    miss: float = declare.number(RATIO, MISS)
+
+
+@declare.dataclass
+class WidthSpread:
+    """The widths of blows, alike."""
+
+    typical: float = declare.number(PULSE_WIDTH, TYPICAL, column=MAIN, tables="ranking", headline="typical width")
+    first: float = declare.number(PULSE_WIDTH, FIRST)
+    worst: float = declare.number(PULSE_WIDTH, WORST)
+    variation: float = declare.number(VARIATION, SCATTER)
+    miss: float = declare.number(RATIO, MISS)
+
+
+@declare.dataclass
+class IntervalSpread:
+    """The times between blows; the typical one is the median of all."""
+
+    typical: float = declare.number(INTERVAL, TYPICAL, column=MORE, tables="ranking", headline="interval")
+    first: float = declare.number(INTERVAL, FIRST)
+    worst: float = declare.number(INTERVAL, WORST)
+    variation: float = declare.number(VARIATION, SCATTER)
+    miss: float = declare.number(RATIO, MISS)
+
+
+@declare.dataclass
+class Limit:
     """A value beside its limit; one that does not decide is only warned of."""
 
-    name: str
-    value: float
-    limit: float
-    unit: str
-    decides: bool = True
+    name: str = declare.word("what is limited", label="limit", column=KEY)
+    value: float = declare.number(Quantity.of_data(OWN_UNIT, digits=3), "what it comes to, in its unit", column=MAIN)
+    limit: float = declare.number(
+        Quantity.of_data(OWN_UNIT, "at most", digits=3), "the limit, in its unit", column=MAIN
+    )
+    unit: str = declare.word("SI unit of both")
+    decides: bool = declare.word("whether it decides, or is only warned of", default=True)
 
-    @property
+    @declare.computed(declare.word("whether it is kept"))
     def kept(self) -> bool:
         """Whether the value is at most the limit."""
         return bool(self.value <= self.limit)
 
-
-class Supply(NamedTuple):
-    """What stop and drive bear between the first blow and the retraction.
-
-    Largest force of the stop, N; what a blow takes from turntable, motor and belt: energy on the mean, J, and largest
-    loss of speed, rad/s, as if nothing drove meanwhile; speed regained between the last two blows, and slowest speed
-    that a blow found, rad/s.
-    """
-
-    stop_force: float
-    energy_taken: float
-    speed_lost: float
-    speed_regained: float
-    slowest: float
-
-
-@dataclass(frozen=True)
-class Observation:
-    """Measures of the blows of a full run; SI."""
-
-    peak: BlowSpread
-    width: BlowSpread
-    interval: BlowSpread
-    kinds: tuple[str, ...]
-    touched_again: int
-    wanted: int
-    approach: float
-    velocity_change: float
-    peak_force: float
-    largest_displacement: float
-    supply: Supply
-    energy_error: float
-
     @property
+    def given_units(self) -> declare.GivenUnits:
+        """Its unit, and the one in which it is shown."""
+        return {OWN_UNIT: (self.unit, {"Pa": "MPa", "m": "mm", "N": "kN"}.get(self.unit, self.unit))}
+
+
+@declare.dataclass
+class Supply:
+    """What stop and drive bear between the first blow and the retraction."""
+
+    stop_force: float = declare.number(
+        Quantity("N", "kN", "stop", digits=3),
+        "largest force of the stop",
+        column=MORE,
+        tables="ranking",
+        headline="largest force of the stop",
+    )
+    energy_taken: float = declare.number(ENERGY, "mean energy that a blow takes from turntable, motor and belt")
+    speed_lost: float = declare.number(
+        TURNING,
+        "largest loss of turntable speed in a blow, as if nothing drove meanwhile",
+        label="lost a blow",
+        column=MAIN,
+        tables="mass",
+    )
+    speed_regained: float = declare.number(TURNING, "turntable speed regained between the last two blows")
+    slowest: float = declare.number(TURNING, "slowest turntable speed that a blow found")
+
+
+@declare.dataclass
+class BlowKinds:
+    """How many blows there were, and of what kind."""
+
+    wanted: int = declare.count("how many blows were wanted")
+    kinds: tuple[str, ...] = declare.history("", "full, glancing, double or missed, of each blow")
+    touched_again: int = declare.count("blows that the striker touched again on its way back")
+
+    @declare.computed(declare.word("blows that are not as they should be, in words"))
     def odd(self) -> str:
         """Blows that are not as they should be; empty where all wanted ones came and were full."""
         counts = {kind: self.kinds.count(kind) for kind in ("missed", "double", "glancing") if kind in self.kinds}
@@ -123,24 +172,185 @@ class Observation:
         return ", ".join(deviations)
 
 
-@dataclass(frozen=True, eq=False)
+@declare.dataclass
+class Observation:
+    """Measures of the blows of a full run."""
+
+    peak: PeakSpread = declare.part(PeakSpread, "peaks", quantity=PEAK)
+    width: WidthSpread = declare.part(WidthSpread, "widths", quantity=PULSE_WIDTH)
+    interval: IntervalSpread = declare.part(IntervalSpread, "times between them", quantity=INTERVAL)
+    blows: BlowKinds = declare.part(BlowKinds, "the blows")
+    approach: float = declare.number(VELOCITY_CHANGE, "median approach speed")
+    velocity_change: float = declare.number(VELOCITY_CHANGE, "median velocity change")
+    peak_force: float = declare.number(
+        Quantity("N", "kN", "contact", digits=3), "largest contact force", column=MAIN, tables="mass"
+    )
+    largest_displacement: float = declare.number(
+        Quantity("m", "mm", digits=3), "largest displacement of the object", column=MORE, tables="ranking"
+    )
+    energy_error: float = declare.number(RATIO, "energy that the balance misses, as a share of what flowed")
+    supply: Supply = declare.part(Supply, "what stop and drive bear", inline=True)
+
+
+@declare.dataclass
+class ChosenValue:
+    """A value that was chosen."""
+
+    si: float = declare.number(Quantity.of_data("as the field"), "value of what was chosen, SI")
+    typed: str | float = declare.word("as it stands in the case")
+
+
+@declare.dataclass
+class FirstGuess:
+    """The closed forms with which a search began."""
+
+    velocity_change: float = declare.number(VELOCITY_CHANGE, "velocity change of the wanted pulse")
+    approach: float = declare.number(VELOCITY_CHANGE, "approach speed that gives it")
+    engagement: float = declare.number(LENGTH, "engagement that gives that")
+    stiffness: float = declare.number(STIFFNESS, "stiffness that gives the width")
+    turntable_speed: float = declare.number(TURNING, "speed that gives the interval")
+    passage_time: float = declare.number(MILLISECONDS, "passage of a nose")
+    return_time: float = declare.number(MILLISECONDS, "return of the object to its stop")
+    largest_displacement: float = declare.number(LENGTH, "largest displacement of the object")
+    settling_time: float = declare.number(MILLISECONDS, "time until the object rests on its stop")
+
+
+def _of_case(
+    name: str, path: str, quantity: Quantity, tables: str = "ranking", column: int | None = MORE + 1, headline: str = ""
+) -> declare.ComputedField[float | None]:
+    """Declare a value of the case of a candidate, which documents have only where it was chosen."""
+
+    def value(one: SettingsCandidate) -> float | None:
+        found = one.case.values().get(path)
+        return None if found is None else found.si
+
+    value.__name__ = name
+    shown = {"column": column, "tables": tables, "headline": headline, "in_document": False}
+    return declare.computed(declare.number(quantity, f"{path} of its case", key=path, **shown))(value)
+
+
+@declare.dataclass
 class SettingsCandidate:
     """A setting: its case, the blows of its full run, the limits, and how many runs were needed.
 
-    ``estimate`` holds the closed forms that the search began with, ``halt`` says why it ended before the goal, and
-    ``run_verdict`` what the checks of its full run came to (text of `strikewave.base.result.Verdict`).
+    Attributes
+    ----------
+    case : Case
+        Its case.
+    chosen : tuple of str
+        Paths of what was chosen.
+    goal : BlowGoal
+        What it is held against.
+    halt : str
+        Why the search ended before the goal.
+    verdicts : tuple of ShockVerdict
+        Of the specification on each blow that struck.
     """
 
     case: Case
     chosen: tuple[str, ...]
-    observation: Observation
+    place: int = declare.count("in the ranking, from 1", label="#", column=KEY, tables="ranking")
+
+    @declare.computed(
+        declare.word(
+            "whether it meets the goal and keeps all limits", column=MAIN, tables="ranking", is_tag=True, order=1
+        )
+    )
+    def meets(self) -> bool:
+        """Whether the typical blow is within 5 % of the goal, every blow full, and every limit kept.
+
+        And whether the specification passes every blow, where there is one.
+        """
+        kept = self.largest_miss <= WITHIN and not self.observation.blows.odd and not self.broken
+        kept = kept and status_of(self.run_verdict) != RUN_BROKEN
+        return kept and self.judged in ("", PASS)
+
+    @declare.computed(declare.word("what keeps it from that, in words"))
+    def obstacles(self) -> str:
+        """What keeps the setting from the goal, in one line."""
+        odd = self.observation.blows.odd
+        reasons = [
+            f"{name} off by {percent(miss, 1, '+')}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN
+        ]
+        reasons += [odd] if odd else []
+        reasons += [f"{limit.name.replace('_', ' ')} above its limit" for limit in self.broken]
+        if status_of(self.run_verdict) == RUN_BROKEN:
+            reasons.append(f"the run is {self.run_verdict}")
+        reasons += [
+            f"{one.clause} of blow {one.blow} not passed"
+            for one in self.clauses or ()
+            if one.verdict in (FAIL, CANNOT_TELL)
+        ]
+        return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
+
+    @declare.computed(declare.count("how many strikers", column=MAIN, tables="ranking", headline="strikers"))
+    def strikers(self) -> int:
+        """How many strikers."""
+        return round(self.case.values()["machine.strikers"].si)
+
+    speed = _of_case("speed", "machine.speed", Quantity("rad/s", "rpm", "speed"), column=MAIN, headline="speed")
+    mass = _of_case("mass", "striker.mass", Quantity("kg", "kg", "striker"), "ranking mass")
+    engagement = _of_case(
+        "engagement", "machine.engagement", Quantity("m", "mm", "engagement"), "ranking mass", MAIN, "engagement"
+    )
+    frame = _of_case("frame", "object.frame_stiffness", STIFFNESS._replace(label="frame"), "ranking mass", MAIN)
+    mount = _of_case("mount", "striker.mount_stiffness", STIFFNESS._replace(label="mount"), "ranking mass", MAIN)
+    spring = _of_case("spring", "object.spring", Quantity("N/m", "kN/m", "spring", digits=3))
+    preload = _of_case("preload", "object.preload", Quantity("N", "N", "preload", digits=3))
+    damper = _of_case("damper", "object.damper", Quantity("N s/m", "N s/m", "damper", digits=3))
+    frame_damping = _of_case("frame_damping", "object.frame_damping", DAMPING, column=None)
+    mount_damping = _of_case("mount_damping", "striker.mount_damping", DAMPING, column=None)
+    stroke_time = _of_case("stroke_time", "feed.stroke_time", MILLISECONDS, column=None)
+    retract_time = _of_case("retract_time", "feed.retract_time", MILLISECONDS, column=None)
+
+    @declare.computed(declare.named(ChosenValue, "what was chosen"))
+    def settings(self) -> dict[str, ChosenValue]:
+        """What was chosen, by its path."""
+        values = self.case.values()
+        return {path: ChosenValue(values[path].si, values[path].typed) for path in self.chosen}
+
+    observation: Observation = declare.part(Observation, "what its full run shows", inline=True)
+
+    @declare.computed(
+        declare.number(
+            Quantity("1/m", "%/mm", "sensitivity", digits=3),
+            "relative change of the approach speed for a change of the engagement",
+            column=MORE,
+            tables="ranking",
+        )
+    )
+    def engagement_sensitivity(self) -> float:
+        """Relative change of the approach speed, and with it of the peak, with the engagement."""
+        values = self.case.values()
+        return engagement_sensitivity(values["machine.engagement"].si, values["machine.radius"].si)
+
     goal: BlowGoal
-    limits: tuple[Limit, ...]
-    estimate: dict[str, float]
-    runs: int
+    limits: tuple[Limit, ...] = declare.rows(Limit, "its limits")
+    estimate: FirstGuess = declare.part(FirstGuess, "closed forms with which the search began, SI")
+    runs: int = declare.count("runs that it took")
     halt: str = ""
     verdicts: tuple[ShockVerdict, ...] = ()
-    run_verdict: str = ""
+    run_verdict: str = declare.word(
+        "what the checks of its full run came to: passed, or broken with the checks that failed",
+        column=MAIN,
+        tables="ranking",
+        order=1,
+        default="",
+    )
+
+    @declare.computed(declare.word("of the specification on all blows that struck", key="verdict", optional=True))
+    def judged_or_none(self) -> str | None:
+        """Verdict of the specification; None without one."""
+        return self.judged or None
+
+    @declare.computed(
+        declare.rows(Clause, "clauses of the specification, each by the blow that it judges worst", optional=True)
+    )
+    def clauses(self) -> list[Clause] | None:
+        """Each clause of the specification where it came out worst, with its blow; None without one."""
+        if not self.verdicts:
+            return None
+        return [replace(clause, blow=place + 1) for clause, place in worst_clauses(self.verdicts)]
 
     @property
     def judged(self) -> str:
@@ -150,7 +360,7 @@ class SettingsCandidate:
     @property
     def misses(self) -> dict[str, float]:
         """Relative misses of the typical blow."""
-        return misses(self.observation, self.goal)
+        return misses(self.observation)
 
     @property
     def largest_miss(self) -> float:
@@ -162,36 +372,10 @@ class SettingsCandidate:
         """Limits that decide and are not kept."""
         return tuple(limit for limit in self.limits if limit.decides and not limit.kept)
 
-    @property
-    def meets(self) -> bool:
-        """Whether the typical blow is within 5 % of the goal, every blow full, and every limit kept.
 
-        And whether the specification passes every blow, where there is one.
-        """
-        kept = self.largest_miss <= WITHIN and not self.observation.odd and not self.broken
-        kept = kept and status_of(self.run_verdict) != RUN_BROKEN
-        return kept and self.judged in ("", PASS)
-
-    @property
-    def obstacles(self) -> str:
-        """What keeps the setting from the goal, in one line."""
-        reasons = [
-            f"{name} off by {percent(miss, 1, '+')}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN
-        ]
-        reasons += [self.observation.odd] if self.observation.odd else []
-        reasons += [f"{limit.name.replace('_', ' ')} above its limit" for limit in self.broken]
-        if status_of(self.run_verdict) == RUN_BROKEN:
-            reasons.append(f"the run is {self.run_verdict}")
-        odd = [one for one in worst_clauses(self.verdicts) if one[0].verdict in (FAIL, CANNOT_TELL)]
-        reasons += [f"{clause.clause} of blow {place + 1} not passed" for clause, place in odd]
-        return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
-
-
-def misses(observation: Observation, goal: BlowGoal) -> dict[str, float]:
+def misses(observation: Observation) -> dict[str, float]:
     """Return the relative misses of the typical blow: peak, width, interval."""
-    return {
-        name: getattr(observation, name).typical / getattr(goal, name) - 1.0 for name in ("peak", "width", "interval")
-    }
+    return {name: getattr(observation, name).miss for name in ("peak", "width", "interval")}
 
 
 def rank_key(candidate: SettingsCandidate) -> tuple[bool, float, float]:
@@ -208,7 +392,7 @@ def rank_key(candidate: SettingsCandidate) -> tuple[bool, float, float]:
             candidate.observation.supply.stop_force,
         )
     unpassed = candidate.judged not in ("", PASS)
-    far = candidate.largest_miss + len(candidate.broken) + bool(candidate.observation.odd) + unpassed
+    far = candidate.largest_miss + len(candidate.broken) + bool(candidate.observation.blows.odd) + unpassed
     return True, far, candidate.observation.supply.stop_force
 
 
@@ -221,12 +405,14 @@ def observe_blows(run: MachineRun, train: Sequence[Blow], goal: BlowGoal) -> Obs
     gaps = [later - earlier for earlier, later in pairwise(times)] or [goal.interval]
     full = [blow.kind == "full" for blow in struck]
     return Observation(
-        peak=_spread([blow.rigid_peak for blow in struck], full, goal.peak),
-        width=_spread([blow.width for blow in struck], full, goal.width),
-        interval=BlowSpread(median(gaps), gaps[0], _farthest(gaps, goal.interval), variation(gaps)),
-        kinds=tuple(blow.kind for blow in train),
-        touched_again=_touched_again(run, [blow.width for blow in struck]),
-        wanted=run.machine.drive.feed.blows,
+        peak=PeakSpread(*_spread([blow.rigid_peak for blow in struck], full, goal.peak)),
+        width=WidthSpread(*_spread([blow.width for blow in struck], full, goal.width)),
+        interval=IntervalSpread(*_spread(gaps, [], goal.interval)),
+        blows=BlowKinds(
+            wanted=run.machine.drive.feed.blows,
+            kinds=tuple(blow.kind for blow in train),
+            touched_again=_touched_again(run, [blow.width for blow in struck]),
+        ),
         approach=median(blow.approach_speed for blow in struck),
         velocity_change=median(blow.velocity_change for blow in struck),
         peak_force=max(blow.peak_force for blow in struck),
@@ -247,10 +433,12 @@ def _touched_again(run: MachineRun, widths: Sequence[float]) -> int:
     return int(sum(late))
 
 
-def _spread(values: Sequence[float], full: Sequence[bool], goal: float) -> BlowSpread:
-    later = [value for value, counts in zip(values[1:], full[1:], strict=True) if counts] or values
+def _spread(values: Sequence[float], full: Sequence[bool], goal: float) -> tuple[float, float, float, float, float]:
+    """Return typical, first and worst value, variation and miss; the typical one is that of the later full blows."""
+    later = [value for value, counts in zip(values[1:], full[1:], strict=False) if counts] or values
     known = [value for value in later if math.isfinite(value)]
-    return BlowSpread(median(known) if known else math.nan, values[0], _farthest(values, goal), variation(values))
+    typical = median(known) if known else math.nan
+    return typical, values[0], _farthest(values, goal), variation(values), typical / goal - 1.0
 
 
 def _farthest(values: Sequence[float], goal: float) -> float:

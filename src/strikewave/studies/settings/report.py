@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from strikewave.base.declare import declarations
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells
-from strikewave.reporting.numbers import headed, percent, shown, spelled, with_unit
+from strikewave.reporting.numbers import headed, percent, shown, spelled
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
 from strikewave.reporting.table_columns import page_table
-from strikewave.specifications.judging import worst_clauses
-from strikewave.studies.settings.candidate import WITHIN, BlowSpread, SettingsCandidate
-from strikewave.studies.settings.columns import LIMIT_COLUMNS, RankedSettings, candidate_columns, mass_columns
+from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
+from strikewave.studies.settings.columns import LIMIT_COLUMNS, candidate_columns
 from strikewave.studies.settings.figures import settings_figure
 from strikewave.studies.settings.goal import goal_words
 from strikewave.studies.settings.result import SettingsStudy
@@ -34,7 +34,7 @@ def settings_report(study: SettingsStudy) -> str:
     ]
     status = Tag("goal missed", "bad") if study.broken else None
     summary = chapters.Summary(
-        "Report of a search for machine settings", settings_words(study), _key_numbers(study), status
+        "Report of a search for machine settings", settings_words(study), study.highlights(), status
     )
     return chapters.result_page(study, summary, sections)
 
@@ -57,18 +57,6 @@ def settings_words(study: SettingsStudy) -> str:
     return " ".join(words)
 
 
-def _key_numbers(study: SettingsStudy) -> list[tuple[str, str]]:
-    first, goal = study.candidates[0].observation, study.goal
-    return [
-        ("settings that meet the goal", f"{sum(one.meets for one in study.candidates)} of {len(study.candidates)}"),
-        (f"typical peak; wanted {with_unit(goal.peak, 'm/s^2', 'g')}", with_unit(first.peak.typical, "m/s^2", "g")),
-        (f"typical width; wanted {with_unit(goal.width, 's', 'us')}", with_unit(first.width.typical, "s", "us")),
-        (f"interval; wanted {with_unit(goal.interval, 's', 'ms')}", with_unit(first.interval.typical, "s", "ms")),
-        ("scatter of the peaks, CV", _share(first.peak.variation)),
-        ("largest force of the stop", with_unit(first.supply.stop_force, "N", "kN", 3)),
-    ]
-
-
 def _share(value: float) -> str:
     return NONE if value != value else f"{written(100.0 * value, 3)} %"
 
@@ -78,20 +66,14 @@ def _first_section(study: SettingsStudy) -> Section:
     first = study.candidates[0]
     values, observation = first.case.values(), first.observation
     chosen: list[list[Cell]] = [[path, str(values[path].typed)] for path in first.chosen]
-    spreads: dict[str, tuple[BlowSpread, str, str]] = {
-        "peak": (observation.peak, "m/s^2", "g"),
-        "pulse width at 10 %": (observation.width, "s", "us"),
-        "interval": (observation.interval, "s", "ms"),
-    }
-    wanted = (study.goal.peak, study.goal.width, study.goal.interval)
-    blows: list[list[Cell]] = [
-        [
-            headed(name, si, usual),
-            *(written(shown(value, si, usual)) for value in (asked, spread.typical, spread.first, spread.worst)),
-            _share(spread.variation).removesuffix(" %"),
-        ]
-        for asked, (name, (spread, si, usual)) in zip(wanted, spreads.items(), strict=True)
-    ]
+    wanted = {name: getattr(study.goal, name) for name in ("peak", "width", "interval")}
+    blows: list[list[Cell]] = []
+    for name, asked in wanted.items():
+        spread = getattr(observation, name)
+        si, usual, label, *_ = declarations(type(spread))["typical"].quantity
+        numbers = (asked, spread.typical, spread.first, spread.worst)
+        cells = [written(shown(value, si, usual)) for value in numbers]
+        blows.append([headed(label, si, usual), *cells, _share(spread.variation).removesuffix(" %")])
     return Section(
         "The first candidate",
         "Typical is the median of the later full blows; worst is the blow farthest from the goal.",
@@ -106,23 +88,23 @@ def _first_section(study: SettingsStudy) -> Section:
 
 def _clauses(first: SettingsCandidate) -> list[Table]:
     """Return the clauses of the specification, each by the blow that it judges worst; nothing without one."""
-    rows = [[*clause_cells(clause), str(place + 1)] for clause, place in worst_clauses(first.verdicts)]
+    rows = [[*clause_cells(clause), str(clause.blow)] for clause in first.clauses or ()]
     return [Table("Clauses of the specification", [*CLAUSE_HEADS, "blow"], rows)] if rows else []
 
 
 def _ranking_section(study: SettingsStudy) -> Section:
     """List the first of the ranking, and what the mass of a striker costs."""
-    rows = [RankedSettings(place, one) for place, one in enumerate(study.candidates[:MOST_ROWS], 1)]
+    rows = study.candidates[:MOST_ROWS]
     more = len(study.candidates) - len(rows)
     text = (
-        "Peak, width and interval are those of the typical blow; stop is the largest force on it; 0.1 mm is the change "
-        f"of the peak with that much of engagement.{f' settings.json has {more} more.' if more else ''}"
+        "Peak, width and interval are those of the typical blow; stop is the largest force on it; sensitivity is the "
+        f"change of the peak with engagement.{f' settings.json has {more} more.' if more else ''}"
     )
     caption = f"Candidates, best first, for {spelled(goal_words(study.goal))}"
     tables = [page_table(caption, candidate_columns(study.choice.vary), rows)]
     if len(study.masses) > 1:
         caption = "What the mass of a striker costs, all else as the first"
-        tables.append(page_table(caption, mass_columns(study.choice.vary), study.masses))
+        tables.append(page_table(caption, candidate_columns(study.choice.vary, "mass"), study.masses))
     return Section("Candidates", text, tables)
 
 

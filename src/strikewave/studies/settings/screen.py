@@ -10,19 +10,19 @@ from pathlib import Path
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells
+from strikewave.reporting.faces import text_of
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
-from strikewave.specifications.judging import Clause, worst_clauses
+from strikewave.specifications.judging import Clause
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.candidate import SettingsCandidate
-from strikewave.studies.settings.columns import LIMIT_COLUMNS, RankedSettings, candidate_columns, mass_columns
+from strikewave.studies.settings.columns import LIMIT_COLUMNS, candidate_columns
 from strikewave.studies.settings.goal import BlowGoal, SettingsChoices, goal_words, name_of
 from strikewave.studies.settings.result import SettingsStudy, asked_line
 from strikewave.studies.settings.study import design_settings
@@ -96,22 +96,19 @@ def print_clauses(title: str, clauses: Sequence[Clause]) -> None:
 
 def _print(study: SettingsStudy) -> None:
     first = study.candidates[0]
-    met = sum(one.meets for one in study.candidates)
     others = {one.case.rotary_tables().machine.strikers.si: one for one in reversed(study.candidates)}
     shown = [one for one in study.candidates if one in study.candidates[:SHOWN] or one in others.values()]
-    rows = [RankedSettings(place, one) for place, one in enumerate(study.candidates, 1) if one in shown]
-    title = f"{met} of {len(study.candidates)} settings give {goal_words(study.goal)}"
-    print_rows(title, candidate_columns(study.choice.vary), rows)
+    print_rows(f"{study.met_count} settings give {goal_words(study.goal)}", candidate_columns(study.choice.vary), shown)
     tell(
         "peak, width, interval: of the typical blow, the median of the later full ones; CV: scatter of all peaks; "
-        "0.1 mm: change of the peak with that much of engagement"
+        "sensitivity: change of the peak with engagement"
     )
     tell(_header(study.case, study.goal, first))
     print_rows("Limits of the first", LIMIT_COLUMNS, first.limits)
-    if first.verdicts:
-        print_clauses("Clauses of the first, each by its worst blow", [one for one, _ in worst_clauses(first.verdicts)])
+    if first.clauses:
+        print_clauses("Clauses of the first, each by its worst blow", first.clauses)
     if len(study.masses) > 1:
-        print_rows("What the mass of a striker costs", mass_columns(study.choice.vary), study.masses)
+        print_rows("What the mass of a striker costs", candidate_columns(study.choice.vary, "mass"), study.masses)
     for count, why in study.left_out.items():
         tell(f"left out, {count} strikers: {why}")
     for why in study.failed[:SHOWN]:
@@ -119,11 +116,10 @@ def _print(study: SettingsStudy) -> None:
 
 
 def _header(case: Case, goal: BlowGoal, first: SettingsCandidate) -> str:
-    guess = first.estimate
+    guess, seen = first.estimate, first.observation
+    change = text_of(guess, "velocity_change")
     return (
-        f"{goal_words(goal)}, from {case.name}: a half-sine changes the velocity by "
-        f"{with_unit(guess['velocity_change'], 'm/s', 'm/s', 3)}, for which a first estimate asks an approach of "
-        f"{with_unit(guess['approach'], 'm/s', 'm/s', 3)}; the full run has "
-        f"{with_unit(first.observation.velocity_change, 'm/s', 'm/s', 3)} and "
-        f"{with_unit(first.observation.approach, 'm/s', 'm/s', 3)}"
+        f"{goal_words(goal)}, from {case.name}: a half-sine changes the velocity by {change}, "
+        f"for which a first estimate asks an approach of {text_of(guess, 'approach')}; the full run has "
+        f"{text_of(seen, 'velocity_change')} and {text_of(seen, 'approach')}"
     )

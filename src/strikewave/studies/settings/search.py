@@ -22,6 +22,7 @@ from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.engine.keys import case_text
 from strikewave.studies.settings.broyden import nearest_settings
 from strikewave.studies.settings.candidate import (
+    FirstGuess,
     Limit,
     Observation,
     SettingsCandidate,
@@ -167,24 +168,24 @@ class Design:
         table = self.rig.case.rotary_tables().object
         return self.rig.support or Support(table.spring.si, table.preload.si, table.damper.si)
 
-    def estimates(self) -> dict[str, float]:
+    def estimates(self) -> FirstGuess:
         """Return the closed forms that the search begins with; SI."""
         table = self.rig.case.rotary_tables().object
         weight = self.object_mass * table.gravity.si
         depth, stiffness, speed = (float(x) for x in self.start)
         arc = return_arc(self.support, self.object_mass, self.velocity_change, weight)
         settled = settling_time(self.support, self.object_mass, self.velocity_change, table.stop_restitution.si, weight)
-        return {
-            "velocity_change": self.velocity_change,
-            "approach": approach_speed(self.velocity_change, self.rig.case.rotary_tables().contact.restitution.si),
-            "engagement": depth,
-            "stiffness": stiffness,
-            "turntable_speed": speed,
-            "passage_time": passage_time(depth, speed, self.rig.case.rotary_tables().machine.radius.si),
-            "return_time": arc.time,
-            "largest_displacement": arc.largest_displacement,
-            "settling_time": settled,
-        }
+        return FirstGuess(
+            velocity_change=self.velocity_change,
+            approach=approach_speed(self.velocity_change, self.rig.case.rotary_tables().contact.restitution.si),
+            engagement=depth,
+            stiffness=stiffness,
+            turntable_speed=speed,
+            passage_time=passage_time(depth, speed, self.rig.case.rotary_tables().machine.radius.si),
+            return_time=arc.time,
+            largest_displacement=arc.largest_displacement,
+            settling_time=settled,
+        )
 
     def changes(self, settings: Array) -> dict[str, Value]:
         """Return the values of the case at settings: engagement, stiffness, speed."""
@@ -282,7 +283,7 @@ def _missed(design: Design, settings: Array) -> tuple[Array | None, str]:
         return None, reason_of(error)
     if observation is None:
         return None, "no striker touches the object"
-    missed = np.log1p(list(misses(observation, design.goal).values()))
+    missed = np.log1p(list(misses(observation).values()))
     return (missed, "") if np.all(np.isfinite(missed)) else (None, "a pulse has no width at 10 % of its peak")
 
 
@@ -327,7 +328,7 @@ def settings_candidate(design: Design, found: FoundSettings) -> SettingsCandidat
     """Return what was found with all that it is judged by."""
     settings = np.array(found.settings)
     paths = tuple(design.changes(settings))
-    known = design.case_at(settings), paths, found.observation, design.goal, found.limits, design.estimates()
+    known = design.case_at(settings), paths, 0, found.observation, design.goal, found.limits, design.estimates()
     return SettingsCandidate(*known, found.runs, found.halt, found.verdicts, found.run_verdict)
 
 

@@ -83,7 +83,7 @@ def design_settings(
     if not candidates:
         raise InputErrors(list(dict.fromkeys(reason for _, reason in failures))[:MOST_REASONS])
     failed = tuple(dict.fromkeys(f"{design.rig.strikers} strikers: {reason}" for design, reason in failures))
-    ranked = tuple(sorted(candidates, key=rank_key))
+    ranked = tuple(dataclasses.replace(one, place=k) for k, one in enumerate(sorted(candidates, key=rank_key), 1))
     verdicts = searched([one.run_verdict for one in ranked], [reason for _, reason in failures])
     notices = (*_notices(ranked[0]), *verdicts.notices())
     return SettingsStudy(

@@ -13,6 +13,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from strikewave.base import declare
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.result import Notice, Source
@@ -252,7 +253,7 @@ def _row(place: int, one: DropCandidate) -> dict[str, Any]:
         "peak_force": blow.peak_force,
         "compression": blow.indentation,
         "clauses": [clause_document(clause) for clause in one.verdict.clauses],
-        "limits": [{**limit._asdict(), "kept": limit.kept} for limit in one.limits],
+        "limits": [declare.content(limit) for limit in one.limits],
         "estimate": one.estimate._asdict(),
         "runs": one.runs,
         "run_verdict": one.run_verdict,
