@@ -293,11 +293,12 @@ def test_key_numbers_are_taken_of_so_many_rows():
 
 @declare.dataclass
 class Marked:
-    """A row whose mark is for readers."""
+    """A row whose mark is for readers, and whose route is for data."""
 
     name: str = declare.word("name")
     mark: str = declare.word("name, marked", column=MAIN, in_document=False)
     needs: tuple[str, ...] = declare.word("what it takes", default=(), column=MAIN)
+    route: str = declare.word("by which route", default="exact", in_document=False)
 
 
 @declare.dataclass
@@ -312,7 +313,7 @@ class Counted(Planted):
 def test_words_of_faces_alone_and_lists_are_no_data_and_rows_are_counted():
     counted = Counted((), 1.0, (Marked("a", "! a !", ("c", "d")), Marked("b", "b")))
     assert ("marked rows", "2") in counted.highlights()
-    assert [column.name for column in counted.columns()] == ["name"]
+    assert [column.name for column in counted.columns()] == ["name", "route"]
     assert shown_table(counted) == (["mark", "needs"], [["! a !", "c, d"], ["b", "–"]])
 
 

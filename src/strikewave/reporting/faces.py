@@ -276,7 +276,8 @@ def _sentence(meaning: str) -> str:
 def data_columns(result: Result, name: str) -> list[Column]:
     """Return such rows as columns in SI for Python, CSV and workbooks: every single value, and those of named parts.
 
-    A table is its columns. Words that no document has are for faces alone, and what is a list in a row is no column.
+    A table is its columns. Words of a column that no document has are for faces alone, and what is a list in a row is
+    no column.
     """
     one = declarations(type(result))[name]
     if one.kind == "table":
@@ -289,7 +290,7 @@ def data_columns(result: Result, name: str) -> list[Column]:
             ".".join(_keys(one.of, path)), [at(row, path) for row in rows], leaf.quantity.within(result.given_units).si
         )
         for path, leaf in leaves(one.of)
-        if leaf.kind != "history" and (leaf.in_document or leaf.kind != "word")
+        if leaf.kind != "history" and (leaf.in_document or leaf.kind != "word" or leaf.column is None)
     ]
     columns = [one for one in columns if not any(isinstance(value, list | tuple | dict) for value in one.values)]
     for path, kind in _named(one.of):
@@ -362,15 +363,15 @@ def cell_text(value: Any, name: str, given: GivenUnits = MappingProxyType({})) -
     return number if unit in ("", NO_UNIT) else f"{number} {spelled(unit)}"
 
 
-def amount(quantity: Quantity, value: float | None) -> str:
-    """Return what a sentence says of a number, with its unit, in the digits of its quantity.
+def amount(quantity: Quantity, value: float | None, band: Band | None = None) -> str:
+    """Return what a sentence says of a number, with its unit, in the digits of its quantity, or of its band with that.
 
     Examples
     --------
     >>> amount(Quantity("1", "%", digits=3), 0.01234), amount(Quantity("m/s^2", "g"), 9806.65)
     ('1.23 %', '1000 g')
     """
-    return _with_unit(Declaration(kind="number", meaning="", quantity=quantity), value, None, {})
+    return _with_unit(Declaration(kind="number", meaning="", quantity=quantity), value, band, {})
 
 
 def _with_unit(
