@@ -152,9 +152,15 @@ class Blow:
         band="rigid_peak",
         column=MAIN,
         tables="blows",
+        headline="first peak",
     )
     width: float = declare.number(
-        PULSE_WIDTH, "width of that pulse at 10 % of its peak", band="width", column=MAIN, tables="blows"
+        PULSE_WIDTH,
+        "width of that pulse at 10 % of its peak",
+        band="width",
+        column=MAIN,
+        tables="blows",
+        headline="width",
     )
     rise: float = declare.number(
         RISE_TIME, "time in which that pulse rises from 10 to 90 % of its peak", in_document=False
@@ -166,6 +172,7 @@ class Blow:
         band="velocity_change",
         column=MAIN,
         tables="blows",
+        headline="velocity change",
     )
     blow_velocity_change: float = declare.number(
         VELOCITY_CHANGE,

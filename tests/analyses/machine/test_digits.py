@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from strikewave.analyses.machine.chapters import blow_table
 from strikewave.analyses.machine.screen import show
-from strikewave.analyses.machine.words import answer_columns, blow_columns, key_numbers, summary_words
+from strikewave.analyses.machine.words import answer_columns, blow_columns, summary_words
 from strikewave.base.constants import STANDARD_GRAVITY as G
 from strikewave.base.result import Band
 from strikewave.reporting.shown_units import ShownUnits, showing
@@ -84,7 +84,7 @@ def test_a_sentence_without_ranges_contradicts_no_table(solution, peak, width, c
         solution.blows[0], rigid_peak=peak * G, width=width, velocity_change=change, peak_force=force
     )
     one = dataclasses.replace(solution, blows=(first,), readings=(None,))
-    for sentence in (summary_words(one), "; ".join(words for name, words in key_numbers(one) if "range" not in name)):
+    for sentence in (summary_words(one), "; ".join(words for name, words in one.highlights() if "range" not in name)):
         assert without_contradiction(sentence, blow_columns("blows"), one.blows) == ["g", "µs", "m/s", "kN"]
 
 

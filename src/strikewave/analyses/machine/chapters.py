@@ -121,7 +121,7 @@ def _contacts(solution: Solution) -> list[Table]:
         "above 0 the way the nose passes, the heat of this friction, and the turntable's speed at first touch. The "
         "guide of the object bears the side force; the friction that this adds in the guide is not in the model."
     )
-    struck = [blow for blow in solution.blows if blow.kind != "missed"]
+    struck = solution.struck
     shown = {"contact": contact, "sliding": sliding} if solution.slides else {"contact": contact}
     return [page_table(caption, blow_columns(which), struck) for which, caption in shown.items() if struck]
 

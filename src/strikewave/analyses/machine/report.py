@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine import chapters
 from strikewave.analyses.machine.stack_chapters import accuracy_section, sensor_section, stack_section
-from strikewave.analyses.machine.words import key_numbers, summary_words
+from strikewave.analyses.machine.words import summary_words
 from strikewave.reporting import chapters as shared
 from strikewave.reporting.bands import band_sections
 from strikewave.reporting.parts import Section
@@ -49,5 +49,5 @@ def report(solution: Solution, sections: Sequence[Section] = (), moving: str = "
         *accuracy_section(solution),
         chapters.checks(solution),
     ]
-    summary = shared.Summary("Report of a run", summary_words(solution), key_numbers(solution))
+    summary = shared.Summary("Report of a run", summary_words(solution), solution.highlights())
     return shared.result_page(solution, summary, parts)

@@ -24,27 +24,30 @@ from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAn
 from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity, declarations
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.first_few import first_few
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice
-from strikewave.base.shock_quantities import MASS, RATIO
+from strikewave.base.shock_quantities import MASS, PEAK_FORCE, RATIO
 from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
-from strikewave.reporting.banded_numbers import with_band
 from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.faces import data_columns
+from strikewave.reporting.numbers import shown, spelled
+from strikewave.reporting.parts import written
 from strikewave.reporting.shown_result import Curve, history_curve
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.sensors.channel import SensorPulse
 from strikewave.waves.setup import LayerUsed, WaveSetup
 
 if TYPE_CHECKING:
     import xarray
 
+INTERVAL = Quantity("s", "ms")
 LINE_SPEED = Quantity("m/s", "m/s", decimals=4, digits=0)
 SHOWN_WIDTHS = 2.2
 """Widths of the first blow that its curve lasts: the pulse, and as long again in which the object flies."""
@@ -136,6 +139,15 @@ class ReadBlow:
 
     blow: Blow = declare.part(Blow, "the blow", inline=True)
     reading: BlowReading = declare.part(BlowReading, "what taps and sensors show", inline=True)
+    route: str = declare.word("by which route the waves were followed", in_document=False)
+
+
+@declare.dataclass
+class SensedBlow:
+    """A blow of an object without waves, and what sensors read of it."""
+
+    blow: Blow = declare.part(Blow, "the blow", inline=True)
+    sensors: dict[str, SensorPulse] = declare.named(SensorPulse, "what each sensor reads, by its name")
 
 
 @declare.dataclass
@@ -224,7 +236,13 @@ class Solution(CaseResult):
     def read_blows(self) -> list[ReadBlow]:
         """The blows, with what taps and sensors show of each."""
         nothing = BlowReading(None, None, None, {})
-        return [ReadBlow(blow, reading or nothing) for blow, reading in zip(self.blows, self.readings, strict=True)]
+        pairs = zip(self.blows, self.readings, strict=True)
+        return [ReadBlow(blow, reading or nothing, self.route) for blow, reading in pairs]
+
+    @declare.computed(declare.rows(SensedBlow, "the blows without what taps show", in_document=False))
+    def sensed_blows(self) -> list[SensedBlow]:
+        """The blows, with what sensors read of each."""
+        return [SensedBlow(row.blow, row.reading.sensors) for row in self.read_blows]
 
     @declare.computed(declare.rows(Phase, "phases of the test", key="phases"))
     def phase_rows(self) -> list[Phase]:
@@ -248,27 +266,45 @@ class Solution(CaseResult):
         """The results that may have a band, by name, SI."""
         return {**figures_of(self.blows), **sensor_figures(self.readings)}
 
-    @property
+    @declare.computed(declare.rows(Blow, "blows that struck", label="blows", headline="count", in_document=False))
     def struck(self) -> list[Blow]:
         """The blows that touched the object."""
         return [blow for blow in self.blows if blow.kind != "missed"]
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the number of blows, peak, width and velocity change of the first one, and the interval."""
-        struck, band = self.struck, self.band
-        counted = [("blows", str(len(struck)))]
-        if not struck:
-            return counted
-        first, times = struck[0], [blow.time for blow in struck]
-        numbers = [
-            ("first peak", with_band(first.rigid_peak, band.get("first.rigid_peak"), "m/s^2", "g")),
-            ("width", with_band(first.width, band.get("first.width"), "s", "us")),
-            ("velocity change", with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s", 3)),
-        ]
-        if len(times) > 1:
-            interval = median(later - earlier for earlier, later in pairwise(times))
-            numbers.append(("interval", with_band(interval, band.get("interval"), "s", "ms")))
-        return [*counted, *numbers]
+    @declare.computed(
+        declare.part(Blow, "the first blow that struck", band="first", headline="first", in_document=False)
+    )
+    def first_blow(self) -> Blow | None:
+        """The first blow that touched the object; None where none did."""
+        return next(iter(self.struck), None)
+
+    @declare.computed(
+        declare.number(PEAK_FORCE, "its largest contact force", headline="contact force", in_document=False)
+    )
+    def first_force(self) -> float | None:
+        """The largest contact force of the first blow."""
+        return None if self.first_blow is None else self.first_blow.peak_force
+
+    @declare.phrase("range of a yielding contact", headline="first peak, range of a yielding contact")
+    def yielding_range(self) -> str | None:
+        """Return between which peaks of the first blow the contact may yield; None where it does not matter."""
+        if self.contact is None or not self.contact.differ or self.contact.band is None:
+            return None
+        low, high = (written(shown(peak, "m/s^2", "g")) for peak in self.contact.band)
+        return f"{low} to {high}\N{NO-BREAK SPACE}{spelled(shown_unit('m/s^2', 'g'))}"
+
+    @declare.computed(
+        declare.number(INTERVAL, "median time between blows", band="interval", headline="interval", in_document=False)
+    )
+    def interval(self) -> float | None:
+        """Median time between blows; None for fewer than two."""
+        pairs = list(pairwise(self.struck))
+        return median(later.time - earlier.time for earlier, later in pairs) if pairs else None
+
+    @declare.computed(declare.count("how many blows were wanted", headline="blows wanted", in_document=False))
+    def wanted(self) -> int | None:
+        """How many blows were wanted; None of a machine without a feed."""
+        return int(self.case.feed.blows.si) if self.case.feed else None
 
     def preview(self) -> Curve | None:
         """Return the rigid-body acceleration of the first blow over twice its width."""
@@ -286,12 +322,7 @@ class Solution(CaseResult):
 
     def columns(self) -> list[Column]:
         """Return the table of blows, with what taps and sensors show of each."""
-        columns = data_columns(self, "read_blows")
-        if not self.waves:
-            return [one for one in columns if one.name not in declarations(BlowReading)]
-        place = 1 + [one.name for one in columns].index("bandwidth")
-        route = Column("route", [self.route] * len(self.blows))
-        return [*columns[:place], route, *columns[place:]]
+        return data_columns(self, "read_blows" if self.waves else "sensed_blows")
 
     def save(self, path: Path) -> None:
         """Write the whole solution as NetCDF; `load_solution` reads it back."""

@@ -16,7 +16,6 @@ from strikewave.analyses.machine.words import (
     reference_law,
     restitution_words,
     settings,
-    struck_blows,
     summary_words,
 )
 from strikewave.cases.case import Case
@@ -143,7 +142,7 @@ def _print_answers(solution: Solution) -> None:
 
 def _print_struck(solution: Solution, which: str, title: str) -> None:
     """Print a table of the blows that struck."""
-    print_rows(title, blow_columns(which), struck_blows(solution), detail=True)
+    print_rows(title, blow_columns(which), solution.struck, detail=True)
 
 
 def _print_waves(solution: Solution) -> None:

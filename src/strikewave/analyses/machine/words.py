@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from statistics import median
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
-from strikewave.analyses.machine.result import LineCollision, Solution
+from strikewave.analyses.machine.result import INTERVAL, LineCollision, Solution
 from strikewave.base.result import Band
+from strikewave.base.shock_quantities import PULSE_WIDTH, RIGID_PEAK, VELOCITY_CHANGE
 from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.yield_pressure import YIELDING
 from strikewave.machines import Blow
-from strikewave.reporting.banded_numbers import with_band
-from strikewave.reporting.faces import bands_below, columns_of, part_tables
+from strikewave.reporting.faces import amount, bands_below, columns_of, part_tables, text_of
 from strikewave.reporting.layout import KEY
-from strikewave.reporting.numbers import listed, shown, spelled, with_unit
-from strikewave.reporting.parts import NONE, Table, written
-from strikewave.reporting.shown_units import shown_unit
+from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.parts import NONE, Table
 from strikewave.reporting.table_columns import TableColumn, page_table
 
 if TYPE_CHECKING:
@@ -105,80 +103,39 @@ def summary_words(solution: Solution) -> str:
     >>> summary_words(run_case(load_case("li-ma-2019", ["feed.blows=1"]))).partition(".")[0]
     'One blow, full'
     """
-    struck = struck_blows(solution)
-    if not struck:
+    struck, first, band = solution.struck, solution.first_blow, solution.band
+    if first is None:
         missed = len(solution.blows)
         passes = f" {missed} {'striker' if missed == 1 else 'strikers'} passed without touching it." if missed else ""
         return f"No blow: no striker touched the object.{passes} There is no pulse to measure."
-    first, band = struck[0], solution.band
     kinds = [blow.kind for blow in solution.blows]
     odd = [f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds) if kind != "full"]
     whole = "all full" if not odd else f"among {len(kinds)} passes {listed(odd)}"
     many = "One blow, full" if len(struck) == 1 and not odd else f"{len(struck)} blows, {whole}"
-    interval = _interval(struck)
-    apart = "" if interval is None else f", {with_band(interval, band.get('interval'), 's', 'ms')} apart (median)"
-    width = with_band(first.width, band.get("first.width"), "s", "us")
+    interval = amount(INTERVAL, solution.interval, band.get("interval"))
+    apart = "" if solution.interval is None else f", {interval} apart (median)"
+    width = amount(PULSE_WIDTH, first.width, band.get("first.width"))
     wide = f"is {width} wide at 10 % of its peak" if width != NONE else "has no width"
-    change = with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s", 3)
     words = [
         f"{many}{apart}.",
-        f"The first reaches a rigid-body acceleration of {_first_peak(solution, first)}, {wide} and has a "
-        f"velocity change of {change}; the contact force peaks at {with_unit(first.peak_force, 'N', 'kN', 3)}.",
+        f"The first reaches a rigid-body acceleration of "
+        f"{amount(RIGID_PEAK, first.rigid_peak, band.get('first.rigid_peak'))}, {wide} and has a velocity change of "
+        f"{amount(VELOCITY_CHANGE, first.velocity_change, band.get('first.velocity_change'))}; the contact force peaks "
+        f"at {text_of(first, 'peak_force')}.",
     ]
     later = _later(struck)
     if later:
         peak, span = (median(getattr(blow, name) for blow in later) for name in ("rigid_peak", "width"))
         words.append(
-            f"Later blows: {with_band(peak, band.get('typical.rigid_peak'), 'm/s^2', 'g')} and "
-            f"{with_band(span, band.get('typical.width'), 's', 'us')} (medians)."
+            f"Later blows: {amount(RIGID_PEAK, peak, band.get('typical.rigid_peak'))} and "
+            f"{amount(PULSE_WIDTH, span, band.get('typical.width'))} (medians)."
         )
     return " ".join([*words, *_felt_words(solution)])
-
-
-def key_numbers(solution: Solution) -> list[tuple[str, str]]:
-    """Return the numbers of a run that matter most, each with its unit, and its band where it has one."""
-    struck, band = struck_blows(solution), solution.band
-    wanted = solution.case.feed.blows if solution.case.feed else None
-    pairs = [("blows" if wanted is None else f"blows of {wanted.si:.0f} wanted", str(len(struck)))]
-    if not struck:
-        return pairs
-    first = struck[0]
-    pairs += [
-        ("first peak, rigid body", _first_peak(solution, first)),
-        ("first width, at 10 % of the peak", with_band(first.width, band.get("first.width"), "s", "us")),
-        (
-            "velocity change, first blow",
-            with_band(first.velocity_change, band.get("first.velocity_change"), "m/s", "m/s", 3),
-        ),
-        ("contact force, first blow", with_unit(first.peak_force, "N", "kN", 3)),
-    ]
-    if solution.contact is not None and solution.contact.differ and solution.contact.band is not None:
-        low, high = (written(shown(peak, "m/s^2", "g")) for peak in solution.contact.band)
-        text = f"{low} to {high}\xa0{spelled(shown_unit('m/s^2', 'g'))}"
-        pairs.append(("first peak, range of a yielding contact", text))
-    interval = _interval(struck)
-    if interval is not None:
-        pairs.append(("interval, median", with_band(interval, band.get("interval"), "s", "ms")))
-    return pairs
-
-
-def struck_blows(solution: Solution) -> list[Blow]:
-    """Return the blows that touched the object."""
-    return [blow for blow in solution.blows if blow.kind != "missed"]
 
 
 def _later(struck: Sequence[Blow]) -> list[Blow]:
     """Return the blows after the first that count as typical."""
     return [blow for blow in struck[1:] if blow.kind in ("full", "double")]
-
-
-def _interval(struck: Sequence[Blow]) -> float | None:
-    """Return the median time between blows, s; None for fewer than two."""
-    return median(b.time - a.time for a, b in pairwise(struck)) if len(struck) > 1 else None
-
-
-def _first_peak(solution: Solution, first: Blow) -> str:
-    return with_band(first.rigid_peak, solution.band.get("first.rigid_peak"), "m/s^2", "g")
 
 
 def _felt_words(solution: Solution) -> list[str]:
