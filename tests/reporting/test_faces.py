@@ -354,9 +354,9 @@ def test_bounds_stand_in_a_column_of_their_own_and_a_standard_error_beside_its_s
         Sampled(G, 1e-9, standard_error=float("inf")),
     )
     assert [[one.text(row) for one in columns] for row in rows] == [
-        ["1234.6 g", "1234 to 1235.0 g", "25 ± 3", "< 1e-4 to 50"],
+        ["1234.6 g", "1234 to 1235.0", "25 ± 3", "< 1e-4 to 50"],
         ["1 g", "–", "25", "< 1e-4 to 50"],
-        ["1 g", "0 to 0.20394 g", "< 1e-4", "< 1e-4 to 50"],
+        ["1 g", "0 to 0.20394", "< 1e-4", "< 1e-4 to 50"],
     ]
     assert faces.text_of(rows[2], "share") == "< 1e-4 %"
 

@@ -180,7 +180,7 @@ def test_no_run_tells_no_share_and_bounds_hold_their_ends():
     none = np.full(4, math.nan)
     found = variance_shares("y", ["a"], none, none[None], 1)
     assert (found.runs, math.isnan(found.sum), math.isnan(found.rows[0].share)) == (0, True, True)
-    assert [Shares("y", (), 1.0, *ends, 9).additive for ends in ((1.0, 1.2), (0.8, 1.0), (1.01, 2.0), (0.1, 0.99))] == [
+    assert [Shares("y", 9, 1.0, *ends, ()).additive for ends in ((1.0, 1.2), (0.8, 1.0), (1.01, 2.0), (0.1, 0.99))] == [
         True,
         True,
         False,

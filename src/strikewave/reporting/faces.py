@@ -132,8 +132,7 @@ def _columns(
             value, _ = parts_of(row)
             own = one.quantity.within({**given, **getattr(value, "given_units", {})})
             ends = [_bare(one, at(value, (*path[:-1], name)), own) for name in one.bounds.split()]
-            unit = "" if quantity.si else f" {spelled(shown_unit(own.si, own.usual))}"
-            return None if NONE in ends else f"{' to '.join(ends)}{unit}"
+            return None if NONE in ends else " to ".join(ends)
 
         quantity = one.quantity.within(given)
         called = BOUNDS if is_first else f"{BOUNDS} of the {label_of(path[-1], one)}"

@@ -21,6 +21,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import MAIN, NO_UNIT, NOT_MEASURED, Quantity
+
 Array = NDArray[np.float64]
 
 RESAMPLES = 1000
@@ -34,40 +37,68 @@ BOOTSTRAP_STREAM = 0xB007
 """Key of the random numbers of the bootstrap: any but the numbers of runs, so that they are not those of the draws."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Share:
     """Share of one tolerance, with its standard error and its bounds at 95 %, none of them below 0.
 
     The total one counts interactions too (Sobol alone).
     """
 
-    path: str
-    share: float
-    low: float
-    high: float
+    path: str = declare.word("path of the tolerance")
+    share: float = declare.number(
+        Quantity(NO_UNIT, "%", "share", digits=3),
+        "its share",
+        column=MAIN,
+        tables="alone sobol",
+        error="standard_error",
+        bounds="low high",
+    )
+    low: float = declare.number(NOT_MEASURED, "low bound of the share at 95 %")
+    high: float = declare.number(NOT_MEASURED, "high bound of the share at 95 %")
     floor: float = 0.0
-    total: float | None = None
-    total_low: float | None = None
-    total_high: float | None = None
-    standard_error: float = np.nan
-    total_standard_error: float | None = None
+    total: float | None = declare.number(
+        Quantity(NO_UNIT, "%", "total", digits=3),
+        "its share with interactions",
+        default=None,
+        optional=True,
+        column=MAIN,
+        tables="sobol",
+        order=1,
+        error="total_standard_error",
+        bounds="total_low total_high",
+    )
+    total_low: float | None = declare.number(NOT_MEASURED, "low bound of that", default=None, optional=True)
+    total_high: float | None = declare.number(NOT_MEASURED, "high bound of that", default=None, optional=True)
+    standard_error: float = declare.number(NOT_MEASURED, "standard error of the share", default=np.nan)
+    total_standard_error: float | None = declare.number(
+        NOT_MEASURED, "standard error of the total", default=None, optional=True
+    )
 
-    @property
+    @declare.computed(
+        declare.word(
+            "whether it is distinct from 0 (95 %)",
+            key="distinct_from_0",
+            label="significant",
+            is_tag=True,
+            column=MAIN,
+            tables="alone sobol",
+        )
+    )
     def distinct(self) -> bool:
         """Whether it is distinct from 0: bounds above what rounding of the runs gives."""
         return self.low > self.floor
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Shares:
-    """Shares in one quantity, largest first, and their sum, with its bounds at 95 %; ``runs`` that each rests on."""
+    """Shares in one quantity, largest first, and their sum."""
 
-    of: str
-    rows: tuple[Share, ...]
-    sum: float
-    sum_low: float
-    sum_high: float
-    runs: int
+    of: str = declare.word("in which quantity")
+    runs: int = declare.count("runs that each rests on", key="runs_each")
+    sum: float = declare.number(NOT_MEASURED, "their sum")
+    sum_low: float = declare.number(NOT_MEASURED, "low bound of the sum at 95 %")
+    sum_high: float = declare.number(NOT_MEASURED, "high bound of the sum at 95 %")
+    rows: tuple[Share, ...] = declare.rows(Share, "share of each tolerance")
 
     @property
     def additive(self) -> bool:
@@ -224,7 +255,7 @@ def _alone(
 def _unknown(of: str, paths: Sequence[str]) -> Shares:
     """Return shares of which no run says anything."""
     rows = tuple(Share(path, np.nan, np.nan, np.nan) for path in paths)
-    return Shares(of, rows, np.nan, np.nan, np.nan, 0)
+    return Shares(of, 0, np.nan, np.nan, np.nan, rows)
 
 
 def _floats(share: float, low: float, high: float) -> tuple[float, float, float]:
@@ -246,7 +277,7 @@ def _errors(resampled: Array) -> Array:
 def _shares(of: str, rows: list[Share], whole: float, resampled: Array, runs: int) -> Shares:
     low, high = _bounds(resampled)
     ordered = sorted(rows, key=lambda row: -row.share if np.isfinite(row.share) else np.inf)
-    return Shares(of, tuple(ordered), whole, float(low), float(high), runs)
+    return Shares(of, runs, whole, float(low), float(high), tuple(ordered))
 
 
 def _resamples(count: int, seed: int) -> NDArray[np.int64]:

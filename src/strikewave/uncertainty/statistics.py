@@ -3,26 +3,38 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from strikewave.base import declare
+from strikewave.base.declare import MAIN
+from strikewave.base.shock_quantities import VARIATION
 
 COVERED, CONFIDENCE = 0.95, 0.95
 """Share of all runs that an upper limit covers, and how surely: the usual ones, which take 59 runs at least."""
 
 
-class RunSpread(NamedTuple):
+@declare.dataclass
+class RunSpread:
     """Median of a figure over the runs with its bounds at 95 %, and a limit that 95 % of all runs keep (95 %).
 
-    ``n`` runs have the figure. The limit is infinite where too many of the others are known not to keep any.
+    The limit is infinite where too many of the others are known not to keep any.
     """
 
-    median: float
-    low: float
-    high: float
-    limit: float
-    n: int
+    median: float = declare.number(
+        VARIATION._replace(label="median of the runs"),
+        "median over the runs of the coefficient of variation of the blows of a run",
+        column=MAIN,
+        bounds="low high",
+    )
+    low: float = declare.number(VARIATION, "low bound of the median at 95 %")
+    high: float = declare.number(VARIATION, "high bound of the median at 95 %")
+    limit: float = declare.number(
+        VARIATION,
+        "what 95 % of all runs keep, with 95 % confidence; null where so few runs can tell nothing",
+    )
+    n: int = declare.count("runs that have it")
 
 
 def variation(values: ArrayLike) -> float:

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.notices import run_verdict
+from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.base.errors import InputError, IntegrationError, show
 from strikewave.base.result import RUN_FAILED
+from strikewave.base.shock_quantities import PULSE_WIDTH, TOTAL_PEAK, VELOCITY_CHANGE
 from strikewave.cases.case import Case
 from strikewave.machines import Blow, Machine, MachineRun, blows, run_machine
 from strikewave.machines.blows import KINDS
@@ -26,9 +28,15 @@ from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
 
-FIGURES = ("peak", "width", "interval", "velocity_change")
-"""Figures of each blow: attributes of `RunResult` and of `Blow`, whose ``rigid_peak`` is called peak here."""
-UNITS = {"kind": "1", "peak": "m/s^2", "width": "s", "interval": "s", "velocity_change": "m/s"}
+FIGURES = {
+    "peak": TOTAL_PEAK._replace(label="peak"),
+    "width": PULSE_WIDTH._replace(decimals=None, digits=5),
+    "interval": Quantity("s", "ms", "interval", digits=5),
+    "velocity_change": VELOCITY_CHANGE._replace(label="velocity change", decimals=None, digits=5),
+}
+"""Figures of each blow and what they measure: attributes of `RunResult` and of `Blow`, whose ``rigid_peak`` is called
+peak here."""
+UNITS = {"kind": NO_UNIT, **{name: one.si for name, one in FIGURES.items()}}
 """SI units of what is kept of each blow; kinds by their place in `KINDS`."""
 TYPICAL_KINDS = ("full", "double")
 """Kinds of blow that may be typical: a glancing or missed one has no pulse of the whole striker."""

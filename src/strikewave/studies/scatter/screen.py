@@ -10,24 +10,15 @@ from typing import ClassVar
 
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
+from strikewave.reporting.faces import columns_of, text_of
 from strikewave.reporting.measured_files import asked
-from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
-from strikewave.reporting.terminal import print_rows, progress_bar, tell
+from strikewave.reporting.terminal import print_face, print_rows, progress_bar, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
-from strikewave.studies.scatter.columns import (
-    MEAN_COLUMNS,
-    WITHIN_COLUMNS,
-    mean_rows,
-    share_columns,
-    share_rows,
-    sum_words,
-    within_rows,
-)
-from strikewave.studies.scatter.study import ScatterPlan, ScatterStudy, marked_text, scatter
+from strikewave.studies.scatter.study import ScatterPlan, ScatterStudy, ShareRow, marked_text, scatter
 from strikewave.uncertainty.draws import tolerances_of
 from strikewave.uncertainty.shares import Shares
 
@@ -103,25 +94,25 @@ class ScatterCommand(ResumableCommand[ScatterStudy]):
 
 
 def _print(study: ScatterStudy) -> None:
-    print_rows("Means of the runs, and CV between runs", MEAN_COLUMNS, mean_rows(study))
-    title = "Scatter within a run: CV (%); later: without the first blow"
-    print_rows(title, WITHIN_COLUMNS, within_rows(study))
+    print_face(study, "means", "Means of the runs, and CV between runs")
+    print_face(study, "typical_blows", "Typical blow of each run, and CV between runs")
+    print_face(study, "within", "Scatter within a run: CV (%); later: without the first blow")
     broken = sum(study.without_limit)
     counted = f"; {broken} of {len(study.runs)} runs failed or missed a blow and keep no limit" if broken else ""
     tell(f"bounds of the CV between runs: for normal figures; 95 % of runs below: with 95 % confidence{counted}")
     if len(study.runs) < FEWEST_FOR_LIMIT:
         tell(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
     kinds = ", ".join(f"{blows} {kind} (in {runs} runs)" for kind, (blows, runs) in study.kinds().items())
-    tell(f"blows: {kinds}; largest displacement (rearward) {with_unit(study.largest_displacement, 'm', 'mm', 3)}")
+    tell(f"blows: {kinds}; largest displacement (rearward) {text_of(study, 'largest_displacement')}")
     for one in study.shares:
         _print_shares(study, one)
 
 
 def _print_shares(study: ScatterStudy, shares: Shares) -> None:
     """Print the shares in one quantity with what each tolerance is."""
+    from strikewave.studies.scatter.report import sum_words
+
     sobol = study.plan.shares == "sobol"
     title = f"Shares in the {shares.of}, {'Sobol indices' if sobol else 'each alone'}, {shares.runs} runs each"
-    print_rows(title, share_columns(study), share_rows(study, shares))
-    if not all(row.distinct for row in shares.rows):
-        tell("*: not significant (95 %)")
+    print_rows(title, columns_of(ShareRow, "sobol" if sobol else "alone"), study.share_rows(shares))
     tell(f"sum of the shares: {sum_words(shares)}")

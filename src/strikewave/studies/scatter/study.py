@@ -11,27 +11,32 @@ import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, NOT_MEASURED, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Source, Verdicts
+from strikewave.base.shock_quantities import VARIATION
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
-from strikewave.records.campaign import Statistic, statistic
+from strikewave.records.campaign import statistic
+from strikewave.reporting.case_result import ResultOfCase
 from strikewave.reporting.columns import Column, csv_table
-from strikewave.reporting.numbers import axis_unit, percent, with_unit
-from strikewave.reporting.shown_result import Curve, ShownResult
+from strikewave.reporting.faces import amount
+from strikewave.reporting.numbers import axis_unit
+from strikewave.reporting.shown_result import Curve
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.store import RunStore, given_or_temporary
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult, run_result
 from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
+    Share,
     Shares,
     mixtures,
     scatter_shares,
@@ -69,19 +74,15 @@ ADDED = "scatter of the peaks within a run that tolerances add"
 """Shares within a run of each tolerance alone are of this."""
 KINDS = ("full", "missed", "double", "glancing")
 """Kinds of blow that the table of runs counts, in the order of its columns."""
-FIGURE_UNITS = {"peak": "m/s^2", "width": "s", "interval": "s", "velocity_change": "m/s"}
-"""Figures of a blow and their SI units."""
-COLUMNS: tuple[tuple[str, Callable[[RunResult, str], float]], ...] = (
-    ("mean", RunResult.mean),
-    ("typical", RunResult.typical),
-    ("cv of", RunResult.variation),
-)
+COLUMNS: dict[str, Callable[[RunResult, str], float]] = {
+    "mean": RunResult.mean,
+    "typical": RunResult.typical,
+    "cv of": RunResult.variation,
+}
 """What the table of runs holds of each figure: head of the column, and how it is read from a run."""
-UNITS = {
-    **FIGURE_UNITS, "cv": "1", "share": "1", "total": "1", "largest_displacement": "m",
-    "nominal": "SI of its path", "half_width": "SI of its path",
-}  # fmt: skip
-"""SI unit of each quantity of the document."""
+SHOWN = ("mean peak", "cv of peak", "mean width", "mean interval")
+"""Of these what screens and notebooks show."""
+PEAK, WIDTH, OF_PATH = Quantity("m/s^2", "g"), Quantity("s", "us"), Quantity.of_data("SI of its path")
 STATEMENTS = {
     "mean": "mean of the runs' means with bounds at 95 % (Student's t); cv between runs with bounds at 95 % (Vangel), "
     "which hold for normal figures",
@@ -95,16 +96,14 @@ STATEMENTS = {
 """What the numbers of the document are."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class ScatterPlan:
     """How many runs, from which seed, how shares are found, and on how many processes.
 
     Parameters
     ----------
-    runs : int, optional
-        Draws within the tolerances.
-    seed : int, optional
-        Of the draws.
+    runs, seed : int, optional
+        Draws within the tolerances, and their seed.
     shares : str, optional
         How the share of each tolerance is found: ``alone``, by runs in which it alone moves, ``sobol``, with what
         tolerances do together, or ``none``.
@@ -112,8 +111,8 @@ class ScatterPlan:
         Processes.
     """
 
-    runs: int = 500
-    seed: int = 1
+    runs: int = declare.count("how many runs", default=500)
+    seed: int = declare.count("of the draws", default=1)
     shares: str = "alone"
     workers: int = 1
 
@@ -147,53 +146,166 @@ class ScatterPlan:
         return 1 + self.runs + extra * self.share_runs
 
 
-class Figure(NamedTuple):
+OF_FIGURE = Quantity.of_data("as the figure", "mean", digits=5)
+
+
+@declare.dataclass
+class RunStatistic:
+    """A figure over runs: mean and scatter between them."""
+
+    figure: str = declare.word("which figure", column=KEY, in_document=False)
+    mean: float = declare.number(OF_FIGURE, "mean over the runs", column=MAIN, bounds="low high")
+    low: float = declare.number(OF_FIGURE, "low bound of the mean at 95 %")
+    high: float = declare.number(OF_FIGURE, "high bound of the mean at 95 %")
+    cv: float = declare.number(
+        VARIATION._replace(label="CV"), "coefficient of variation between runs", column=MAIN, bounds="cv_low cv_high"
+    )
+    cv_low: float = declare.number(VARIATION, "low bound of that at 95 %")
+    cv_high: float = declare.number(VARIATION, "high bound of that at 95 %")
+    runs: int = declare.count("runs that have it")
+    quantity: Quantity = NOT_MEASURED
+
+    @classmethod
+    def of_values(cls, name: str, values: Sequence[float]) -> RunStatistic:
+        """Return the statistic of a figure, of what runs have; see `strikewave.records.campaign.Statistic`."""
+        one = statistic([value for value in values if math.isfinite(value)])
+        numbers = one.mean, one.low, one.high, one.cv, one.cv_low, one.cv_high
+        return cls(FIGURES[name].label, *numbers, one.n, FIGURES[name])
+
+    @property
+    def given_units(self) -> declare.GivenUnits:
+        """What the figure measures."""
+        return {OF_FIGURE.given_by: self.quantity}
+
+
+@declare.dataclass
+class Figure:
     """Scatter of a figure of the blows.
 
-    Attributes
-    ----------
-    mean : Statistic
-        Of the means of the runs: mean and its bounds, scatter between runs and its bounds.
-    typical : Statistic
-        The same of the typical blow of each run, the median of the later full or double ones.
-    within, later : RunSpread
-        Coefficient of variation of the blows of a run, over the runs; without the first blow. What 95 % of all runs
-        keep counts runs that failed or missed a blow as beyond every limit.
+    What 95 % of all runs keep counts runs that failed or missed a blow as beyond every limit.
     """
 
-    mean: Statistic
-    typical: Statistic
-    within: RunSpread
-    later: RunSpread
+    mean: RunStatistic = declare.part(RunStatistic, "of the means of the runs", quantity=OF_FIGURE)
+    typical: RunStatistic = declare.part(
+        RunStatistic, "of the typical blow of each run, the median of the later full or double ones", quantity=OF_FIGURE
+    )
+    within: RunSpread = declare.part(RunSpread, "of the blows of a run", key="cv_within", quantity=VARIATION)
+    later: RunSpread = declare.part(RunSpread, "without the first blow", key="cv_within_later", quantity=VARIATION)
 
 
-@dataclass(frozen=True, eq=False)
-class ScatterStudy(ShownResult):
+@declare.dataclass
+class WithinRow:
+    """Scatter of a figure within a run, and what the dynamics alone make."""
+
+    figure: str = declare.word("which figure", column=KEY)
+    blows: str = declare.word("all blows, or without the first", column=KEY)
+    dynamics_alone: float = declare.number(VARIATION._replace(label="dynamics alone"), "nominal", column=MAIN)
+    spread: RunSpread = declare.part(RunSpread, "over the runs")
+
+    @declare.phrase("95 % of runs below", quantity=VARIATION, column=MAIN)
+    def limit(self) -> str:
+        """Say what 95 % of all runs keep."""
+        return limit_words(self.spread.limit, "none").removesuffix(" %")
+
+
+@declare.dataclass
+class NominalFigure:
+    """A figure of the blows of the run without scatter."""
+
+    blows: Array = declare.word("of the run without scatter: the figure of each blow")
+    mean: float = declare.number(OF_FIGURE, "mean of these")
+    typical: float = declare.number(OF_FIGURE, "median of the later full or double blows")
+    cv: float = declare.number(VARIATION, "coefficient of variation")
+    cv_later: float = declare.number(VARIATION, "the same without the first blow")
+
+
+@declare.dataclass
+class OddBlows:
+    """Blows of a kind that are not full."""
+
+    blows: int = declare.count("how many blows missed, were double, or glanced", column=MAIN)
+    runs: int = declare.count("in how many runs", label="runs", column=MAIN)
+
+
+@declare.dataclass
+class PeakBand:
+    """Percentiles of the peak of each blow over the runs."""
+
+    percentiles: tuple[float, ...] = declare.word("which percentiles follow")
+    low: Array = declare.history(PEAK, "low percentile of the peak of each blow, over the runs")
+    median: Array = declare.history(PEAK, "median")
+    high: Array = declare.history(PEAK, "high percentile")
+
+
+@declare.dataclass
+class Tolerance:
+    """What is drawn, and how; what a table of shares says of it."""
+
+    path: str = declare.word("path of what scatters", label="tolerance", column=KEY, tables="drawn alone sobol")
+    value: str = declare.word(
+        "the value with its tolerance, as typed", column=MORE, tables="drawn alone sobol", in_document=False
+    )
+    nominal: float = declare.number(OF_PATH, "its value, SI")
+    half_width: float | None = declare.number(OF_PATH, "half of its tolerance, SI")
+    unit: str = declare.word("SI unit of both")
+    typed: str | float = declare.word("the tolerance as typed")
+    distribution: str = declare.word("normal or uniform", column=MAIN, tables="drawn")
+    drawn: str = declare.word("once a run, or for each striker", column=MORE, tables="drawn alone sobol")
+    provenance: str = declare.word("where the value comes from", column=MORE, tables="drawn alone sobol", is_tag=True)
+    note: str = declare.word("what the case says of it", column=MAIN, tables="drawn")
+
+    @classmethod
+    def of_input(cls, one: UncertainInput) -> Tolerance:
+        """Return what documents and tables have of an input."""
+        value, band = one.value, one.value.tolerance
+        assert band is not None
+        drawn = "for each striker" if one.strikers else "once a run"
+        numbers = f"{value.typed} ± {band.typed}", value.si, value.half_width, one.allowed.unit or NO_UNIT
+        return cls(one.path, *numbers, band.typed, band.distribution, drawn, value.provenance, value.note)
+
+
+@declare.dataclass
+class ShareRow:
+    """A tolerance and its share."""
+
+    tolerance: Tolerance = declare.part(Tolerance, "what is drawn")
+    share: Share = declare.part(Share, "its share")
+
+
+@declare.dataclass
+class LargestShare:
+    """The largest share among the key numbers."""
+
+    name: str = declare.word("path of the tolerance")
+    share: float = declare.number(Quantity(NO_UNIT, "%", "share", 0, 0), "its share", headline="share of {name}")
+
+
+@declare.dataclass
+class FoundShares:
+    """How shares were found, and what they are."""
+
+    method: str = declare.word("how shares were found: alone, sobol or none")
+    of: tuple[Shares, ...] = declare.rows(Shares, "shares in each quantity")
+
+
+@declare.dataclass
+class ScatterStudy(ResultOfCase):
     """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others.
 
     ``asked`` is the command line that gives it again, where one does.
     """
 
     command: ClassVar[str] = "scatter"
+    main_rows: ClassVar[str] = "run_table"
 
     case: Case
-    plan: ScatterPlan
+    plan: ScatterPlan = declare.part(ScatterPlan, "how many runs", inline=True)
     tolerances: tuple[UncertainInput, ...]
     numbers: Array
     runs: tuple[RunResult, ...]
     nominal_run: RunResult
     shares: tuple[Shares, ...]
     asked: str = ""
-
-    @property
-    def title(self) -> str:
-        """The title of the case."""
-        return self.case.title or self.case.name
-
-    @property
-    def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
-        return self.case.test.stated()
 
     @property
     def source(self) -> Source:
@@ -205,15 +317,88 @@ class ScatterStudy(ShownResult):
         """The runs that could be made to their end."""
         return [run for run in self.runs if not run.failure]
 
+    @declare.computed(declare.count("runs that were made to their end", headline="runs", in_document=False))
+    def run_count(self) -> int:
+        """How many runs could be made."""
+        return len(self.completed)
+
+    @declare.computed(declare.count("how many failed"))
+    def failed(self) -> int:
+        """How many runs could not be made."""
+        return len(self.runs) - len(self.completed)
+
+    @declare.computed(declare.count("how many keep no limit, as they failed or missed a blow", key="without_limit"))
+    def unlimited(self) -> int:
+        """How many runs keep no limit."""
+        return sum(self.without_limit)
+
+    @declare.computed(declare.word("what the statistics are, in words"))
+    def statements(self) -> dict[str, str]:
+        """What the numbers of the document are."""
+        return STATEMENTS
+
+    @declare.computed(declare.word("sources of the statistics"))
+    def sources(self) -> list[str]:
+        """Sources of the statistics."""
+        return [citation(key) for key in self.citations]
+
+    @declare.computed(declare.rows(Tolerance, "what was drawn", key="tolerances"))
+    def drawn(self) -> list[Tolerance]:
+        """What was drawn."""
+        return [Tolerance.of_input(one) for one in self.tolerances]
+
+    @declare.computed(declare.named(NominalFigure, "figures of the run without scatter"))
+    def dynamics_alone(self) -> dict[str, NominalFigure]:
+        """What the blows of the nominal run are."""
+        still = self.nominal_run
+        return {
+            name: NominalFigure(
+                getattr(still, name),
+                still.mean(name),
+                still.typical(name),
+                still.variation(name),
+                still.variation(name, later=True),
+            )
+            for name in FIGURES
+        }
+
+    @declare.computed(declare.named(Figure, "scatter of each figure"))
+    def figures(self) -> dict[str, Figure]:
+        """Scatter of each figure."""
+        runs = self.completed
+        return {
+            name: Figure(
+                RunStatistic.of_values(name, [run.mean(name) for run in runs]),
+                RunStatistic.of_values(name, [run.typical(name) for run in runs]),
+                spread([run.variation(name) for run in self.runs], self.without_limit),
+                spread([run.variation(name, later=True) for run in self.runs], self.without_limit),
+            )
+            for name in FIGURES
+        }
+
     def figure(self, name: str) -> Figure:
         """Return the scatter of a figure."""
-        runs = self.completed
-        return Figure(
-            statistic(_known([run.mean(name) for run in runs])),
-            statistic(_known([run.typical(name) for run in runs])),
-            spread([run.variation(name) for run in self.runs], self.without_limit),
-            spread([run.variation(name, later=True) for run in self.runs], self.without_limit),
-        )
+        return self.figures[name]
+
+    @declare.computed(declare.rows(RunStatistic, "means of the runs, and CV between runs", in_document=False))
+    def means(self) -> list[RunStatistic]:
+        """Means of the runs, and CV between them."""
+        return [one.mean for one in self.figures.values()]
+
+    @declare.computed(declare.rows(RunStatistic, "typical blow of each run, and CV between runs", in_document=False))
+    def typical_blows(self) -> list[RunStatistic]:
+        """Typical blows of the runs, and CV between them."""
+        return [one.typical for one in self.figures.values()]
+
+    @declare.computed(declare.rows(WithinRow, "scatter within a run", in_document=False))
+    def within(self) -> list[WithinRow]:
+        """Scatter within a run of each figure: of all blows, and without the first."""
+        return [
+            WithinRow(FIGURES[name].label, blows, still, spread)
+            for name, one in self.figures.items()
+            for alone in [self.dynamics_alone[name]]
+            for blows, still, spread in (("all", alone.cv, one.within), ("later", alone.cv_later, one.later))
+        ]
 
     @property
     def without_limit(self) -> list[bool]:
@@ -237,11 +422,6 @@ class ScatterStudy(ShownResult):
         peaks = [column[np.isfinite(column)] for column in table.T]
         return np.array([np.percentile(p, BAND) if p.size else np.full(3, np.nan) for p in peaks]).T
 
-    @property
-    def largest_displacement(self) -> float:
-        """Largest displacement (rearward) of the object after a blow of any run, m."""
-        return max(run.largest_displacement for run in self.completed if math.isfinite(run.largest_displacement))
-
     def found_notices(self) -> tuple[Notice, ...]:
         """Return what should be known."""
         notices = list(self.verdicts.notices())
@@ -258,57 +438,108 @@ class ScatterStudy(ShownResult):
                 notices.append(Notice("tolerances-interact", message, shares.sum, 1.0))
         return tuple(notices)
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return UNITS
+    @declare.computed(declare.named(OddBlows, "blows that are not full", key="kinds", label="kind"))
+    def odd_blows(self) -> dict[str, OddBlows]:
+        """How many blows were missed, double and glancing, and in how many runs."""
+        return {kind: OddBlows(*counts) for kind, counts in self.kinds().items()}
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        kinds = {kind: {"blows": blows, "runs": runs} for kind, (blows, runs) in self.kinds().items()}
-        low, middle, high = self.peaks()
-        return {
-            "case": self.case.name,
-            "runs": self.plan.runs,
-            "seed": self.plan.seed,
-            "failed": len(self.runs) - len(self.completed),
-            "without_limit": sum(self.without_limit),
-            "statements": STATEMENTS,
-            "sources": [citation(key) for key in self.citations],
-            "tolerances": [_tolerance(one) for one in self.tolerances],
-            "dynamics_alone": self._dynamics(),
-            "figures": {name: _figure(self.figure(name)) for name in FIGURES},
-            "kinds": kinds,
-            "peaks": {"percentiles": BAND, "low": low, "median": middle, "high": high},
-            "largest_displacement": self.largest_displacement,
-            "shares": {"method": self.plan.shares, "of": [_shares(one) for one in self.shares]},
-        }
+    @declare.computed(declare.part(PeakBand, "peaks of each blow over the runs", key="peaks", quantity=PEAK))
+    def peak_band(self) -> PeakBand:
+        """Percentiles of the peaks of each blow."""
+        return PeakBand(BAND, *self.peaks())
 
-    def _dynamics(self) -> dict[str, Any]:
-        """Return what the blows of the nominal run are."""
-        still = self.nominal_run
-        return {
-            name: {
-                "blows": getattr(still, name),
-                "mean": still.mean(name),
-                "typical": still.typical(name),
-                "cv": still.variation(name),
-                "cv_later": still.variation(name, later=True),
-            }
-            for name in FIGURES
-        }
+    @declare.computed(declare.number(Quantity("m", "mm", digits=3), "largest displacement of the object in any run"))
+    def largest_displacement(self) -> float:
+        """Largest displacement (rearward) of the object after a blow of any run."""
+        return max(run.largest_displacement for run in self.completed if math.isfinite(run.largest_displacement))
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the number of runs, the mean peak and width, the scatter within a run, and the largest share."""
-        peak = self.figure("peak")
-        numbers = [
-            ("runs", str(len(self.completed))),
-            ("mean peak", with_unit(peak.mean.mean, "m/s^2", "g")),
-            ("CV within a run", percent(peak.within.median, 2)),
-            ("mean width", with_unit(self.figure("width").mean.mean, "s", "us")),
-        ]
-        for shares in self.shares[:1]:
-            numbers += [(f"share of {row.path}", percent(row.share, 0)) for row in shares.rows[:1]]
-        return numbers
+    @declare.computed(declare.part(FoundShares, "shares of the tolerances", key="shares"))
+    def shares_found(self) -> FoundShares:
+        """How shares were found, and what they are."""
+        return FoundShares(self.plan.shares, self.shares)
+
+    @declare.computed(declare.number(PEAK, "mean peak", headline="mean peak", in_document=False))
+    def mean_peak(self) -> float:
+        """Mean of the mean peaks of the runs."""
+        return self.figures["peak"].mean.mean
+
+    @declare.computed(
+        declare.number(PEAK, "typical peak", headline="peak of the typical blow, mean of the runs", in_document=False)
+    )
+    def typical_peak(self) -> float:
+        """Mean of the typical peaks of the runs."""
+        return self.figures["peak"].typical.mean
+
+    @declare.computed(
+        declare.number(VARIATION, "its scatter", headline="CV of that peak from run to run", in_document=False)
+    )
+    def cv_between(self) -> float:
+        """Scatter of the typical peak from run to run."""
+        return self.figures["peak"].typical.cv
+
+    @declare.computed(
+        declare.number(VARIATION, "scatter", headline="CV of the peaks within a run, median", in_document=False)
+    )
+    def cv_within(self) -> float:
+        """Scatter of the peaks within a run, median of the runs."""
+        return self.figures["peak"].within.median
+
+    @declare.phrase("limit", headline="CV of the peaks in 95 % of all runs at most")
+    def limit(self) -> str:
+        """Say what 95 % of all runs keep."""
+        return limit_words(self.figures["peak"].within.limit, "no limit")
+
+    @declare.computed(
+        declare.number(
+            WIDTH, "typical width", headline="width of the typical blow, mean of the runs", in_document=False
+        )
+    )
+    def typical_width(self) -> float:
+        """Mean of the typical widths of the runs."""
+        return self.figures["width"].typical.mean
+
+    @declare.computed(
+        declare.number(FIGURES["interval"], "interval", headline="interval, mean of the runs", in_document=False)
+    )
+    def mean_interval(self) -> float:
+        """Mean of the mean intervals of the runs."""
+        return self.figures["interval"].mean.mean
+
+    @declare.computed(declare.rows(LargestShare, "the largest share", headline="first", in_document=False))
+    def largest_share(self) -> list[LargestShare]:
+        """The largest share in the first quantity; none where no shares were found."""
+        return [LargestShare(row.path, row.share) for shares in self.shares[:1] for row in shares.rows[:1]]
+
+    @declare.computed(declare.table("the runs: what was drawn, and what came of it"))
+    def run_table(self) -> list[Column]:
+        """All runs: what was drawn, and what came of it."""
+        runs = self.runs
+        units = [one.allowed.unit for one in self.tolerances for _ in range(one.count)]
+        names = [name for one in self.tolerances for name in one.names]
+        columns = [Column("run", range(1, len(runs) + 1), shown="")]
+        for name, si, values in zip(names, units, np.transpose(self.numbers), strict=True):
+            columns.append(Column(name, values, si or NO_UNIT))
+        columns.append(Column("blows", [len(run.kinds) for run in runs], shown=""))
+        columns += [Column(kind, [run.kinds.count(kind) for run in runs]) for kind in KINDS]
+        for name, one in FIGURES.items():
+            for how, read in COLUMNS.items():
+                measured = VARIATION if how == "cv of" else one
+                values = [float(read(run, name)) for run in runs]
+                is_shown = f"{how} {name}" in SHOWN
+                columns.append(Column(f"{how} {name}", values, measured.si, "", measured.usual if is_shown else None))
+        columns.append(Column("largest displacement", [float(run.largest_displacement) for run in runs], "m"))
+        columns.append(Column("verdict", [run.verdict for run in runs], shown=""))
+        return [*columns, Column("failure", [run.failure for run in runs])]
+
+    @property
+    def named_units(self) -> Mapping[str, str]:
+        """SI units of the figures."""
+        return {name: one.si for name, one in FIGURES.items()}
+
+    def share_rows(self, shares: Shares) -> list[ShareRow]:
+        """Return a row a tolerance, the largest share first."""
+        known = {one.path: one for one in self.drawn}
+        return [ShareRow(known[row.path], row) for row in shares.rows]
 
     def preview(self) -> Curve:
         """Return the median peak of each blow over the runs."""
@@ -322,29 +553,7 @@ class ScatterStudy(ShownResult):
 
     def tables(self) -> dict[str, str]:
         """Return the table of runs."""
-        return {"runs.csv": csv_table(self.columns())}
-
-    def columns(self) -> list[Column]:
-        """Return all runs: what was drawn, and what came of it."""
-        units = [one.allowed.unit for one in self.tolerances for _ in range(one.count)]
-        names = [name for one in self.tolerances for name in one.names]
-        columns = [Column("run", range(1, len(self.runs) + 1))]
-        for name, si, values in zip(names, units, np.transpose(self.numbers), strict=True):
-            columns.append(Column(name, values, si or "1"))
-        columns.append(Column("blows", [len(run.kinds) for run in self.runs]))
-        columns += [Column(kind, [run.kinds.count(kind) for run in self.runs]) for kind in KINDS]
-        for name, si in FIGURE_UNITS.items():
-            for how, read in COLUMNS:
-                results = [float(read(run, name)) for run in self.runs]
-                columns.append(Column(f"{how} {name}", results, "1" if how.startswith("cv ") else si))
-        columns.append(Column("largest displacement", [float(run.largest_displacement) for run in self.runs], "m"))
-        columns.append(Column("verdict", [run.verdict for run in self.runs]))
-        return [*columns, Column("failure", [run.failure for run in self.runs])]
-
-    def brief(self) -> dict[str, str]:
-        """Return number, blows, mean peak, its scatter, width and interval of each run."""
-        figures = {"mean peak": "g", "cv of peak": "1", "mean width": "us", "mean interval": "ms"}
-        return {"run": "", "blows": "", **figures, "verdict": ""}
+        return {"runs.csv": csv_table(self.run_table)}
 
 
 def marked_text(case: Case, plan: ScatterPlan) -> str:
@@ -477,36 +686,6 @@ def _added(runs: Sequence[RunResult], nominal_run: RunResult) -> Array:
     return np.array([run.over(nominal_run).variation("peak") for run in runs])
 
 
-def _known(values: list[float]) -> list[float]:
-    return [value for value in values if math.isfinite(value)]
-
-
-def _tolerance(one: UncertainInput) -> dict[str, Any]:
-    assert one.value.tolerance is not None
-    return {
-        "path": one.path,
-        "nominal": one.value.si,
-        "half_width": one.value.half_width,
-        "unit": one.allowed.unit or "1",
-        "typed": one.value.tolerance.typed,
-        "distribution": one.value.tolerance.distribution,
-        "drawn": "for each striker" if one.strikers else "once a run",
-        "provenance": one.value.provenance,
-        "note": one.value.note,
-    }
-
-
-def _figure(figure: Figure) -> dict[str, Any]:
-    def of(sample: Statistic) -> dict[str, float]:
-        names = ("mean", "low", "high", "cv", "cv_low", "cv_high")
-        return {name: getattr(sample, name) for name in names} | {"runs": sample.n}
-
-    within = {"cv_within": figure.within._asdict(), "cv_within_later": figure.later._asdict()}
-    return {"mean": of(figure.mean), "typical": of(figure.typical), **within}
-
-
-def _shares(shares: Shares) -> dict[str, Any]:
-    rows = [{**dataclasses.asdict(row), "distinct_from_0": row.distinct} for row in shares.rows]
-    rows = [{k: v for k, v in row.items() if v is not None and k != "floor"} for row in rows]
-    bounds = {"sum": shares.sum, "sum_low": shares.sum_low, "sum_high": shares.sum_high}
-    return {"of": shares.of, "runs_each": shares.runs, **bounds, "rows": rows}
+def limit_words(limit: float, nothing: str) -> str:
+    """Return what runs keep, or that they keep none; a dash where too few runs tell nothing."""
+    return nothing if math.isinf(limit) else amount(VARIATION, limit)
