@@ -250,6 +250,8 @@ def test_a_channel_that_does_more_before_its_blow_comes_early(highest, early):
         )
     several = blows._early(record(values, places=(100, 300)), values[:100], highest)
     assert "peak of the first blow" in several  # whatever comes after the next one
+    small = 1e-4 * values
+    assert blows._early(record(small, places=(100, 300)), small[:100], 1e-4 * highest) != ""
     assert blows._early(record(values), values[:0], 1.0) == ""
     loud = np.tile([1.3, -1.3], 250) / MAD_TO_SIGMA
     loud[60] = -10.0

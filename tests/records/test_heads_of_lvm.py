@@ -215,8 +215,10 @@ def test_heads_that_are_not_whole_are_refused(monkeypatch, content):
     assert len(lvm._segments(FILE, FILE_HEAD + SEGMENT % (0, 1, 2), "utf-8")) == 1
     with pytest.raises(InputError, match="that is whole"):
         lvm._segments(FILE, content, "utf-8")
-    with pytest.raises(InputError, match="a header has no end"):
-        lvm._segments(FILE, FILE_HEAD + (SEGMENT % (0, 1, 2)).replace(b"X0", b"X" * 140), "utf-8")
+    long_line = FILE_HEAD.replace(b"Separator", b"Remark\t" + b"x" * 140 + b"\nSeparator")
+    for one in (FILE_HEAD + (SEGMENT % (0, 1, 2)).replace(b"X0", b"X" * 140), long_line + SEGMENT % (0, 1, 2)):
+        with pytest.raises(InputError, match="a header has no end"):
+            lvm._segments(FILE, one, "utf-8")
 
 
 # Samples
