@@ -6,6 +6,7 @@ import pytest
 from strikewave.records import Channel, Record, Request, compare, find_pulses, read_file, summed
 from strikewave.records.budget.blows import blow_uncertainty
 from strikewave.records.budget.contributions import Budget, Contribution
+from strikewave.records.response import BaseBlow, measure_responses
 from strikewave.records.two_sensors import paired_motion
 
 STEP, SIZE = 1e-5, 3000
@@ -152,34 +153,54 @@ def test_a_response_in_a_small_unit_is_the_same(name):
             np.testing.assert_allclose(of_other, np.array(mode) * [1.0, 1.0, SMALL, 1.0, 1.0], rtol=1e-9)
 
 
+@pytest.mark.parametrize("factor", [SMALL, 1.0 / SMALL])
 @pytest.mark.parametrize("name", ["noisy", "ringing", "train", "shifted"])
-def test_a_record_of_a_faster_recorder_is_the_same_in_less_time(name):
-    """Steps of a power of two less: times and areas are as much less, frequencies more, all else is the same."""
-    found, fast = (find_pulses(RECORDS[name], factor * STEP) for factor in (1.0, SMALL))
+def test_a_record_of_a_recorder_so_much_faster_or_slower_is_the_same(name, factor):
+    """Steps times a power of two: times and areas are as many times as large, frequencies smaller, all else is the same."""
+    found, fast = (find_pulses(RECORDS[name], times * STEP) for times in (1.0, factor))
     for pulse, other in zip(found, fast, strict=True):
         for figure in ("peak", "offset", "noise", "rigid_peak", "split_peak", "baseline"):
             np.testing.assert_equal(getattr(other, figure), getattr(pulse, figure))
         for figure in ("time", "rise", "width", "velocity_change", "begin", "end", "rigid_width", "split_width"):
-            np.testing.assert_allclose(getattr(other, figure), SMALL * getattr(pulse, figure), rtol=1e-9)
-        np.testing.assert_allclose(other.ringing_frequency, pulse.ringing_frequency / SMALL, rtol=1e-9)
-        np.testing.assert_allclose(other.uncertainty, np.array(pulse.uncertainty) * [1.0, SMALL, SMALL], rtol=1e-6)
+            np.testing.assert_allclose(getattr(other, figure), factor * getattr(pulse, figure), rtol=1e-9)
+        np.testing.assert_allclose(other.ringing_frequency, pulse.ringing_frequency / factor, rtol=1e-9)
+        np.testing.assert_allclose(other.uncertainty, np.array(pulse.uncertainty) * [1.0, factor, factor], rtol=1e-6)
         np.testing.assert_allclose(other.methods_apart, pulse.methods_apart, rtol=1e-6)
         np.testing.assert_allclose(
             [(one.time, one.peak) for one in other.rebounds],
-            [(SMALL * one.time, one.peak) for one in pulse.rebounds],
+            [(factor * one.time, one.peak) for one in pulse.rebounds],
             rtol=1e-9,
         )
+
+
+@pytest.mark.parametrize("factor", [SMALL, 1.0 / SMALL])
+def test_a_response_of_a_recorder_so_much_faster_or_slower_is_the_same(factor):
+    """A swing that decays in noise, from its own begin; the root mean square is that of its samples."""
+
+    def measured(times):
+        step = times * STEP
+        [found] = measure_responses(ANSWER, step, 0.0, [BaseBlow(1000 * step, 1025 * step, 1050 * step, 100.0)])
+        return found
+
+    one, other = measured(1.0), measured(factor)
+    assert (other.peak, other.ratio, other.zero) == (one.peak, one.ratio, one.zero)
+    assert other.rms == pytest.approx(one.rms, rel=1e-9)
+    for figure in ("time", "delay", "begin", "duration", "decay"):
+        assert getattr(other, figure) == pytest.approx(factor * np.array(getattr(one, figure)), rel=1e-9, abs=0.0)
+    scales = np.array([1.0 / factor, 1.0, 1.0, 1.0 / factor, 1.0])
+    assert len(one.modes) == len(other.modes) == 1
+    np.testing.assert_allclose(other.modes[0], scales * one.modes[0], rtol=1e-6)
 
 
 def test_two_sensors_in_a_small_unit_and_a_faster_recorder_do_the_same():
     """Half of a swing in each against the other, and the second two steps later."""
     first = ONE + 2.0 * SWING + 0.1 * NOISE
     second = np.roll(0.95 * ONE, 2) - 2.0 * SWING + 0.1 * NOISE[::-1]
-    one, small, fast = (
+    one, small, fast, slow = (
         paired_motion(scale * first, scale * second, quick * STEP, find_pulses(scale * first, quick * STEP))
-        for scale, quick in ((1.0, 1.0), (SMALL, 1.0), (1.0, SMALL))
+        for scale, quick in ((1.0, 1.0), (SMALL, 1.0), (1.0, SMALL), (1.0, 1.0 / SMALL))
     )
-    for other, scale, quick in ((small, SMALL, 1.0), (fast, 1.0, SMALL)):
+    for other, scale, quick in ((small, SMALL, 1.0), (fast, 1.0, SMALL), (slow, 1.0, 1.0 / SMALL)):
         assert (other.blows, other.one_body, other.leads) == (one.blows, one.one_body, one.leads)
         for figure in ("delay", "delay_uncertainty", "peak_lag"):
             assert getattr(other, figure) == pytest.approx(quick * getattr(one, figure), rel=1e-6, abs=0.0)
@@ -211,7 +232,7 @@ def test_a_budget_of_a_small_unit_and_of_a_faster_recorder_is_the_same(name):
         return blow_uncertainty(channel, pulse, budget(quick)).figures
 
     one = found(1.0, 1.0)
-    for scale, quick in ((SMALL, 1.0), (1.0, SMALL)):
+    for scale, quick in ((SMALL, 1.0), (1.0, SMALL), (1.0, 1.0 / SMALL)):
         other = found(scale, quick)
         for figure, factor in (("peak", scale), ("width", quick), ("velocity_change", scale * quick)):
             assert other[figure].standard == pytest.approx(factor * one[figure].standard, rel=1e-6, abs=0.0)

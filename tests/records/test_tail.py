@@ -287,6 +287,9 @@ def test_the_last_third_of_a_tail():
     mean, error = tail._at_last(Tail(TIME, level, level))
     assert mean == 2.0
     assert error == pytest.approx(math.sqrt(10.0 / 9.0) / math.sqrt(10.0))
+    few = np.array([9.0, 9.0, 9.0, 9.0, 3.0, 5.0])  # two at least
+    assert tail._at_last(Tail(TIME[:6], few, few)) == (4.0, pytest.approx(1.0))
+    assert tail._at_last(Tail(TIME[:5], few[1:], few[1:])) == (4.0, pytest.approx(1.0))
     at_rest = model_of(bounced(1.0, 0.0)._replace(level=level))
     assert (at_rest.kind, at_rest.level, at_rest.level_error) == ("motion", mean, error)  # six errors are 2.0
     assert model_of(bounced(1.0, 0.0)._replace(level=level + 0.1)).kind == "shift"
