@@ -94,6 +94,12 @@ def test_everything_known_is_shown_as_given(command):
     assert out.count("given") == 5
 
 
+def test_noise_and_forces_are_told_in_the_unit_that_was_chosen(command):
+    out = command(written("N"), "--mass", "0.1393 kg", "--show", "lbf")[1]
+    assert [line.split()[2] for line in out.splitlines() if line.startswith("noise")] == ["lbf,"]
+    assert next(line for line in out.splitlines() if line.startswith("peak force")).endswith("lbf")
+
+
 def test_exit_3_where_the_law_does_not_describe_the_blow(command):
     t, values = force()
     late = np.where(t > BEGIN, t - BEGIN, 0.0)
