@@ -308,6 +308,16 @@ def test_where_noise_hides_a_tenth_of_the_peak_the_smooth_pulse_counts(noise, me
     assert pulse.peak == pytest.approx(20.0, abs=noise)
 
 
+@pytest.mark.parametrize(("noise", "method"), [(0.9, "record"), (1.05, "fit")])
+def test_a_blow_of_few_samples_is_smoothed_over_five_of_them_at_most(noise, method):
+    """A parabola over two samples to either side leaves the root of 17 / 35 of the noise, three to either side of 1 / 3: a
+    tenth of the peak, 2, is three times that of 0.96, or 1.15."""
+    rng = np.random.default_rng(11)
+    values = half_sine(3000, 1000, 9, 20.0) + noise * rng.normal(size=3000)
+    (pulse,) = find_pulses(values, STEP)
+    assert pulse.method == method
+
+
 def test_what_is_known_of_no_baseline():
     bare = recorded(baseline=LocalBaseline(2.0), uncertainty=PulseUncertainty(0.1, 0.2, 0.4))
     assert bare.area_uncertainty(5.0) == 0.4

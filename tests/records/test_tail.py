@@ -275,6 +275,15 @@ def test_what_is_stopped_comes_to_rest(depth, back, rests, sign):
         assert comes_to_rest(found) is (rests and share != 0.21)
 
 
+def test_of_six_stretches_the_last_two_show_where_a_record_stands():
+    """It is pushed back by 1.9 a stretch; over the last three it would stand 0.4 off its zero, over two not at all."""
+    time, velocity = np.arange(1.0, 7.0), np.array([5.0, -3.0, -4.0, -1.0, -0.2, -0.2])
+    assert tail.comes_to_rest(Tail(time, 0.0 * time, velocity))
+    assert tail.comes_to_rest(Tail(time, 0.0 * time, -velocity))
+    velocity[-1] = 0.3
+    assert not tail.comes_to_rest(Tail(time, 0.0 * time, velocity))
+
+
 def test_a_push_is_five_times_what_the_record_stands_off():
     """Back from -1 to -0.2 in eight steps of 0.1, and 0.019 or 0.021 a step at last."""
     for slope, rests in ((0.0195, True), (0.0205, False)):
