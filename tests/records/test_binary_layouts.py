@@ -748,6 +748,10 @@ def test_names_of_blocks_of_pandas_and_fields_of_tables(hdf_file, monkeypatch):
     hdf_file["run/table"] = table
     assert hdf._block_names(hdf_file["df/block0_values"]) == ["bar", "top"]
     assert hdf._block_names(hdf_file["df/block1_values"]) == hdf._block_names(hdf_file["df/block0_items"]) == []
+    hdf_file["df/block2_values"] = hdf_file["df/block3_values"] = np.zeros((3, 2))
+    hdf_file.create_group("df/block2_items")
+    hdf_file["df/block3_items"] = np.array([1, 2])
+    assert hdf._block_names(hdf_file["df/block2_values"]) == hdf._block_names(hdf_file["df/block3_values"]) == []
     record = hdf_read(hdf_file)
     assert [one[0] for one in shown(record)] == [
         "df/bar", "df/top", "df/block1_values 1", "df/block1_values 2", "df/block2_values 1", "df/block2_values 2", "run/table/v 1", "run/table/v 2",
