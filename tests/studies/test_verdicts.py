@@ -21,8 +21,8 @@ from strikewave.studies.engine.evaluation import RunOutcome
 from strikewave.studies.engine.store import INDEX, RunStore
 from strikewave.studies.map.cells import judged_cell
 from strikewave.studies.scatter.study import ScatterPlan
+from strikewave.studies.settings.drop_table.candidate import DropGoal
 from strikewave.studies.settings.drop_table.programmers import read_programmer
-from strikewave.studies.settings.drop_table.search import DropGoal
 from strikewave.studies.settings.drop_table.study import DropChoices, design_drop_table
 from strikewave.studies.simulation import Simulation
 

@@ -16,8 +16,9 @@ from strikewave.signal.pulse import measure_pulse
 from strikewave.specifications.reading import load_specification
 from strikewave.studies.engine.pools import GivenPool
 from strikewave.studies.engine.store import RunStore
+from strikewave.studies.settings.drop_table.candidate import DropGoal
 from strikewave.studies.settings.drop_table.programmers import power_estimate, read_programmer
-from strikewave.studies.settings.drop_table.search import DropDesign, DropGoal, drop_candidate
+from strikewave.studies.settings.drop_table.search import DropDesign, drop_candidate
 from strikewave.studies.settings.drop_table.study import DropChoices, design_drop_table
 
 ROWS = ("H", "G", "B", "F", "A", "E", "D", "C")

@@ -154,8 +154,8 @@ def _drop_table(
     """Design a drop table, and return the exit code."""
     from strikewave.specifications.reading import load_specification
     from strikewave.studies.engine.chosen_pool import pool_of
+    from strikewave.studies.settings.drop_table.candidate import DropGoal
     from strikewave.studies.settings.drop_table.screen import DropCommand, find_drop_table
-    from strikewave.studies.settings.drop_table.search import DropGoal
     from strikewave.studies.settings.drop_table.study import STROKE, check_drop, check_drop_changes
 
     specification = load_specification(spec)

@@ -21,7 +21,7 @@ from strikewave.studies.settings.goal import BlowGoal, SettingsChoices, goal_wor
 
 
 @declare.dataclass
-class WantedBlows:
+class SettingsGoal:
     """What the blows shall be."""
 
     interval: float = declare.number(INTERVAL, "wanted interval of the blows")
@@ -71,11 +71,11 @@ class SettingsStudy(ShownResult):
         """How many of the settings meet the goal."""
         return f"{sum(candidate.meets for candidate in self.candidates)} of {len(self.candidates)}"
 
-    @declare.computed(declare.part(WantedBlows, "what the blows shall be", key="goal"))
-    def wanted(self) -> WantedBlows:
+    @declare.computed(declare.part(SettingsGoal, "what the blows shall be", key="goal"))
+    def wanted(self) -> SettingsGoal:
         """What the blows shall be, and what may be chosen."""
         goal = self.goal
-        return WantedBlows(
+        return SettingsGoal(
             goal.interval, goal.peak, goal.width, goal.stop_limit, WITHIN, goal.disc.name, self.choice.vary
         )
 

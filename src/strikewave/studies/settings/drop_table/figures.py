@@ -23,7 +23,7 @@ from strikewave.reporting.style import (
     quiet,
     titled,
 )
-from strikewave.studies.settings.drop_table.search import DropCandidate
+from strikewave.studies.settings.drop_table.candidate import DropCandidate
 from strikewave.studies.settings.drop_table.study import DropStudy
 
 if TYPE_CHECKING:

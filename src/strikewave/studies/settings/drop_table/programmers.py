@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from scipy.optimize import brentq
 from scipy.special import beta, betainc
 
+from strikewave.base import declare
+from strikewave.base.declare import MAIN, NOT_MEASURED
 from strikewave.base.errors import InputError, nearest
+from strikewave.base.shock_quantities import LENGTH, VELOCITY
 from strikewave.base.units import typed_number
 from strikewave.cases.case import Case
 from strikewave.cases.cushion_of_case import PROPERTIES
@@ -47,14 +49,12 @@ THINNEST, THICKEST = 0.2e-3, 0.2
 """Thicknesses between which a pad is sought, m: a sheet of paper, and a block."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Programmer:
-    """What is given of a programmer.
+    """What is given of a programmer: ``linear``, a cushion law, or a cushion material.
 
     Attributes
     ----------
-    name : str
-        ``linear``, a cushion law, or a cushion material.
     given : mapping of str to str
         Restitution and properties as typed.
     own : bool
@@ -63,7 +63,9 @@ class Programmer:
         The table [contact] of the case whose pad it is; None of others.
     """
 
-    name: str
+    name: str = declare.word(
+        "name of the programmer", key="programmer", label="programmer", column=MAIN, headline="programmer"
+    )
     given: Mapping[str, str]
     own: bool = False
     table: Mapping[str, Any] | None = None
@@ -78,7 +80,7 @@ class Programmer:
         """Whether its law is assumed altogether: a pad that is tried by default without a material."""
         return self.own and self.is_pad and self.name not in cushion_materials()
 
-    @property
+    @declare.computed(declare.word("law of its force"))
     def law(self) -> str:
         """Its law."""
         if not self.is_pad:
@@ -186,12 +188,13 @@ such as "felt, stress=20 MPa, exponent=2.5, retardation=20 us"
     return programmer
 
 
-class FirstEstimate(NamedTuple):
-    """Closed forms of a programmer: speed of the table (m/s), its rate (N/m) or thickness (m), compression (m)."""
+@declare.dataclass
+class FirstEstimate:
+    """Closed forms of a programmer."""
 
-    speed: float
-    size: float
-    compression: float
+    speed: float = declare.number(VELOCITY, "speed at touch")
+    size: float = declare.number(NOT_MEASURED, "rate (N/m) or thickness (m) of the programmer then")
+    compression: float = declare.number(LENGTH, "compression then")
 
 
 def power_estimate(peak: float, width: float, level: float, exponent: float, restitution: float) -> tuple[float, float]:

@@ -14,8 +14,8 @@ from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import store_in
 from strikewave.studies.settings.defaults import DROP_TABLE
+from strikewave.studies.settings.drop_table.candidate import DropGoal
 from strikewave.studies.settings.drop_table.programmers import read_programmer
-from strikewave.studies.settings.drop_table.search import DropGoal
 from strikewave.studies.settings.drop_table.study import STROKE, DropChoices, DropStudy, design_drop_table
 
 

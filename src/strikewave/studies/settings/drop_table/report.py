@@ -5,14 +5,13 @@ from __future__ import annotations
 from strikewave.base.percents import percent
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells, verdict_words
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import face_table, text_of
 from strikewave.reporting.parts import Cell, Picture, Section, Table, Tag
 from strikewave.reporting.table_columns import page_table
 from strikewave.studies.settings.columns import LIMIT_COLUMNS
-from strikewave.studies.settings.drop_table.columns import DROP_COLUMNS, HEIGHT_COLUMNS, RankedDrop
+from strikewave.studies.settings.drop_table.candidate import WITHIN, DropCandidate
 from strikewave.studies.settings.drop_table.figures import drop_figure
-from strikewave.studies.settings.drop_table.search import WITHIN, DropCandidate
-from strikewave.studies.settings.drop_table.study import DropStudy, goal_words
+from strikewave.studies.settings.drop_table.study import DropStudy, drop_columns, goal_words
 
 MOST_ROWS = 60
 """Designs in the tables: more would not be read; settings.json has all."""
@@ -48,8 +47,7 @@ def drop_report(study: DropStudy) -> str:
 
 
 def _chosen(one: DropCandidate) -> list[list[Cell]]:
-    values = one.case.values()
-    return [[path, str(values[path].typed), values[path].provenance] for path in one.chosen]
+    return [[path, str(value.typed), value.provenance] for path, value in one.settings.items()]
 
 
 def _provenances(one: DropCandidate) -> str:
@@ -61,7 +59,6 @@ def _provenances(one: DropCandidate) -> str:
 
 def _ranking(study: DropStudy) -> Section:
     """List the designs, best first."""
-    rows = [RankedDrop(place, one) for place, one in enumerate(study.candidates[:MOST_ROWS], 1)]
     text = (
         f"Peak and width of each come to the ideal pulse within {percent(WITHIN)} where both can. The margin is the "
         "least of all clauses over half their tolerance, the departure the root mean square of the difference to the "
@@ -69,17 +66,15 @@ def _ranking(study: DropStudy) -> Section:
         "there. The rebound is the coefficient of restitution in the full run: a programmer that gives back less takes "
         "more height for the same velocity change, four times as much without any rebound."
     )
-    heights = page_table("Height of a free fall for this velocity change", HEIGHT_COLUMNS, study.heights)
-    designs = page_table(f"Designs for {goal_words(study.goal)}", DROP_COLUMNS, rows)
+    heights = face_table(study, "heights", caption="Height of a free fall for this velocity change")
+    designs = page_table(f"Designs for {goal_words(study.goal)}", drop_columns(), study.candidates[:MOST_ROWS])
     return Section("Designs", text, [designs, heights])
 
 
 def _without(study: DropStudy) -> list[Section]:
     """List what does not meet the goal, and why; nothing where there is none."""
     rows: list[list[Cell]] = [
-        [f"{place}", one.programmer.name, one.obstacles]
-        for place, one in enumerate(study.candidates[:MOST_ROWS], 1)
-        if not one.meets
+        [f"{one.place}", one.programmer.name, one.obstacles] for one in study.candidates[:MOST_ROWS] if not one.meets
     ]
     rows += [["", "no result", why] for why in study.failed]
     if not rows:
@@ -99,7 +94,7 @@ def drop_words(study: DropStudy) -> str:
         f"{verdict_words(first.verdict.verdict, study.by_indicative)}.",
     ]
     if first.lossless:
-        highest = with_unit(study.heights[-1].height, "m", "mm")
+        highest = text_of(study.heights[-1], "height")
         words.append(f"Its height counts on a full rebound: without any it is {highest}.")
     if not met:
         words.append(f"It misses the goal: {first.obstacles}.")

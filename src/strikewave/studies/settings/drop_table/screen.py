@@ -8,6 +8,7 @@ from pathlib import Path
 
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.faces import face_columns, face_rows
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
@@ -17,13 +18,13 @@ from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.columns import LIMIT_COLUMNS
-from strikewave.studies.settings.drop_table.columns import DROP_COLUMNS, HEIGHT_COLUMNS, RankedDrop
-from strikewave.studies.settings.drop_table.search import DropGoal
+from strikewave.studies.settings.drop_table.candidate import DropGoal
 from strikewave.studies.settings.drop_table.study import (
     DropChoices,
     DropStudy,
     asked_line,
     design_drop_table,
+    drop_columns,
     goal_words,
     name_of,
 )
@@ -79,20 +80,19 @@ class DropCommand(ResumableCommand[DropStudy]):
         first = result.candidates[0]
         leading = {one.programmer.name: one for one in reversed(result.candidates)}.values()
         shown = [one for one in result.candidates if one in result.candidates[:SHOWN] or one in leading]
-        rows = [RankedDrop(place, one) for place, one in enumerate(result.candidates, 1) if one in shown]
-        met = sum(one.meets for one in result.candidates)
-        print_rows(f"{met} of {len(result.candidates)} designs give {goal_words(result.goal)}", DROP_COLUMNS, rows)
+        print_rows(f"{result.met_count} designs give {goal_words(result.goal)}", drop_columns(), shown)
         tell("peak, width: as a sensor reads them whose zero is taken in the fall; margin: least of all clauses")
         tell("rebound: coefficient of restitution of the programmer, speed back over speed of arrival")
         reasons: dict[str, list[str]] = {}
-        for row in rows:
-            if not row.one.meets:
-                reasons.setdefault(row.one.obstacles, []).append(f"#{row.place}")
+        for one in shown:
+            if not one.meets:
+                reasons.setdefault(one.obstacles, []).append(f"#{one.place}")
         for obstacles, places in list(reasons.items())[:MOST_REASONS]:
             tell(f"{', '.join(places)}: {obstacles}")
-        for name in dict.fromkeys(row.one.programmer.name for row in rows if row.one.programmer.assumed):
+        for name in dict.fromkeys(one.programmer.name for one in shown if one.programmer.assumed):
             tell(f"{name}: its law is assumed, nobody measured it")
-        print_rows("Height of a free fall for this velocity change", HEIGHT_COLUMNS, result.heights)
+        heights = face_columns(result, "heights"), face_rows(result, "heights")
+        print_rows("Height of a free fall for this velocity change", *heights)
         print_clauses("Clauses of the first", first.verdict.clauses)
         print_rows("Limits of the first", LIMIT_COLUMNS, first.limits)
         values = first.case.values()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,21 +14,19 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.notices import run_verdict
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import StrikewaveError
-from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
-from strikewave.base.result import BALANCE_LIMIT, RUN_BROKEN, status_of
+from strikewave.base.result import BALANCE_LIMIT
 from strikewave.cases.case import FORM, Case
 from strikewave.cases.contact_of_case import cushion_of_contact, or_else
 from strikewave.cases.written_case import document_of
 from strikewave.contact.cushions import Cushion
 from strikewave.machines import Blow, blows, run_machine
 from strikewave.specifications.decisions import PASS
-from strikewave.specifications.ideal_pulses import IdealPulse
-from strikewave.specifications.judging import PulseLimits, Shock, ShockVerdict, area_between, judge_shock
-from strikewave.specifications.reading import Specification
+from strikewave.specifications.judging import Shock, judge_shock
 from strikewave.studies.engine.keys import case_text
 from strikewave.studies.settings.broyden import nearest_settings
 from strikewave.studies.settings.candidate import Limit
+from strikewave.studies.settings.drop_table.candidate import DropCandidate, DropGoal, DropReading
 from strikewave.studies.settings.drop_table.programmers import (
     LARGEST_SHAPE_FACTOR,
     THICKEST,
@@ -44,11 +42,6 @@ from strikewave.studies.settings.search import chosen, reason_of
 
 Array = NDArray[np.float64]
 
-LOSSLESS = 0.99
-"""Coefficient of restitution from which on a programmer is said to lose nothing. Chosen: one that gives back 0.99 takes
-1 % more height than one that gives back all, less than a height is set to; the frame of a table takes less."""
-WITHIN = 0.005
-"""Largest miss of peak and width of a candidate: the search comes to 0.2 %; rounding to four digits moves it less."""
 OUTPUT_STEPS = 500.0
 """Samples of the written case a duration: `strikewave run` then draws the pulse smoothly."""
 SIZES, HEIGHTS = 1e3, (1e-5, 1e3)
@@ -59,189 +52,6 @@ SLOPES = np.array([[0.5, 0.5], [-0.5, 0.0]])
 
 
 UNTOUCHED = "the table does not touch the programmer"
-
-
-@dataclass(frozen=True)
-class DropGoal:
-    """What the pulse shall be: that of a specification, judged by it; ``stroke`` is the machine's largest height, m."""
-
-    specification: Specification
-    limits: PulseLimits
-    stroke: float
-
-    @property
-    def pulse(self) -> IdealPulse:
-        """The ideal pulse."""
-        return self.limits.pulse
-
-    @property
-    def width(self) -> float:
-        """Width of the ideal pulse at the share of its peak where the specification takes it, s."""
-        return self.pulse.width(self.limits.level)
-
-
-class DropReading(NamedTuple):
-    """What a sensor on the table reads, its zero taken in the fall; SI.
-
-    Attributes
-    ----------
-    shock : Shock
-        Its history.
-    peak, width : float
-        Of its pulse; the width is that at the share of the peak where the specification takes it.
-    blow : Blow
-        What the run says of the first blow.
-    energy_error : float
-        Of the balance of the run.
-    verdict : str
-        What the checks of the run came to: the text of `strikewave.base.result.Verdict`.
-    """
-
-    shock: Shock
-    peak: float
-    width: float
-    blow: Blow
-    energy_error: float
-    verdict: str = ""
-
-
-class HeightOfFall(NamedTuple):
-    """Height of a free fall along the guides, m, for a coefficient of restitution of the programmer."""
-
-    restitution: float
-    height: float
-
-
-@dataclass(frozen=True, eq=False)
-class DropCandidate:
-    """A programmer with a drop height: its case, its pulse in a full run, the verdict, the limits.
-
-    ``estimate`` holds the closed forms that the search began with, ``halt`` says why it ended before the goal.
-    """
-
-    case: Case
-    programmer: Programmer
-    diameter: float | None
-    reading: DropReading
-    goal: DropGoal
-    verdict: ShockVerdict
-    limits: tuple[Limit, ...]
-    estimate: FirstEstimate
-    runs: int
-    halt: str = ""
-
-    @property
-    def height(self) -> float:
-        """Drop height, m."""
-        return float(self.case.values()["machine.height"].si)
-
-    @property
-    def table_mass(self) -> float:
-        """Mass of the table with its load, kg."""
-        return float(self.case.values()["object.mass"].si)
-
-    @property
-    def thickness(self) -> float:
-        """Thickness of a pad, m; NaN of a spring."""
-        values = self.case.values()
-        return float(values["contact.cushion.thickness"].si) if self.diameter is not None else math.nan
-
-    @property
-    def rate(self) -> float:
-        """Rate of a spring, N/m; of a pad its largest force over the compression there."""
-        if self.diameter is not None:
-            return self.reading.blow.peak_force / self.reading.blow.indentation
-        values = self.case.values()
-        return float(values["contact.reference_force"].si / values["contact.reference_depth"].si)
-
-    @property
-    def restitution(self) -> float:
-        """Coefficient of restitution of the programmer in the full run."""
-        return self.reading.blow.restitution
-
-    @property
-    def lossless(self) -> bool:
-        """Whether the programmer gives back all that it takes: the height then counts on a full rebound."""
-        return self.restitution >= LOSSLESS
-
-    @property
-    def chosen(self) -> tuple[str, ...]:
-        """Paths of what was chosen."""
-        size = "contact.reference_force" if self.diameter is None else "contact.cushion.thickness"
-        pad = () if self.diameter is None else ("contact.cushion.diameter",)
-        return ("machine.height", size, *pad, "object.mass")
-
-    @property
-    def misses(self) -> dict[str, float]:
-        """Relative misses of peak and width."""
-        return {
-            "peak": self.reading.peak / self.goal.pulse.peak - 1.0,
-            "width": self.reading.width / self.goal.width - 1.0,
-        }
-
-    @property
-    def margin(self) -> float:
-        """Least margin of the clauses as a share of half their tolerance."""
-        return self.verdict.least_margin(self.goal.limits)
-
-    @property
-    def velocity_change(self) -> float:
-        """Integral of what the sensor reads, over what the specification integrates, m/s."""
-        duration, (before, after) = self.goal.pulse.duration, self.goal.limits.window
-        start = self.verdict.start
-        return area_between(self.reading.shock, start - before * duration, start + (1.0 + after) * duration)
-
-    @property
-    def departure(self) -> float:
-        """Root mean square of the pulse less the ideal one, while that lasts, over its peak."""
-        shock, pulse = self.reading.shock, self.goal.pulse
-        since = shock.time - self.verdict.start
-        inside = (since >= 0.0) & (since <= pulse.duration)
-        return float(np.sqrt(np.mean((shock.values[inside] - pulse.at(since[inside])) ** 2))) / pulse.peak
-
-    @property
-    def broken(self) -> tuple[Limit, ...]:
-        """Limits that are not kept."""
-        return tuple(limit for limit in self.limits if limit.decides and not limit.kept)
-
-    @property
-    def largest_miss(self) -> float:
-        """Largest of the misses, infinite where one has no number."""
-        return max((abs(miss) if math.isfinite(miss) else math.inf) for miss in self.misses.values())
-
-    @property
-    def meets(self) -> bool:
-        """Whether peak and width come to the ideal pulse, the specification passes it, and every limit is kept."""
-        kept = not self.broken and status_of(self.run_verdict) != RUN_BROKEN
-        return self.largest_miss <= WITHIN and self.verdict.verdict == PASS and kept
-
-    @property
-    def run_verdict(self) -> str:
-        """What the checks of its full run came to."""
-        return self.reading.verdict
-
-    @property
-    def obstacles(self) -> str:
-        """What keeps it from the goal, in one line."""
-        reasons = [
-            f"{name} off by {percent(miss, 1, '+')}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN
-        ]
-        reasons += [_limit_words(limit, self.goal) for limit in self.broken]
-        if status_of(self.run_verdict) == RUN_BROKEN:
-            reasons.append(f"the run is {self.run_verdict}")
-        failed = [one.clause for one in self.verdict.clauses if one.verdict not in (PASS, "not-judged")]
-        reasons += [f"{', '.join(failed)} not passed"] if failed else []
-        return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
-
-
-def _limit_words(limit: Limit, goal: DropGoal) -> str:
-    if limit.name == "drop_height":
-        return f"needs a drop of {limit.value:.3g}\xa0m, above the stroke of {goal.stroke:.3g}\xa0m"
-    if limit.name == "strain":
-        return f"pressed by {percent(limit.value, 0)} of its thickness, above {percent(limit.limit, 0)}"
-    if limit.name == "shape_factor":
-        return f"shape factor {limit.value:.3g}, above {limit.limit:g}: bulk compression counts"
-    return f"{limit.name.replace('_', ' ')} above its limit"
 
 
 @dataclass(frozen=True)
@@ -445,7 +255,9 @@ def drop_candidate(design: DropDesign, found: FoundDrop) -> DropCandidate:
     verdict = judge_shock(shock, design.goal.limits)
     limits = limits_of(case, design, reading)
     given = design.programmer, design.diameter
-    return DropCandidate(case, *given, reading, design.goal, verdict, limits, design.estimate, found.runs, found.halt)
+    return DropCandidate(
+        case, 0, *given, reading, design.goal, verdict, limits, design.estimate, found.runs, found.halt
+    )
 
 
 def _missed(design: DropDesign, settings: Array) -> tuple[Array | None, str]:

@@ -9,39 +9,37 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from strikewave.base import declare
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.declare import NO_UNIT
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.result import Notice, Source
+from strikewave.base.shock_quantities import LENGTH, RATIO, VELOCITY
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import or_else
 from strikewave.cases.written_case import dump_case
 from strikewave.machines.launch import drop_for_half_sine
-from strikewave.reporting.clause_words import first_upper
-from strikewave.reporting.columns import Column
+from strikewave.reporting.clause_words import first_upper, tag_of
+from strikewave.reporting.faces import columns_of
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.shown_result import Curve, ShownResult, columns_of, history_curve
+from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
+from strikewave.reporting.table_columns import TableColumn
 from strikewave.specifications.ideal_pulses import HALF_SINE
-from strikewave.specifications.judged_records import clause_document, rests_on_indicative
+from strikewave.specifications.judged_records import rests_on_indicative
+from strikewave.specifications.reading import Specification
 from strikewave.studies.engine.answers import Failure, answers
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance
 from strikewave.studies.engine.store import RunStore, given_or_temporary
 from strikewave.studies.settings.answer_files import name_at, other_cases
+from strikewave.studies.settings.candidate import PEAK
+from strikewave.studies.settings.drop_table.candidate import WIDTH, WITHIN, DropCandidate, DropGoal, HeightOfFall
 from strikewave.studies.settings.drop_table.programmers import DEFAULTS, Programmer, pad_of_case, read_programmer
-from strikewave.studies.settings.drop_table.search import (
-    WITHIN,
-    DropCandidate,
-    DropDesign,
-    DropGoal,
-    HeightOfFall,
-    drop_candidate,
-    drop_rank,
-)
+from strikewave.studies.settings.drop_table.search import DropDesign, drop_candidate, drop_rank
 from strikewave.studies.settings.study import MOST_REASONS, searched
 
 DIAMETERS = (0.05, 0.075, 0.1, 0.15, 0.2, 0.3)
@@ -58,13 +56,6 @@ MOST_CANDIDATES = 300
 """More programmers, diameters and masses than this are refused: at 0.1 to 0.5 s each they take two minutes."""
 SOURCES = ("mindlin-1945", "gent-lindley-1959", "stulov-2004", "jesd22-b104")
 """Keys of the sources: of the laws of the programmers, of the equivalent drop height."""
-UNITS = {
-    "peak": "m/s^2", "width": "s", "velocity_change": "m/s", "height": "m", "table_mass": "kg", "diameter": "m",
-    "thickness": "m", "rate": "N/m", "approach": "m/s", "rigid_peak": "m/s^2", "peak_force": "N", "compression": "m",
-    "rise": "s", "restitution": "1", "stroke": "m", "duration": "s", "speed": "m/s", "margin": "1", "departure": "1",
-}  # fmt: skip
-"""SI unit of each quantity of the document; settings, limits and clauses name their own. ``estimate.size`` is a rate or
-a thickness."""
 
 
 @dataclass(frozen=True)
@@ -84,39 +75,87 @@ class DropChoices:
         return defaults if pad is None else (pad, *defaults)
 
 
-@dataclass(frozen=True, eq=False)
+@declare.dataclass
+class WantedPulse:
+    """What the pulse shall be."""
+
+    shape: str = declare.word("shape of the ideal pulse")
+    peak: float = declare.number(PEAK, "its peak")
+    duration: float = declare.number(WIDTH, "its duration")
+    width: float = declare.number(WIDTH, "its width at the level")
+    level: float = declare.number(RATIO, "share of the peak at which the width is taken")
+    velocity_change: float = declare.number(VELOCITY, "its velocity change")
+    stroke: float = declare.number(LENGTH, "largest drop height")
+    within: float = declare.number(RATIO, "relative miss at which the search ends")
+
+
+@declare.dataclass
 class DropStudy(ShownResult):
     """Ranked designs of a drop table for a specification; see `design_drop_table`, and `Result` for what it shares.
 
-    ``failed`` holds why a programmer gave no result; ``asked`` is the command line that gives it again, where one does.
+    Attributes
+    ----------
+    case : Case
+        What was not chosen.
+    goal : DropGoal
+        What the pulse shall be.
+    choice : DropChoices
+        What could be chosen.
+    asked : str
+        Command line that gives it again, where one does.
     """
 
     command: ClassVar[str] = "settings"
+    main_rows: ClassVar[str] = "candidates"
 
     case: Case
     goal: DropGoal
     choice: DropChoices
-    candidates: tuple[DropCandidate, ...]
-    failed: tuple[str, ...]
-    asked: str = ""
 
-    @property
-    def best(self) -> DropCandidate | None:
-        """First of the ranking if it meets the specification."""
-        return self.candidates[0] if self.candidates[0].meets else None
+    @declare.computed(declare.word("how many meet it", headline="designs that meet it", in_document=False))
+    def met_count(self) -> str:
+        """How many of the designs meet the specification."""
+        return f"{sum(candidate.meets for candidate in self.candidates)} of {len(self.candidates)}"
 
-    @property
-    def broken(self) -> bool:
-        """Whether no design meets the specification."""
-        return self.best is None
+    @declare.computed(declare.part(Specification, "what pulses are judged by", key="spec"))
+    def specification(self) -> Specification:
+        """The specification."""
+        return self.goal.specification
 
-    @property
+    @declare.computed(declare.part(WantedPulse, "what the pulse shall be", key="goal"))
+    def wanted(self) -> WantedPulse:
+        """The ideal pulse, and the stroke of the machine."""
+        goal, pulse = self.goal, self.goal.pulse
+        ideal = pulse.shape, pulse.peak, pulse.duration, goal.width, goal.limits.level, pulse.velocity_change
+        return WantedPulse(*ideal, goal.stroke, WITHIN)
+
+    @declare.computed(declare.word("case that gives what is not chosen", key="from"))
+    def case_name(self) -> str:
+        """Name of the case."""
+        return self.case.name
+
+    @declare.computed(declare.word("what is judged, in words"))
+    def reading(self) -> str:
+        """What is judged."""
+        return "acceleration of the table less that of the fall: a sensor whose zero is taken before the blow"
+
+    @declare.computed(declare.word("whether the best one passes and keeps all limits"))
+    def met(self) -> bool:
+        """Whether a design meets the specification."""
+        return not self.broken
+
+    @declare.computed(declare.word("whether the verdict rests on a limit from memory", key="by_indicative_limits"))
     def by_indicative(self) -> bool:
         """Whether the verdict on the first rests on a limit that is from memory."""
         verdict = self.candidates[0].verdict
         return rests_on_indicative(verdict.clauses, verdict.verdict)
 
-    @property
+    @declare.computed(declare.part(DropCandidate, "the first that meets it; null where none does"))
+    def best(self) -> DropCandidate | None:
+        """First of the ranking if it meets the specification."""
+        return self.candidates[0] if self.candidates[0].meets else None
+
+    @declare.computed(declare.rows(HeightOfFall, "heights of a free fall for this velocity change"))
     def heights(self) -> tuple[HeightOfFall, ...]:
         """Heights of free falls that give the velocity change of the ideal pulse, for `RESTITUTIONS`."""
         pulse, friction = self.goal.pulse, or_else(getattr(self.case.machine, "friction", None), 0.0)
@@ -124,6 +163,15 @@ class DropStudy(ShownResult):
         return tuple(
             HeightOfFall(e, drop_for_half_sine(pulse.peak, pulse.duration, e, pull).height) for e in RESTITUTIONS
         )
+
+    candidates: tuple[DropCandidate, ...] = declare.rows(DropCandidate, "the designs, the best first", headline="first")
+    failed: tuple[str, ...] = declare.word("why designs gave no result")
+    asked: str = ""
+
+    @property
+    def broken(self) -> bool:
+        """Whether no design meets the specification."""
+        return self.best is None
 
     @property
     def test(self) -> Mapping[str, str]:
@@ -151,113 +199,27 @@ class DropStudy(ShownResult):
         """The goal in words, after "nearest to" where no design meets it."""
         return first_upper(("nearest to " if self.broken else "") + goal_words(self.goal))
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return how many designs meet the specification, and the first one."""
-        first = self.candidates[0]
-        met = sum(candidate.meets for candidate in self.candidates)
-        return [
-            ("designs that meet it", f"{met} of {len(self.candidates)}"),
-            ("programmer", first.programmer.name),
-            ("drop height", with_unit(first.height, "m", "mm")),
-            ("peak", with_unit(first.reading.peak, "m/s^2", "g")),
-            ("pulse width", with_unit(first.reading.width, "s", "ms")),
-        ]
-
-    def columns(self) -> list[Column]:
-        """Return the candidates, the best first, in SI."""
-        rows = [_row(place, one) for place, one in enumerate(self.candidates, 1)]
-        left = ("settings", "limits", "clauses", "estimate")
-        return columns_of([{k: v for k, v in row.items() if k not in left} for row in rows], UNITS)
-
-    def brief(self) -> dict[str, str]:
-        """Return the main settings of each candidate, and its pulse."""
-        settings = {"programmer": "", "height": "mm", "diameter": "mm", "thickness": "mm"}
-        return {
-            "place": "",
-            "meets": "",
-            **settings,
-            "peak": "g",
-            "width": "ms",
-            "velocity_change": "m/s",
-            "run_verdict": "",
-        }
+    @property
+    def named_units(self) -> Mapping[str, str]:
+        """Those of the misses, which are shares of what has their names elsewhere."""
+        return dict.fromkeys(("misses.peak", "misses.width"), NO_UNIT)
 
     def preview(self) -> Curve:
         """Return the pulse of the first."""
         shock = self.candidates[0].reading.shock
         return history_curve(shock.time, shock.values, "m/s^2", "g", "acceleration of the table")
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return UNITS
-
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file, and the cases of the candidates after the first."""
         return {"settings.json": self.document_text(), **other_cases(len(self.candidates), self.case_of)}
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        rows, pulse = [_row(place, one) for place, one in enumerate(self.candidates, 1)], self.goal.pulse
-        return {
-            "spec": self.goal.specification.document(),
-            "goal": {
-                "shape": pulse.shape,
-                "peak": pulse.peak,
-                "duration": pulse.duration,
-                "width": self.goal.width,
-                "level": self.goal.limits.level,
-                "velocity_change": pulse.velocity_change,
-                "stroke": self.goal.stroke,
-                "within": WITHIN,
-            },
-            "from": self.case.name,
-            "reading": "acceleration of the table less that of the fall: a sensor whose zero is taken before the blow",
-            "met": not self.broken,
-            "by_indicative_limits": self.by_indicative,
-            "best": None if self.broken else rows[0],
-            "heights": [one._asdict() for one in self.heights],
-            "candidates": rows,
-            "failed": list(self.failed),
-        }
 
-
-def _row(place: int, one: DropCandidate) -> dict[str, Any]:
-    """Return a candidate as a row of the document."""
-    values, blow = one.case.values(), one.reading.blow
-    return {
-        "place": place,
-        "meets": one.meets,
-        "obstacles": one.obstacles,
-        "verdict": one.verdict.verdict,
-        "margin": one.margin,
-        "departure": one.departure,
-        "programmer": one.programmer.name,
-        "law": one.programmer.law,
-        "height": one.height,
-        "table_mass": one.table_mass,
-        "diameter": one.diameter,
-        "thickness": None if one.diameter is None else one.thickness,
-        "rate": one.rate,
-        "restitution": one.restitution,
-        "settings": {
-            path: {"si": values[path].si, "typed": values[path].typed, "provenance": values[path].provenance}
-            for path in one.chosen
-        },
-        "peak": one.reading.peak,
-        "width": one.reading.width,
-        "velocity_change": one.velocity_change,
-        "misses": one.misses,
-        "approach": blow.approach_speed,
-        "rigid_peak": blow.rigid_peak,
-        "rise": blow.rise,
-        "peak_force": blow.peak_force,
-        "compression": blow.indentation,
-        "clauses": [clause_document(clause) for clause in one.verdict.clauses],
-        "limits": [declare.content(limit) for limit in one.limits],
-        "estimate": one.estimate._asdict(),
-        "runs": one.runs,
-        "run_verdict": one.run_verdict,
-    }
+def drop_columns() -> list[TableColumn[DropCandidate]]:
+    """Return the columns of designs, with verdicts as they are written."""
+    return [
+        replace(one, value=lambda row: tag_of(row.judged)) if one.name == "verdict" else one
+        for one in columns_of(DropCandidate)
+    ]
 
 
 def goal_words(goal: DropGoal) -> str:
@@ -392,7 +354,7 @@ def design_drop_table(
         )
     )
     found = [drop_candidate(design, one) for design, one in tried if not isinstance(one, Failure)]
-    ranked = tuple(sorted(found, key=drop_rank))
+    ranked = tuple(replace(one, place=place) for place, one in enumerate(sorted(found, key=drop_rank), 1))
     if not ranked:
         raise InputErrors(list(failed)[:MOST_REASONS])
     reasons = [one.reason for _, one in tried if isinstance(one, Failure)]

@@ -1,0 +1,312 @@
+"""A design of a drop table: its settings, the pulse in a full run, the verdict, the limits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
+from strikewave.base.percents import percent
+from strikewave.base.result import RUN_BROKEN, status_of
+from strikewave.base.shock_quantities import (
+    LENGTH,
+    MICROSECONDS,
+    PEAK_FORCE,
+    RATIO,
+    RIGID_PEAK,
+    VELOCITY,
+)
+from strikewave.cases.case import Case
+from strikewave.machines import Blow
+from strikewave.specifications.decisions import PASS
+from strikewave.specifications.ideal_pulses import IdealPulse
+from strikewave.specifications.judging import Clause, PulseLimits, Shock, ShockVerdict, area_between
+from strikewave.specifications.reading import Specification
+from strikewave.studies.settings.candidate import PEAK, STIFFNESS, ChosenValue, Limit
+from strikewave.studies.settings.drop_table.programmers import FirstEstimate, Programmer
+
+LOSSLESS = 0.99
+"""Coefficient of restitution from which on a programmer is said to lose nothing. Chosen: one that gives back 0.99 takes
+1 % more height than one that gives back all, less than a height is set to; the frame of a table takes less."""
+WITHIN = 0.005
+"""Largest miss of peak and width of a candidate: the search comes to 0.2 %; rounding to four digits moves it less."""
+REBOUND = Quantity(NO_UNIT, "%", "rebound", 0, 0)
+WIDTH = Quantity("s", "ms", "width")
+CHANGE = Quantity("m/s", "m/s")
+MASS = Quantity("kg", "kg")
+
+
+@dataclass(frozen=True)
+class DropGoal:
+    """What the pulse shall be: that of a specification, judged by it; ``stroke`` is the machine's largest height, m."""
+
+    specification: Specification
+    limits: PulseLimits
+    stroke: float
+
+    @property
+    def pulse(self) -> IdealPulse:
+        """The ideal pulse."""
+        return self.limits.pulse
+
+    @property
+    def width(self) -> float:
+        """Width of the ideal pulse at the share of its peak where the specification takes it, s."""
+        return self.pulse.width(self.limits.level)
+
+
+@declare.dataclass
+class DropReading:
+    """What a sensor on the table reads, its zero taken in the fall; SI.
+
+    Attributes
+    ----------
+    shock : Shock
+        Its history.
+    blow : Blow
+        What the run says of the first blow.
+    energy_error : float
+        Of the balance of the run.
+    verdict : str
+        What the checks of the run came to: the text of `strikewave.base.result.Verdict`.
+    """
+
+    shock: Shock
+    peak: float = declare.number(PEAK, "of the pulse as it is judged", column=MAIN, headline="peak")
+    width: float = declare.number(WIDTH, "of the pulse as it is judged", column=MAIN, headline="pulse width")
+    blow: Blow
+    energy_error: float
+    verdict: str = ""
+
+
+@declare.dataclass
+class HeightOfFall:
+    """A height of a free fall along the guides."""
+
+    restitution: float = declare.number(REBOUND, "coefficient of restitution of a programmer", column=KEY)
+    height: float = declare.number(
+        LENGTH,
+        "of a free fall that then gives the velocity change of the ideal pulse",
+        label="height of a free fall",
+        column=MAIN,
+    )
+
+
+@declare.dataclass
+class StatedChoice(ChosenValue):
+    """A value that was chosen, and where it comes from."""
+
+    provenance: str = declare.word("where it comes from")
+
+
+@declare.dataclass
+class PulseMisses:
+    """By how much of itself the goal is missed."""
+
+    peak: float = declare.number(RATIO, "by how much of itself the peak of the goal is missed")
+    width: float = declare.number(RATIO, "by how much of itself the width of the goal is missed")
+
+
+@declare.dataclass
+class ProgrammerBlow:
+    """The first blow of the full run on the programmer."""
+
+    approach: float = declare.number(VELOCITY, "speed of the table at first touch")
+    rigid_peak: float = declare.number(RIGID_PEAK, "peak of the rigid-body acceleration of the run")
+    rise: float = declare.number(MICROSECONDS, "from 10 to 90 % of that peak")
+    peak_force: float = declare.number(PEAK_FORCE, "largest force of the programmer")
+    compression: float = declare.number(LENGTH, "largest compression of the programmer")
+
+
+@declare.dataclass
+class DropCandidate:
+    """A programmer with a drop height: its case, its pulse in a full run, the verdict, the limits.
+
+    Attributes
+    ----------
+    case : Case
+        Its case.
+    goal : DropGoal
+        What it is held against.
+    verdict : ShockVerdict
+        Of the specification.
+    halt : str
+        Why the search ended before the goal.
+    """
+
+    case: Case
+    place: int = declare.count("in the ranking, from 1", label="#", column=KEY)
+
+    @declare.computed(
+        declare.word("whether every clause passes and all limits are kept", column=MAIN, is_tag=True, order=2)
+    )
+    def meets(self) -> bool:
+        """Whether peak and width come to the ideal pulse, the specification passes it, and every limit is kept."""
+        kept = not self.broken and status_of(self.run_verdict) != RUN_BROKEN
+        return self.largest_miss <= WITHIN and self.verdict.verdict == PASS and kept
+
+    @declare.computed(declare.word("what keeps it from that, in words"))
+    def obstacles(self) -> str:
+        """What keeps it from the goal, in one line."""
+        misses = declare.content(self.misses)
+        reasons = [f"{name} off by {percent(miss, 1, '+')}" for name, miss in misses.items() if not abs(miss) <= WITHIN]
+        reasons += [_limit_words(limit, self.goal) for limit in self.broken]
+        if status_of(self.run_verdict) == RUN_BROKEN:
+            reasons.append(f"the run is {self.run_verdict}")
+        failed = [one.clause for one in self.verdict.clauses if one.verdict not in (PASS, "not-judged")]
+        reasons += [f"{', '.join(failed)} not passed"] if failed else []
+        return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
+
+    @declare.computed(declare.word("of the specification", key="verdict", label="verdict", column=MORE, order=1))
+    def judged(self) -> str:
+        """Verdict of the specification."""
+        return self.verdict.verdict
+
+    @declare.computed(
+        declare.number(
+            Quantity(NO_UNIT, "%", decimals=0, digits=0),
+            "least margin of its clauses, as a share of half their tolerance",
+            column=MORE,
+            order=1,
+        )
+    )
+    def margin(self) -> float:
+        """Least margin of the clauses as a share of half their tolerance."""
+        return self.verdict.least_margin(self.goal.limits)
+
+    @declare.computed(
+        declare.number(
+            Quantity(NO_UNIT, "%", decimals=1, digits=0),
+            "root mean square of the pulse less the ideal one, over its peak",
+            column=MORE,
+            order=1,
+        )
+    )
+    def departure(self) -> float:
+        """Root mean square of the pulse less the ideal one, while that lasts, over its peak."""
+        shock, pulse = self.reading.shock, self.goal.pulse
+        since = shock.time - self.verdict.start
+        inside = (since >= 0.0) & (since <= pulse.duration)
+        return float(np.sqrt(np.mean((shock.values[inside] - pulse.at(since[inside])) ** 2))) / pulse.peak
+
+    programmer: Programmer = declare.part(Programmer, "its programmer", inline=True)
+
+    @declare.computed(declare.number(LENGTH, "drop height", column=MAIN, headline="drop height"))
+    def height(self) -> float:
+        """Drop height."""
+        return float(self.case.values()["machine.height"].si)
+
+    @declare.computed(declare.number(MASS, "mass of the table with its load", label="table", column=MORE))
+    def table_mass(self) -> float:
+        """Mass of the table with its load."""
+        return float(self.case.values()["object.mass"].si)
+
+    diameter: float | None = declare.number(LENGTH, "of the pad; null of a programmer without one", column=MAIN)
+
+    @declare.computed(declare.number(LENGTH, "of the pad; null of a programmer without one", column=MAIN))
+    def thickness(self) -> float | None:
+        """Thickness of a pad; None of a spring."""
+        return None if self.diameter is None else float(self.case.values()["contact.cushion.thickness"].si)
+
+    @declare.computed(declare.number(STIFFNESS._replace(digits=4), "stiffness of a linear programmer", column=MORE))
+    def rate(self) -> float:
+        """Rate of a spring; of a pad its largest force over the compression there."""
+        if self.diameter is not None:
+            return self.reading.blow.peak_force / self.reading.blow.indentation
+        values = self.case.values()
+        return float(values["contact.reference_force"].si / values["contact.reference_depth"].si)
+
+    @declare.computed(declare.number(REBOUND, "its coefficient of restitution in the full run", column=MAIN))
+    def restitution(self) -> float:
+        """Coefficient of restitution of the programmer in the full run."""
+        return self.reading.blow.restitution
+
+    @declare.computed(declare.named(StatedChoice, "what was chosen"))
+    def settings(self) -> dict[str, StatedChoice]:
+        """What was chosen, by its path."""
+        values = self.case.values()
+        return {
+            path: StatedChoice(values[path].si, values[path].typed, values[path].provenance) for path in self.chosen
+        }
+
+    reading: DropReading = declare.part(DropReading, "what a sensor on the table reads", inline=True)
+
+    @declare.computed(declare.number(CHANGE, "of the pulse as it is judged", column=MORE))
+    def velocity_change(self) -> float:
+        """Integral of what the sensor reads, over what the specification integrates."""
+        duration, (before, after) = self.goal.pulse.duration, self.goal.limits.window
+        start = self.verdict.start
+        return area_between(self.reading.shock, start - before * duration, start + (1.0 + after) * duration)
+
+    @declare.computed(declare.part(PulseMisses, "by how much of itself the goal is missed", quantity=RATIO))
+    def misses(self) -> PulseMisses:
+        """Relative misses of peak and width."""
+        reading, goal = self.reading, self.goal
+        return PulseMisses(reading.peak / goal.pulse.peak - 1.0, reading.width / goal.width - 1.0)
+
+    @declare.computed(declare.part(ProgrammerBlow, "the first blow of the run", inline=True))
+    def blow(self) -> ProgrammerBlow:
+        """The first blow of the full run."""
+        blow = self.reading.blow
+        return ProgrammerBlow(blow.approach_speed, blow.rigid_peak, blow.rise, blow.peak_force, blow.indentation)
+
+    goal: DropGoal
+    verdict: ShockVerdict
+
+    @declare.computed(declare.rows(Clause, "clauses of the specification"))
+    def clauses(self) -> tuple[Clause, ...]:
+        """The clauses of the specification."""
+        return self.verdict.clauses
+
+    limits: tuple[Limit, ...] = declare.rows(Limit, "its limits")
+    estimate: FirstEstimate = declare.part(FirstEstimate, "closed form with which the search began")
+    runs: int = declare.count("runs that it took")
+
+    @declare.computed(
+        declare.word(
+            "what the checks of its full run came to: passed, or broken with the checks that failed",
+            column=MORE,
+            order=2,
+        )
+    )
+    def run_verdict(self) -> str:
+        """What the checks of its full run came to."""
+        return self.reading.verdict
+
+    halt: str = ""
+
+    @property
+    def lossless(self) -> bool:
+        """Whether the programmer gives back all that it takes: the height then counts on a full rebound."""
+        return self.restitution >= LOSSLESS
+
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """Paths of what was chosen."""
+        size = "contact.reference_force" if self.diameter is None else "contact.cushion.thickness"
+        pad = () if self.diameter is None else ("contact.cushion.diameter",)
+        return ("machine.height", size, *pad, "object.mass")
+
+    @property
+    def broken(self) -> tuple[Limit, ...]:
+        """Limits that are not kept."""
+        return tuple(limit for limit in self.limits if limit.decides and not limit.kept)
+
+    @property
+    def largest_miss(self) -> float:
+        """Largest of the misses, infinite where one has no number."""
+        misses = declare.content(self.misses).values()
+        return max((abs(miss) if math.isfinite(miss) else math.inf) for miss in misses)
+
+
+def _limit_words(limit: Limit, goal: DropGoal) -> str:
+    if limit.name == "drop_height":
+        return f"needs a drop of {limit.value:.3g}\xa0m, above the stroke of {goal.stroke:.3g}\xa0m"
+    if limit.name == "strain":
+        return f"pressed by {percent(limit.value, 0)} of its thickness, above {percent(limit.limit, 0)}"
+    if limit.name == "shape_factor":
+        return f"shape factor {limit.value:.3g}, above {limit.limit:g}: bulk compression counts"
+    return f"{limit.name.replace('_', ' ')} above its limit"
