@@ -5,6 +5,8 @@ import json
 
 import pytest
 
+from strikewave.base import declare
+from strikewave.base.json_document import plain
 from strikewave.cases.case import load_case
 from strikewave.papers.li_ma_2019.assumed import (
     SHARE,
@@ -19,10 +21,9 @@ from strikewave.papers.li_ma_2019.assumed import (
 from strikewave.papers.li_ma_2019.execution import executing
 from strikewave.papers.li_ma_2019.further import STAGES
 from strikewave.papers.li_ma_2019.report.studies import blow_table, dimension_table, mesh_table
-from strikewave.papers.li_ma_2019.result import dimension_document, mesh_document
 
 BASE = Answer(20e3, 2e-4, 2.0, 4e4, 0.01)
-ROW = DimensionRow("top wall", "mesh.part.frame.top", 0.005, "assumed", BASE._replace(width=2.2e-4), BASE)
+ROW = DimensionRow("top wall", "mesh.part.frame.top", 0.005, "assumed", dataclasses.replace(BASE, width=2.2e-4), BASE)
 
 
 def test_changes_are_relative_and_of_the_right_quantity():
@@ -38,16 +39,16 @@ def test_answers_are_written_in_the_units_of_their_heads():
     assert cells["peak force (kN)"] == "20"
     assert cells["pulse width at 10 % (µs)"] == "200"
     assert cells["body's peak (g)"] == "4078.9", "4e4 m/s^2 over 9.80665"
-    assert cells["hourglass energy"] == "2.1 %"
+    assert cells["hourglass energy (%)"] == "2.1"
 
 
 def test_documents_are_plain_json():
     rows = [
-        mesh_document(MeshRow(1.0, 1, 2, 3.0, 0.0, 0.0, BASE)),
-        dimension_document(DimensionStudy("a", BASE, (ROW,))),
+        plain(declare.content(row))
+        for row in (MeshRow(1.0, 1, 2, 3.0, 0.0, 0.0, BASE), DimensionStudy("a", BASE, (ROW,)))
     ]
     found = json.loads(json.dumps(rows))
-    assert found[0]["answer"] == BASE._asdict()
+    assert found[0]["answer"] == dataclasses.asdict(BASE)
     assert found[1]["rows"][0]["larger"]["width"] == 2.2e-4
     assert found[1]["rows"][0]["share"] == SHARE
 

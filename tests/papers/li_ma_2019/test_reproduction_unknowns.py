@@ -28,7 +28,6 @@ from strikewave.papers.li_ma_2019.map_figures import gasket_figure, joint_figure
 from strikewave.papers.li_ma_2019.published import published_number
 from strikewave.papers.li_ma_2019.report.figures import mechanism_table
 from strikewave.papers.li_ma_2019.report.tables import numbers_table, plain_rows
-from strikewave.papers.li_ma_2019.result import joint_document
 from strikewave.studies.fit.study import fit
 
 DOCS = Path(__file__).parents[3] / "docs/reproduction.md"
@@ -149,7 +148,13 @@ def test_no_row_that_unknown_inputs_leave_open_is_called_predicted(result):
 def test_the_document_has_every_cell_and_the_ends_of_ranges(result):
     document = result.document()
     assert len(document["gaskets"]) == len(result.unknowns.gaskets.cells)
-    assert document["joints"][0] == joint_document(result.unknowns.joints.cells[0], result.unknowns.joints)
+    study = result.unknowns.joints
+    for row, cell in zip(document["joints"], study.cells, strict=True):
+        assert row.pop("preload") == cell.preload
+        assert row.pop("stiffness") == (None if math.isinf(cell.stiffness) else cell.stiffness)
+        assert row.pop("keeps_rigid_pulse") is cell.blow.keeps(study.assumed)
+        assert row == dataclasses.asdict(cell.blow)
+    assert (document["units"]["peak"], document["units"]["bodies.peak"]) == ("m/s^2", "N"), "of joints, and of bodies"
     row = next(row for row in document["published"] if row["name"] == "direct peak")
     assert [row["computed"][0][key] for key in ("low_si", "high_si")] == list(result.unknowns.direct_peak[:2])
 

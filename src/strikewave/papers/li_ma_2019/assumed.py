@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import astuple, dataclass
 
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_fem
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
 from strikewave.base.percents import percent
+from strikewave.base.shock_quantities import RATIO
 from strikewave.cases.case import Case, load_case
 from strikewave.papers.li_ma_2019.element_pulses import specimen_body
 from strikewave.papers.li_ma_2019.execution import Execution
@@ -30,24 +32,23 @@ STUDIED = "300 us"
 """Duration of the runs of a study: one and a half published widths, so that the blow is over."""
 
 
-class Answer(NamedTuple):
-    """Answer of an element model of a blow.
+@declare.dataclass
+class Answer:
+    """Answer of an element model of a blow: its first contact, and what it does to the bodies."""
 
-    Attributes
-    ----------
-    peak_force, width, impulse : float
-        Of the first contact, whole bodies: N, s from the first to the last tenth of the peak, N s.
-    body_peak : float
-        Largest mean acceleration of the specimen, or of the whole object where there is none, m/s^2.
-    plastic_strain : float
-        Largest anywhere.
-    """
-
-    peak_force: float
-    width: float
-    impulse: float
-    body_peak: float
-    plastic_strain: float
+    peak_force: float = declare.number(Quantity("N", "kN", digits=5), "of whole bodies", column=MAIN)
+    width: float = declare.number(
+        Quantity("s", "us", "pulse width at 10 %", digits=5),
+        "from the first to the last tenth of the peak",
+        column=MAIN,
+    )
+    impulse: float = declare.number(Quantity("N s", "N s", digits=5), "of whole bodies", column=MAIN)
+    body_peak: float = declare.number(
+        Quantity("m/s^2", "g", "body's peak", digits=5),
+        "largest mean acceleration of the specimen, or of the whole object where there is none",
+        column=MAIN,
+    )
+    plastic_strain: float = declare.number(Quantity(NO_UNIT, NO_UNIT, digits=3), "largest anywhere", column=MAIN)
 
     def changes(self, other: Answer) -> tuple[float, ...]:
         """Return how far this answer is from another, relative to that; NaN where that is 0.
@@ -57,7 +58,8 @@ class Answer(NamedTuple):
         >>> Answer(11.0, 2.0, 3.0, 4.0, 0.0).changes(Answer(10.0, 2.0, 4.0, 4.0, 0.0))
         (0.1, 0.0, -0.25, 0.0, nan)
         """
-        return tuple(round(mine / base - 1.0, 12) if base else math.nan for mine, base in zip(self, other, strict=True))
+        pairs = zip(astuple(self), astuple(other), strict=True)
+        return tuple(round(mine / base - 1.0, 12) if base else math.nan for mine, base in pairs)
 
 
 def answer(solution: FemSolution) -> Answer:
@@ -76,28 +78,27 @@ def answer(solution: FemSolution) -> Answer:
     )
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class MeshRow:
-    """An element model on one mesh.
+    """An element model on one mesh."""
 
-    Attributes
-    ----------
-    size : float
-        Of its elements, relative to the case.
-    elements, steps : int
-    seconds : float
-        Of the run alone.
-    energy_error, hourglass_share : float
-    answer : Answer
-    """
+    size: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, "elements' size", digits=3), "of its elements, relative to the case", column=KEY
+    )
+    elements: int = declare.count("how many", column=MAIN)
+    steps: int = declare.count("of time", column=MAIN)
+    seconds: float = declare.number(Quantity("s", "s", "took", digits=3), "of the run alone", column=MAIN)
+    energy_error: float = declare.number(RATIO, "what the balance of energy misses, as a share")
 
-    size: float
-    elements: int
-    steps: int
-    seconds: float
-    energy_error: float
-    hourglass_share: float
-    answer: Answer
+    @declare.phrase("energy error", column=MAIN)
+    def error_text(self) -> str:
+        """Return what the balance of energy misses, with its sign."""
+        return f"{self.energy_error:+.0e}"
+
+    hourglass_share: float = declare.number(
+        Quantity(NO_UNIT, "%", "hourglass energy", 1, 0), "energy in hourglass modes, as a share", column=MAIN
+    )
+    answer: Answer = declare.part(Answer, "what it says of the blow")
 
 
 def mesh_row(case: Case, size: float, threads: int = 1) -> MeshRow:
@@ -224,36 +225,30 @@ def seats(values: Mapping[str, float]) -> dict[str, float]:
     return places | {f"mesh.part.{name}.at.z": start for name, start in starts.items()}
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class DimensionRow:
-    """What an assumed dimension does to the answer: larger and smaller by `SHARE`.
+    """What an assumed dimension does to the answer: larger and smaller by `SHARE`."""
 
-    Attributes
-    ----------
-    name : str
-    path : str
-        Of the quantity in the case.
-    value : float
-        SI.
-    provenance : str
-        What the case says of it: assumed, fitted, inferred.
-    larger, smaller : Answer
-    """
+    name: str = declare.word("what is changed")
+    path: str = declare.word("of the quantity in the case")
+    value: float = declare.number(declare.NOT_MEASURED, "SI")
+    provenance: str = declare.word("what the case says of it: assumed, fitted, inferred")
+    larger: Answer = declare.part(Answer, "of the larger one")
+    smaller: Answer = declare.part(Answer, "of the smaller one")
 
-    name: str
-    path: str
-    value: float
-    provenance: str
-    larger: Answer
-    smaller: Answer
+    @declare.computed(declare.number(RATIO, "by how much it is larger and smaller"))
+    def share(self) -> float:
+        """By how much it is larger and smaller."""
+        return SHARE
 
 
-class DimensionStudy(NamedTuple):
+@declare.dataclass
+class DimensionStudy:
     """The answer of a coarse mesh as the case stands, and how each assumed dimension changes it."""
 
-    case: str
-    base: Answer
-    rows: tuple[DimensionRow, ...]
+    case: str = declare.word("name of the case")
+    base: Answer = declare.part(Answer, "as the case stands")
+    rows: tuple[DimensionRow, ...] = declare.rows(DimensionRow, "what each dimension does")
 
 
 def dimension_study(name: str, execution: Execution, size: float = MESHES[0]) -> DimensionStudy:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.run import run_model
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.tables.mesh import FramePart, HalfCylinder, MeshTable
 from strikewave.cases.written_case import dump_case
@@ -29,6 +31,7 @@ from strikewave.papers.li_ma_2019.solid_bars import (
     element_answer,
     solid_bar,
 )
+from strikewave.papers.li_ma_2019.types import SEE_UNIT
 
 Array = NDArray[np.float64]
 
@@ -51,27 +54,24 @@ PUSH_INTERVAL = 2e-6
 """Interval of the histories of that push, s: two hundred means over the time that it is held."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Reason:
-    """A cause by which simple answers part from the elements, and the numbers that show it.
+    """A cause by which simple answers part from the elements, and the numbers that show it."""
 
-    Attributes
-    ----------
-    case, cause, unit : str
-    sentence : str
-        With its numbers.
-    without, with_it : float
-        SI: what comes out without the cause, and with it.
-    """
+    case: str = declare.word("name of the case", column=KEY)
+    cause: str = declare.word("the cause", column=KEY)
+    sentence: str = declare.word("what was measured, with its numbers", label="measured", column=MAIN)
+    unit: str = declare.word("SI unit of both numbers")
+    without: float = declare.number(SEE_UNIT, "what comes out without the cause")
+    with_it: float = declare.number(SEE_UNIT, "what comes out with it")
 
-    case: str
-    cause: str
-    sentence: str
-    unit: str
-    without: float
-    with_it: float
-
-    @property
+    @declare.computed(
+        declare.number(
+            Quantity(NO_UNIT, "%", "without it", 1, 0, signed=True),
+            "difference that the cause makes, relative to what comes out with it",
+            column=MAIN,
+        )
+    )
     def off(self) -> float:
         """Difference that the cause makes, relative to what comes out with it."""
         return self.without / self.with_it - 1.0

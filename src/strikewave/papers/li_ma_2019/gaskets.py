@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.observe import observe
+from strikewave.base import declare
 from strikewave.base.quantities import Value
+from strikewave.base.shock_quantities import ACCELERATION, LENGTH, MODULUS, RATIO
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.tables.sensor import GasketTable
 from strikewave.papers.li_ma_2019.execution import Execution
@@ -66,34 +68,20 @@ FINE = GasketGrid(
 """The same range in finer steps: minutes."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class GasketCell:
-    """A gasket, and the first blow with which the buffered sensor reads its published peak.
+    """A gasket, and the first blow with which the buffered sensor reads its published peak; NaN where none does."""
 
-    Attributes
-    ----------
-    modulus, loss_factor, thickness : float
-        Pa, 1, m; NaN of gaskets that are no single one.
-    engagement : float
-        Refitted, m; NaN where no engagement up to `DEEPEST` gives the buffered peak: nothing below is known then.
-    direct : float
-        Peak of the direct sensor, m/s^2, with its sign.
-    rigid_peak : float
-        Of the object, m/s^2.
-    direct_ringing, buffered_ringing : float
-        Root mean square of the readings after `AFTER`, m/s^2.
-    """
+    modulus: float = declare.number(MODULUS, "null of gaskets that are no single one")
+    loss_factor: float = declare.number(RATIO, "null of gaskets that are no single one")
+    thickness: float = declare.number(LENGTH, "null of gaskets that are no single one")
+    engagement: float = declare.number(LENGTH, "refitted; null where no engagement gives the buffered peak")
+    direct: float = declare.number(ACCELERATION, "peak of the direct sensor, with its sign")
+    rigid_peak: float = declare.number(ACCELERATION, "of the object")
+    direct_ringing: float = declare.number(ACCELERATION, "root mean square of the reading after the blow")
+    buffered_ringing: float = declare.number(ACCELERATION, "the same of the buffered sensor")
 
-    modulus: float
-    loss_factor: float
-    thickness: float
-    engagement: float
-    direct: float
-    rigid_peak: float
-    direct_ringing: float
-    buffered_ringing: float
-
-    @property
+    @declare.computed(declare.word("whether the buffered sensor rings less than the direct one"))
     def calm(self) -> bool:
         """Whether the buffered sensor rings less than the direct one, as the paper says of its own."""
         return self.buffered_ringing < self.direct_ringing

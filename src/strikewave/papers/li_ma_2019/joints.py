@@ -17,6 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.observe import observe
+from strikewave.base import declare
+from strikewave.base.declare import Quantity
+from strikewave.base.shock_quantities import ACCELERATION, MICROSECONDS
 from strikewave.cases.case import Case, load_case
 from strikewave.papers.li_ma_2019.execution import Execution
 from strikewave.papers.li_ma_2019.runs import FIXTURE
@@ -64,27 +67,15 @@ FINE = JointGrid(
 """The same range in finer steps."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class FixtureBlow:
-    """The first blow on the sensor fixture.
+    """The first blow on the sensor fixture."""
 
-    Attributes
-    ----------
-    peak : float
-        Of the sensor, without its range, m/s^2.
-    width : float
-        Of what it reads, at 10 % of the peak, s.
-    clipped : bool
-        Whether the assumed range cuts it off.
-    rigid_peak, rigid_width : float
-        Of the rigid pulse of the whole object, m/s^2 and s.
-    """
-
-    peak: float
-    width: float
-    clipped: bool
-    rigid_peak: float
-    rigid_width: float
+    peak: float = declare.number(ACCELERATION, "of the sensor, without its range")
+    width: float = declare.number(MICROSECONDS, "of what it reads, at 10 % of the peak")
+    clipped: bool = declare.word("whether the assumed range cuts it off")
+    rigid_peak: float = declare.number(ACCELERATION, "of the rigid pulse of the whole object")
+    rigid_width: float = declare.number(MICROSECONDS, "of the rigid pulse")
 
     def keeps(self, other: FixtureBlow) -> bool:
         """Tell whether the rigid pulse is that of another blow, within `KEPT`."""
@@ -92,13 +83,13 @@ class FixtureBlow:
         return all(abs(mine / theirs - 1.0) <= KEPT for mine, theirs in pairs)
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class JointCell:
-    """A preload (N) and a stiffness of the faces (N/m), and the first blow."""
+    """A preload and a stiffness of the faces, and the first blow."""
 
-    preload: float
-    stiffness: float
-    blow: FixtureBlow
+    preload: float = declare.number(Quantity("N", "N"), "of each joint")
+    stiffness: float = declare.number(Quantity("N/m", "N/m"), "of each pair of faces; null of rigid ones")
+    blow: FixtureBlow = declare.part(FixtureBlow, "the first blow", inline=True)
 
 
 @dataclass(frozen=True)

@@ -5,38 +5,29 @@ from __future__ import annotations
 import csv
 import functools
 import io
-import math
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 from strikewave.analyses.fem.result import FemSolution
-from strikewave.base.json_document import without
+from strikewave.base import declare
+from strikewave.base.declare import Quantity
 from strikewave.base.result import Notice, Result, Source
+from strikewave.base.shock_quantities import ACCELERATION, MEASURED_IMPULSE, MICROSECONDS, RATIO, STEP
 from strikewave.base.units import DIMENSIONS, convertible, in_unit
-from strikewave.papers.li_ma_2019.assumed import SHARE, DimensionStudy, MeshRow
+from strikewave.papers.li_ma_2019.assumed import DimensionStudy
+from strikewave.papers.li_ma_2019.body_reasons import Reason
 from strikewave.papers.li_ma_2019.body_rows import BodyRow, body_rows
 from strikewave.papers.li_ma_2019.further import Further
-from strikewave.papers.li_ma_2019.joints import JointCell, JointStudy
+from strikewave.papers.li_ma_2019.gaskets import GasketCell
+from strikewave.papers.li_ma_2019.joints import JointCell
 from strikewave.papers.li_ma_2019.runs import Effort, Runs
 from strikewave.papers.li_ma_2019.types import Consistency, EquationRow, Finding, PublishedNumber
 from strikewave.papers.li_ma_2019.unknowns import Unknowns
 from strikewave.reporting.columns import Column
-from strikewave.reporting.shown_result import ShownResult, columns_of
+from strikewave.reporting.shown_result import ShownResult
 
 PAPER = "li-ma-2019"
-GASKET_UNITS = {
-    "modulus": "Pa",
-    "loss_factor": "1",
-    "thickness": "m",
-    "engagement": "m",
-    "direct": "m/s^2",
-    "rigid_peak": "m/s^2",
-    "direct_ringing": "m/s^2",
-    "buffered_ringing": "m/s^2",
-}
-"""Of a row of the map over gaskets."""
-JOINT_UNITS = {"preload": "N", "stiffness": "N/m", "peak": "m/s^2", "width": "s", "rigid_width": "s"}
-"""Of a row of the map over joints, beside those it shares with a gasket."""
+SEE_SI = Quantity.of_data("SI, see si")
 
 
 @dataclass(frozen=True)
@@ -87,12 +78,62 @@ class Computed:
         return self.low / published - 1.0, self.high / published - 1.0
 
 
-@dataclass(frozen=True)
-class NumberRow:
-    """A published number, and what the models say of it."""
+@declare.dataclass
+class ModelAnswer:
+    """What a model says of a published number, as documents have it."""
 
-    number: PublishedNumber
+    value_si: float | None = declare.number(SEE_SI, "what it gives; null where it gives none")
+    low_si: float | None = declare.number(SEE_SI, "low end of a range")
+    high_si: float | None = declare.number(SEE_SI, "high end of a range")
+    by: str = declare.word("case, and what was changed in it")
+    role: str = declare.word("fitted, predicted, range, or shown: not comparable")
+    note: str = declare.word("what leaves the range, or why it is not comparable")
+    difference: float | None = declare.number(RATIO, "how far it is from the published number, relative to that")
+
+
+@declare.dataclass
+class NumberRow:
+    """A published number, and what the models say of it.
+
+    Examples
+    --------
+    >>> number = PublishedNumber("window", "Figure 5", "time", 0.15, "ms", "measured")
+    >>> document = declare.content(NumberRow(number, ()))
+    >>> [document[key] for key in ("value_si", "si", "published_value", "published_unit")]
+    [0.15, 's', 150.0, 'ms']
+    """
+
+    number: PublishedNumber = declare.part(PublishedNumber, "the number", inline=True)
     computed: tuple[Computed, ...]
+
+    @declare.computed(declare.number(SEE_SI, "what is published"))
+    def value_si(self) -> float:
+        """The published number."""
+        return self.number.value
+
+    @declare.computed(declare.word("its SI unit"))
+    def si(self) -> str:
+        """The SI unit of the number."""
+        return si_unit(self.number.unit)
+
+    @declare.computed(declare.number(Quantity.of_data("see published_unit"), "it as the paper says it"))
+    def published_value(self) -> float:
+        """The number in the unit of the paper."""
+        value, unit = self.number.value, self.number.unit
+        return value if unit == self.si else float(f"{in_unit(value, self.si, unit):.12g}")
+
+    @declare.computed(declare.word("unit in which the paper says it"))
+    def published_unit(self) -> str:
+        """The unit of the paper."""
+        return self.number.unit
+
+    @declare.computed(declare.rows(ModelAnswer, "what the models say of it", key="computed"))
+    def answers(self) -> list[ModelAnswer]:
+        """The answers of the models, with their differences."""
+        return [
+            ModelAnswer(one.value, one.low, one.high, one.by, one.role, one.note, one.difference(self.number.value))
+            for one in self.computed
+        ]
 
     @property
     def best(self) -> Computed | None:
@@ -100,18 +141,59 @@ class NumberRow:
         return next((one for one in self.computed if one.value is not None), None)
 
 
-@dataclass(frozen=True)
+@declare.dataclass
+class CheckedRun:
+    """A run, and what its checks came to."""
+
+    case: str = declare.word("name of the case")
+    verdict: str = declare.word("what its checks came to")
+
+
+@declare.dataclass
+class ElementRun:
+    """What a finite-element run took, and its balance errors."""
+
+    case: str = declare.word("name of the case")
+    elements: int = declare.count("how many")
+    steps: int = declare.count("of time")
+    step: float = declare.number(STEP, "smallest step")
+    seconds: float = declare.number(Quantity("s", "s"), "that it took")
+    energy_error: float = declare.number(RATIO, "what the balance of energy misses, as a share")
+    hourglass_share: float = declare.number(RATIO, "energy in hourglass modes, as a share")
+    momentum_error: float = declare.number(RATIO, "what the balance of momentum misses, as a share")
+
+
+@declare.dataclass
+class BodyNumbers:
+    """What a simple model, or the elements, say of a blow."""
+
+    case: str = declare.word("name of the case")
+    model: str = declare.word("elements, lumped, layered, or layered with the sides hung")
+    law: str = declare.word("of the line contact; empty of elements")
+    peak: float = declare.number(declare.NOT_MEASURED, "of the force, N: the peaks of joints are accelerations")
+    width: float = declare.number(MICROSECONDS, "from the first to the last tenth of the peak, gaps included")
+    first_width: float = declare.number(MICROSECONDS, "until the force first falls below a tenth")
+    pulses: int = declare.count("how often the force rises above a tenth of its peak")
+    impulse: float = declare.number(MEASURED_IMPULSE, "of the force")
+    rigid_peak: float = declare.number(ACCELERATION, "of the force over the mass of the struck object")
+    watched_peak: float | None = declare.number(ACCELERATION, "of the sensor, or of the far end of a bar")
+
+
+@declare.dataclass
+class JointRow:
+    """A pair of joints, and the first blow with it."""
+
+    cell: JointCell = declare.part(JointCell, "the joints", inline=True)
+    keeps_rigid_pulse: bool = declare.word("whether the rigid pulse stays as it is with the joints of the case")
+
+
+@declare.dataclass
 class Reproduction(ShownResult):
     """Everything that a reproduction came to; see `Result` for what it shares with others.
 
     Attributes
     ----------
     runs : Runs
-    equations : tuple of EquationRow
-    numbers : tuple of NumberRow
-    checks : tuple of Consistency
-        Published numbers among each other.
-    findings : tuple of Finding
     unknowns : Unknowns
         Maps over gaskets and joints, which are not published.
     further : Further
@@ -122,14 +204,84 @@ class Reproduction(ShownResult):
 
     command: ClassVar[str] = "reproduce"
 
+    main_rows: ClassVar[str] = "first_answers"
+
     runs: Runs
-    equations: tuple[EquationRow, ...]
-    numbers: tuple[NumberRow, ...]
-    checks: tuple[Consistency, ...]
-    findings: tuple[Finding, ...]
+
+    @declare.computed(declare.word("what is reproduced"))
+    def paper(self) -> str:
+        """The paper."""
+        return PAPER
+
+    @declare.computed(declare.word("whether elements are coarse, and no studies were made"))
+    def quick(self) -> bool:
+        """Whether it is a quick one."""
+        return self.runs.quick
+
+    @declare.computed(declare.word("names of the cases that were run"))
+    def cases(self) -> list[str]:
+        """The cases that were run."""
+        return [case.name for case in self.runs.cases]
+
+    @declare.computed(declare.rows(CheckedRun, "what the checks of the runs came to", key="runs"))
+    def checked_runs(self) -> list[CheckedRun]:
+        """The runs, with what their checks came to."""
+        return [CheckedRun(*pair) for pair in self.runs.checked]
+
+    equations: tuple[EquationRow, ...] = declare.rows(EquationRow, "equations", headline="count")
+    numbers: tuple[NumberRow, ...] = declare.rows(NumberRow, "published numbers", key="published")
+
+    @declare.phrase("published numbers computed", headline="published numbers computed")
+    def computed(self) -> str:
+        """Return how many of the published numbers a model answers."""
+        return f"{sum(row.best is not None for row in self.numbers)} of {len(self.numbers)}"
+
+    checks: tuple[Consistency, ...] = declare.rows(Consistency, "published numbers among each other", key="consistency")
+
+    @declare.computed(declare.rows(ElementRun, "what the finite-element runs took"))
+    def elements(self) -> list[ElementRun]:
+        """The finite-element runs."""
+        return [element_run(solution) for solution in self.runs.elements]
+
+    @declare.computed(declare.word("the models on several meshes, by case"))
+    def meshes(self) -> dict[str, list[dict[str, Any]]]:
+        """The models on several meshes."""
+        return {name: [declare.content(row) for row in rows] for name, rows in self.further.meshes.items()}
+
+    @declare.computed(declare.rows(BodyNumbers, "the same bodies as elements, masses and layers", key="bodies"))
+    def body_numbers(self) -> list[BodyNumbers]:
+        """Masses on springs and layers beside the elements."""
+        numbers = ("peak", "width", "first_width", "pulses", "impulse", "rigid_peak", "watched_peak")
+        return [
+            BodyNumbers(row.case, row.model, row.law, *(getattr(row.answer, name) for name in numbers))
+            for row in self.bodies
+        ]
+
+    @declare.computed(declare.rows(Reason, "why they part"))
+    def reasons(self) -> tuple[Reason, ...]:
+        """Why masses and layers part from the elements."""
+        return self.further.reasons
+
+    @declare.computed(declare.rows(DimensionStudy, "what assumed dimensions do to the answers"))
+    def dimensions(self) -> tuple[DimensionStudy, ...]:
+        """What assumed dimensions do."""
+        return self.further.dimensions
+
+    findings: tuple[Finding, ...] = declare.rows(Finding, "what the paper gets right, and what not", headline="count")
     unknowns: Unknowns
     further: Further = field(default_factory=Further)
     effort: Effort = field(default_factory=Effort)
+
+    @declare.computed(declare.rows(GasketCell, "the direct sensor over gaskets"))
+    def gaskets(self) -> tuple[GasketCell, ...]:
+        """The gaskets that were tried."""
+        return self.unknowns.gaskets.cells
+
+    @declare.computed(declare.rows(JointRow, "the sensor between two cylinders over its joints"))
+    def joints(self) -> list[JointRow]:
+        """The joints that were tried."""
+        study = self.unknowns.joints
+        return [JointRow(cell, cell.blow.keeps(study.assumed)) for cell in study.cells]
 
     def row(self, name: str) -> NumberRow:
         """Return a published number by its name."""
@@ -150,74 +302,27 @@ class Reproduction(ShownResult):
         """Masses on springs and layers for the bodies of the finite-element models, beside these."""
         return body_rows(self.runs.elements)
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        units = {
-            "exact": "SI, see unit",
-            "printed": "SI, see printed_unit, else unit",
-            "corrected_value": "SI, see unit",
-        }
-        units |= {"value_si": "SI, see si", "published_value": "see published_unit"}
-        units |= {"low_si": "SI, see si", "high_si": "SI, see si"} | GASKET_UNITS | JOINT_UNITS
-        units |= {
-            "value": "SI, see unit",
-            "stated": "SI, see unit",
-            "difference": "1",
-            "deviation": "1",
-            "step": "s",
-            "seconds": "s",
-        }
-        return units | {"energy_error": "1", "hourglass_share": "1", "momentum_error": "1"}
+    @property
+    def named_units(self) -> dict[str, str]:
+        """The unit of a peak that is a force, beside those that are accelerations."""
+        return {"bodies.peak": "N"}
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head; numbers are SI."""
-        runs = self.runs
-        return {
-            "paper": PAPER,
-            "quick": runs.quick,
-            "cases": [case.name for case in runs.cases],
-            "runs": [{"case": name, "verdict": verdict} for name, verdict in runs.checked],
-            "equations": [equation_document(row) for row in self.equations],
-            "published": [number_document(row) for row in self.numbers],
-            "consistency": [asdict(row) for row in self.checks],
-            "elements": [element_document(solution) for solution in runs.elements],
-            "meshes": {name: [mesh_document(row) for row in rows] for name, rows in self.further.meshes.items()},
-            "bodies": [body_document(row) for row in self.bodies],
-            "reasons": [{**asdict(row), "off": row.off} for row in self.further.reasons],
-            "dimensions": [dimension_document(study) for study in self.further.dimensions],
-            "findings": [asdict(row) for row in self.findings],
-            "gaskets": [{**asdict(cell), "calm": cell.calm} for cell in self.unknowns.gaskets.cells],
-            "joints": [joint_document(cell, self.unknowns.joints) for cell in self.unknowns.joints.cells],
-        }
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return how many equations and published numbers were computed, and what was found."""
-        computed = sum(row.best is not None for row in self.numbers)
+    @declare.computed(declare.table("published numbers with the first answer to each, SI of the unit beside them"))
+    def first_answers(self) -> list[Column]:
+        """The published numbers with the first answer to each."""
+        numbers, best = [row.number for row in self.numbers], [row.best for row in self.numbers]
+        differences = [one and one.difference(number.value) for one, number in zip(best, numbers, strict=True)]
         return [
-            ("equations", str(len(self.equations))),
-            ("published numbers computed", f"{computed} of {len(self.numbers)}"),
-            ("findings", str(len(self.findings))),
+            Column("name", [number.name for number in numbers], shown=""),
+            Column("where", [number.where for number in numbers], shown=""),
+            Column("quantity", [number.quantity for number in numbers]),
+            Column("unit", [si_unit(number.unit) for number in numbers], shown=""),
+            Column("published", [number.value for number in numbers], shown=""),
+            Column("computed", [one and one.value for one in best], shown=""),
+            Column("difference", differences, "1", shown=""),
+            Column("role", [one and one.role for one in best], shown=""),
+            Column("by", [one and one.by for one in best]),
         ]
-
-    def columns(self) -> list[Column]:
-        """Return the published numbers with the first answer to each, SI of the unit beside them."""
-        rows = []
-        for row in self.numbers:
-            number, best = row.number, row.best
-            own = {
-                "name": number.name,
-                "where": number.where,
-                "quantity": number.quantity,
-                "unit": si_unit(number.unit),
-            }
-            difference = None if best is None else best.difference(number.value)
-            answer = {"computed": best and best.value, "difference": difference, "role": best and best.role}
-            rows.append({**own, "published": number.value, **answer, "by": best and best.by})
-        return columns_of(rows, {"difference": "1"})
-
-    def brief(self) -> dict[str, str]:
-        """Return what is published, what was computed, and how far they differ."""
-        return dict.fromkeys(("name", "where", "unit", "published", "computed", "difference", "role"), "")
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
@@ -284,78 +389,8 @@ def si_unit(unit: str) -> str:
     return unit if conversion is None else conversion[0]
 
 
-def equation_document(row: EquationRow) -> dict[str, Any]:
-    """Return an equation as a row of the JSON document."""
-    return {**asdict(row), "deviation": row.deviation, "corrected_deviation": row.corrected_deviation}
-
-
-def number_document(row: NumberRow) -> dict[str, Any]:
-    """Return a published number with its answers as a row of the JSON document.
-
-    Examples
-    --------
-    >>> number = PublishedNumber("window", "Figure 5", "time", 0.15, "ms", "measured")
-    >>> document = number_document(NumberRow(number, ()))
-    >>> [document[key] for key in ("value_si", "si", "published_value", "published_unit")]
-    [0.15, 's', 150.0, 'ms']
-    """
-    number = row.number
-    si = si_unit(number.unit)
-    shown = number.value if number.unit == si else float(f"{in_unit(number.value, si, number.unit):.12g}")
-    values = {"value_si": number.value, "si": si, "published_value": shown, "published_unit": number.unit}
-    answers = [
-        {
-            **{"value_si": one.value, "low_si": one.low, "high_si": one.high},
-            **without(asdict(one), "value", "low", "high"),
-            "difference": one.difference(number.value),
-        }
-        for one in row.computed
-    ]
-    return {**without(asdict(number), "value", "unit"), **values, "computed": answers}
-
-
-def joint_document(cell: JointCell, study: JointStudy) -> dict[str, Any]:
-    """Return the first blow with a pair of joints; ``stiffness`` is None of rigid faces."""
-    stiffness = cell.stiffness if math.isfinite(cell.stiffness) else None
-    head = {"preload": cell.preload, "stiffness": stiffness}
-    return {**head, **asdict(cell.blow), "keeps_rigid_pulse": cell.blow.keeps(study.assumed)}
-
-
-def element_document(solution: FemSolution) -> dict[str, Any]:
+def element_run(solution: FemSolution) -> ElementRun:
     """Return what a finite-element run took, and its balance errors."""
     run, balance = solution.run, solution.measured_balance
-    return {
-        "case": solution.case.name,
-        "elements": run.elements,
-        "steps": run.steps,
-        "step": run.step,
-        "seconds": run.seconds,
-        "energy_error": balance.energy,
-        "hourglass_share": balance.hourglass,
-        "momentum_error": balance.momentum,
-    }
-
-
-def mesh_document(row: MeshRow) -> dict[str, Any]:
-    """Return a mesh of a model as a row of the JSON document."""
-    return {**asdict(row), "answer": row.answer._asdict()}
-
-
-def body_document(row: BodyRow) -> dict[str, Any]:
-    """Return an answer beside the elements as a row of the JSON document."""
-    numbers = ("peak", "width", "first_width", "pulses", "impulse", "rigid_peak", "watched_peak")
-    return {
-        "case": row.case,
-        "model": row.model,
-        "law": row.law,
-        **{name: getattr(row.answer, name) for name in numbers},
-    }
-
-
-def dimension_document(study: DimensionStudy) -> dict[str, Any]:
-    """Return what assumed dimensions do to the answer of a model."""
-    rows = [
-        {**asdict(row), "larger": row.larger._asdict(), "smaller": row.smaller._asdict(), "share": SHARE}
-        for row in study.rows
-    ]
-    return {"case": study.case, "base": study.base._asdict(), "rows": rows}
+    took = run.elements, run.steps, run.step, run.seconds
+    return ElementRun(solution.case.name, *took, balance.energy, balance.hourglass, balance.momentum)

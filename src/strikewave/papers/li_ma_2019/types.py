@@ -9,65 +9,50 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from strikewave.base import declare
+from strikewave.base.declare import Quantity
+from strikewave.base.shock_quantities import RATIO
+
 Section = Literal["3.1", "3.2"]
 Verdict = Literal["right", "approximate", "misprint", "wrong", "definition"]
 Origin = Literal["measured", "simulated", "given"]
 Answer = Literal["right", "partly", "not", "open"]
 Basis = Literal["independent", "round trip", "identity"]
+SEE_UNIT = Quantity.of_data("SI, see unit")
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class EquationRow:
-    """One numbered equation of the paper: as printed, corrected, exact.
+    """One numbered equation of the paper: as printed, corrected, exact."""
 
-    Attributes
-    ----------
-    number : str
-        As the paper numbers it, "(24)"; the number that it uses twice is "(35)" and "second (35)".
-    section : str
-        "3.1" contact force, "3.2" stress wave.
-    what : str
-        What the equation says.
-    formula : str
-        The printed formula, plain Unicode text.
-    corrected : str
-        The repaired formula; empty where the printed one stands.
-    tex, corrected_tex : str
-        Both formulas to typeset, as TeX.
-    quantity, unit : str
-        The number that is compared, and its unit ("1" without one).
-    printed, corrected_value, exact : float or None
-        What the printed formula gives, the corrected one, and the answer they are held against (see ``basis``).
-    verdict : str
-        right: the numbers agree within rounding; approximate: an estimate, off by what the row shows; misprint: the
-        formula as printed cannot be meant; wrong: it does not hold; definition: an identity or a name.
-    note : str
-        Why, and where the exact number comes from.
-    basis : str
-        What ``exact`` is: independent, found another way; round trip, the same rule inverted, or a number that was put
-        in and is read back; identity, the same thing by algebra or by the conservation that the solution is built on.
-    printed_unit : str
-        Unit of the printed number where it is not ``unit``.
-    """
+    number: str = declare.word('as the paper numbers it, "(24)"; that which it uses twice is "(35)" and "second (35)"')
+    section: Section = declare.word("3.1 contact force, 3.2 stress wave")
+    what: str = declare.word("what the equation says")
+    formula: str = declare.word("the printed formula, plain Unicode text")
+    tex: str = declare.word("it to typeset, as TeX")
+    corrected: str = declare.word("the repaired formula; empty where the printed one stands")
+    corrected_tex: str = declare.word("it to typeset, as TeX")
+    quantity: str = declare.word("the number that is compared")
+    unit: str = declare.word('its unit; "1" without one')
+    printed: float | None = declare.number(
+        Quantity.of_data("SI, see printed_unit, else unit"), "what the printed formula gives"
+    )
+    corrected_value: float | None = declare.number(SEE_UNIT, "what the corrected one gives")
+    exact: float | None = declare.number(SEE_UNIT, "the answer that they are held against: see basis")
+    verdict: Verdict = declare.word(
+        "right: the numbers agree within rounding; approximate: an estimate, off by what the row shows; misprint: the "
+        "formula as printed cannot be meant; wrong: it does not hold; definition: an identity or a name"
+    )
+    note: str = declare.word("why, and where the exact number comes from")
+    basis: Basis = declare.word(
+        "what the exact one is: independent, found another way; round trip, the same rule inverted, or a number that "
+        "was put in and is read back; identity, the same thing by algebra or by the conservation that the solution is "
+        "built on",
+        default="independent",
+    )
+    printed_unit: str = declare.word("unit of the printed number where it is not unit", default="")
 
-    number: str
-    section: Section
-    what: str
-    formula: str
-    tex: str
-    corrected: str
-    corrected_tex: str
-    quantity: str
-    unit: str
-    printed: float | None
-    corrected_value: float | None
-    exact: float | None
-    verdict: Verdict
-    note: str
-    basis: Basis = "independent"
-    printed_unit: str = ""
-
-    @property
+    @declare.computed(declare.number(RATIO, "what the printed value is off the exact one; null in another unit"))
     def deviation(self) -> float | None:
         """What the printed value is off the exact one, relative to that (absolute where the exact one is 0).
 
@@ -75,73 +60,45 @@ class EquationRow:
         """
         return None if self.printed_unit else _deviation(self.printed, self.exact)
 
-    @property
+    @declare.computed(declare.number(RATIO, "what the corrected value is off the exact one"))
     def corrected_deviation(self) -> float | None:
         """What the corrected value is off the exact one, as `deviation`."""
         return _deviation(self.corrected_value, self.exact)
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class PublishedNumber:
     """A number that the paper publishes.
 
     Attributes
     ----------
-    name : str
-        Key of the number, such as "rigid peak simulated".
-    where : str
-        Section, figure or table that says it.
-    quantity : str
-        What it is.
     value : float
         In SI units.
     unit : str
         Unit in which the paper says it ("g", "us", "N"); `strikewave.base.units` turns the value back.
-    origin : str
-        measured, simulated (with LS-DYNA) or given (chosen or stated by the authors).
-    note : str
-        What must be known to use it.
     """
 
-    name: str
-    where: str
-    quantity: str
+    name: str = declare.word('key of the number, such as "rigid peak simulated"')
+    where: str = declare.word("section, figure or table that says it")
+    quantity: str = declare.word("what it is")
     value: float
     unit: str
-    origin: Origin
-    note: str = ""
+    origin: Origin = declare.word("measured, simulated (with LS-DYNA) or given (chosen or stated by the authors)")
+    note: str = declare.word("what must be known to use it", default="")
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Consistency:
-    """A check of published numbers among each other.
+    """A check of published numbers among each other."""
 
-    Attributes
-    ----------
-    what : str
-        The question.
-    uses : tuple of str
-        Names of the published numbers in it.
-    quantity, unit : str
-        The number that answers it, SI.
-    value : float
-        What follows from the numbers.
-    stated : float or None
-        What the paper says about it, if it does.
-    agrees : bool or None
-        Whether the two agree; None where the paper says nothing.
-    note : str
-        How it follows, and what it means.
-    """
-
-    what: str
-    uses: tuple[str, ...]
-    quantity: str
-    unit: str
-    value: float
-    stated: float | None
-    agrees: bool | None
-    note: str
+    what: str = declare.word("the question")
+    uses: tuple[str, ...] = declare.word("names of the published numbers in it")
+    quantity: str = declare.word("the number that answers it")
+    unit: str = declare.word("its SI unit")
+    value: float = declare.number(SEE_UNIT, "what follows from the numbers")
+    stated: float | None = declare.number(SEE_UNIT, "what the paper says about it, if it does")
+    agrees: bool | None = declare.word("whether the two agree; null where the paper says nothing")
+    note: str = declare.word("how it follows, and what it means")
 
 
 @dataclass(frozen=True)
@@ -185,28 +142,16 @@ class ElementNumbers:
     shell_stress: float | None = None
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Finding:
-    """A line of the closing table: what the paper gets right, and what not.
+    """A line of the closing table: what the paper gets right, and what not."""
 
-    Attributes
-    ----------
-    topic, paper, found : str
-        What it is about, what the paper says, what we find (with its numbers).
-    verdict : str
-        right, partly, not; open where what decides it is not published, or was not run.
-    shown_by : str
-        Equations, figures or cases that show it.
-    ours : bool
-        Whether the point is ours: the paper makes no statement of it.
-    """
-
-    topic: str
-    paper: str
-    found: str
-    verdict: Answer
-    shown_by: str
-    ours: bool = False
+    topic: str = declare.word("what it is about")
+    paper: str = declare.word("what the paper says")
+    found: str = declare.word("what we find, with its numbers")
+    verdict: Answer = declare.word("right, partly, not; open where what decides it is not published, or was not run")
+    shown_by: str = declare.word("equations, figures or cases that show it")
+    ours: bool = declare.word("whether the point is ours: the paper makes no statement of it", default=False)
 
 
 def _deviation(value: float | None, exact: float | None) -> float | None:

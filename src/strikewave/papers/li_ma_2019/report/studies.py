@@ -9,18 +9,17 @@ from typing import TYPE_CHECKING
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.percents import percent
 from strikewave.fem.blow_measures import blow_measure
-from strikewave.papers.li_ma_2019.assumed import SHARE
+from strikewave.papers.li_ma_2019.assumed import SHARE, Answer, MeshRow
+from strikewave.papers.li_ma_2019.body_reasons import Reason
+from strikewave.reporting.faces import columns_of
 from strikewave.reporting.parts import NONE, Cell, Part, Table, Tag, written
+from strikewave.reporting.table_columns import page_table
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
-    from strikewave.papers.li_ma_2019.assumed import Answer, DimensionStudy, MeshRow
-    from strikewave.papers.li_ma_2019.body_reasons import Reason
+    from strikewave.papers.li_ma_2019.assumed import DimensionStudy
     from strikewave.papers.li_ma_2019.body_rows import BodyRow
     from strikewave.papers.li_ma_2019.result import Reproduction
-
-ANSWERS = ["peak force (kN)", "pulse width at 10 % (µs)", "impulse (N s)", "body's peak (g)", "plastic strain"]
-"""Heads of an `Answer`."""
 
 
 def study_tables(result: Reproduction) -> Iterator[Part]:
@@ -60,32 +59,19 @@ def body_table(found: Sequence[BodyRow]) -> Table:
 
 def reason_table(found: Sequence[Reason]) -> Table:
     """Say why masses and layers part from the elements: each cause alone, measured."""
-    rows: list[list[Cell]] = [[row.case, row.cause, row.sentence, percent(row.off, 1, "+")] for row in found]
     words = "Why they part: each cause alone, on elements twice as large"
-    return Table(words, ["case", "cause", "measured", "without it"], rows)
+    return page_table(words, columns_of(Reason), found)
 
 
 def mesh_table(case: str, rows: Sequence[MeshRow]) -> Table:
     """Say how peak, width and impulse converge with the mesh."""
-    cells: list[list[Cell]] = [
-        [
-            f"{row.size:.3g}",
-            str(row.elements),
-            str(row.steps),
-            written(row.seconds, 3),
-            f"{row.energy_error:+.0e}",
-            f"{100.0 * row.hourglass_share:.1f} %",
-            *_answer(row.answer),
-        ]
-        for row in rows
-    ]
-    heads = ["elements' size", "elements", "steps", "took (s)", "energy error", "hourglass energy", *ANSWERS]
-    return Table(f"{case} on {len(rows)} meshes, sizes relative to those of the case", heads, cells)
+    caption = f"{case} on {len(rows)} meshes, sizes relative to those of the case"
+    return page_table(caption, columns_of(MeshRow), rows)
 
 
 def dimension_table(study: DimensionStudy) -> Table:
     """Say what each assumed dimension does to the answer."""
-    rows: list[list[Cell]] = [["as it stands", NONE, NONE, *_answer(study.base)]]
+    rows: list[list[Cell]] = [["as it stands", NONE, NONE, *(column.cell(study.base) for column in columns_of(Answer))]]
     for row in study.rows:
         both = zip(row.larger.changes(study.base), row.smaller.changes(study.base), strict=True)
         changes = [f"{_percent(up)} / {_percent(down)}" for up, down in both]
@@ -94,7 +80,7 @@ def dimension_table(study: DimensionStudy) -> Table:
         f"{study.case}, coarse elements: each assumed dimension {percent(SHARE, 0)} larger / smaller, "
         "with all that follows"
     )
-    return Table(words, ["changed", "value", "it is", *ANSWERS], rows)
+    return Table(words, ["changed", "value", "it is", *_answer_heads()], rows)
 
 
 def blow_table(solution: FemSolution) -> Table:
@@ -116,20 +102,14 @@ def blow_table(solution: FemSolution) -> Table:
                 written(max(measure.plastic_strain.values(), default=math.nan), 3),
             ]
         )
-    heads = [*ANSWERS[:3], "restitution", "taken by yield (J)", "plastic strain"]
+    heads = [*_answer_heads()[:3], "restitution", "taken by yield (J)", "plastic strain"]
     words = f"{solution.case.name} struck again on the surface that the blow before left, whole bodies"
     return Table(words, ["blow", *heads], rows)
 
 
-def _answer(found: Answer) -> list[Cell]:
-    scaled = (
-        found.peak_force / 1e3,
-        found.width * 1e6,
-        found.impulse,
-        found.body_peak / STANDARD_GRAVITY,
-        found.plastic_strain,
-    )
-    return [written(value, 5 if place < 4 else 3) for place, value in enumerate(scaled)]
+def _answer_heads() -> list[str]:
+    """Return the heads of an answer."""
+    return [column.head for column in columns_of(Answer)]
 
 
 def _percent(share: float) -> str:
