@@ -272,5 +272,6 @@ class SensorSolution(Outcome):
         variables |= {
             "integrated_reading": quantity("time", integrated, "m/s", "reading as acceleration, integrated"),
             "end_force": quantity("time", force, "N", "force of the bar on what stands on its end"),
+            "velocity_by_both_waves": variables.pop("velocity_by_both_waves"),
         }
         return LabelledArrays.of(variables, {"time": variables.pop("time")}, self.attributes())
