@@ -63,7 +63,7 @@ def leavings(program: Path, commands: list[CorpusCommand], jobs: int) -> Iterato
         write_samples(samples)
 
         def run(number: int, command: CorpusCommand) -> dict[str, object]:
-            folder = Path(made) / f"{number:03}"
+            folder = Path(made) / f"{number:03}" / "records"  # results are called by the folder of their files
             shutil.copytree(samples, folder)
             try:
                 return command_faces(program, command.words, set(command.faces), folder)

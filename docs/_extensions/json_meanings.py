@@ -93,7 +93,7 @@ def _of_declared(kind: type, tables_of: Mapping[type, str]) -> Iterator[tuple[st
     """Yield path and meaning of each key that a class declares; what has a table of its own is left to that."""
     for path, one in declare.keys(kind, apart=tables_of):
         if one.of in tables_of:
-            yield path + declare.PLACES[one.kind], f"{LEADS_TO}{tables_of[one.of]}"
+            yield path + ("" if one.inline else declare.PLACES[one.kind]), f"{LEADS_TO}{tables_of[one.of]}"
         elif one.of is None:
             yield path, one.meaning
 

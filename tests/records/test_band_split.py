@@ -1,5 +1,6 @@
 """Rigid part by a low-pass: against closed forms, the project's own bars, and planted shapes."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -264,7 +265,7 @@ def test_a_split_states_what_its_filter_does(noise):
     wave = (values - low)[2000:]
     lost = 0.5 * (split.loss * split.peak) ** 2 * split.width / STEP
     assert split.wave_energy == pytest.approx((np.sum(wave**2) - lost) / np.sum(values[2000:] ** 2))
-    assert split.signed(-1.0) == split._replace(peak=-split.peak)
+    assert split.signed(-1.0) == dataclasses.replace(split, peak=-split.peak)
     small = split_bands(
         Stretch(1e-9 * values, STEP, 2000, 2400, 374.5, pulse._replace(peak=1e-9 * PEAK), 1e-9 * noise), 14.8e3
     )
@@ -279,8 +280,8 @@ def test_bands_are_separable_where_a_tenth_of_the_peak_is_known(doubt, separable
     split = BandSplit(1e3, 2e3, -100.0, 1e-3, doubt, 1e-5, 0.1, 0.03, 0.06, 0.02, 0.1, 0.2)
     assert split.separable is separable
     assert ("leaves too much of the wave part (6 %" in split.reason) is not separable
-    assert ("differently (7 %" in split._replace(loss_uncertainty=0.07).reason) is not separable
-    assert ("band of the pulse (8 %" in split._replace(elastic=0.08).reason) is not separable
+    assert ("differently (7 %" in dataclasses.replace(split, loss_uncertainty=0.07).reason) is not separable
+    assert ("band of the pulse (8 %" in dataclasses.replace(split, elastic=0.08).reason) is not separable
 
 
 def test_the_width_through_a_filter_is_that_of_a_half_sine():

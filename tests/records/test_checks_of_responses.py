@@ -12,7 +12,7 @@ from strikewave.records.health.response.examined import ExaminedResponse
 from strikewave.records.health_notice import RESPONSE_FIGURES
 from strikewave.records.modes import FEWEST, Mode
 from strikewave.records.pulses import MAD_TO_SIGMA, sample_noise
-from strikewave.records.response import BaseBlow, MeasuredResponse, measure_responses
+from strikewave.records.response import BaseBlow, FreeDecay, MeasuredResponse, measure_responses
 
 noise = importlib.import_module("strikewave.records.health.response.noise")  # the package has a check of that name
 STEP, START = 2.0**-10, 3.0
@@ -20,14 +20,14 @@ STEP, START = 2.0**-10, 3.0
 
 
 def mode(frequency=20.0, damping=0.02, amplitude=5.0):
-    known = dict.fromkeys(Mode._fields, 0.0) | {"frequency": frequency, "damping": damping, "amplitude": amplitude}
-    return Mode(**known)
+    known = {"frequency": frequency, "damping": damping, "amplitude": amplitude}
+    return Mode(**known, frequency_uncertainty=0.0, damping_uncertainty=0.0)
 
 
 def response(**how):
     known = {
         "blow": 1, "peak": 10.0, "time": START + 150 * STEP, "delay": 0.0, "base_peak": 5.0, "ratio": 2.0, "begin": START + 120 * STEP,
-        "duration": 80 * STEP, "rms": 4.0, "modes": (mode(),), "zero": 0.0, "decay": (START + 160 * STEP, START + 300 * STEP),
+        "duration": 80 * STEP, "rms": 4.0, "modes": (mode(),), "zero": 0.0, "decay": FreeDecay(START + 160 * STEP, START + 300 * STEP),
     }  # fmt: skip
     return MeasuredResponse(**{**known, **how})
 
@@ -194,7 +194,7 @@ def test_a_spectrum_is_sought_about_the_onset(monkeypatch):
     (said,) = sampling.aliased(record(values))
     assert seen[0] == [float(k) for k in range(300)]  # a window of 200, of its own length before it: only 100 there
     assert (said.value, said.harms) == (0.25, RESPONSE_FIGURES)
-    sampling.aliased(record(values, response(decay=(START, START + 100 * STEP)), places=(300,)))
+    sampling.aliased(record(values, response(decay=FreeDecay(START, START + 100 * STEP)), places=(300,)))
     assert seen[1] == [float(k) for k in range(300 - 2 * FEWEST, 300 + 2 * FEWEST)]
     assert sampling.aliased(record(values)) == []
 
@@ -409,7 +409,7 @@ def test_the_zero_behind_a_blow_is_found_beside_the_modes():
 
     one, after = found(decaying(0.5))
     begin, level, decay, constant = after
-    assert begin == one.place(one.responses[-1].decay[0])
+    assert begin == one.place(one.responses[-1].decay.begin)
     assert level + decay == pytest.approx(0.5, abs=0.02)
     assert constant > 0.3 * one.period
     assert found(decaying())[1] is None or abs(found(decaying())[1][1]) < 0.01

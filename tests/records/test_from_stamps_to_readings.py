@@ -15,7 +15,7 @@ from strikewave.records.file_reading import read_file, repeats
 from strikewave.records.health_notice import FIGURES, HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading, Request, filter_changes, filtered_channel
 from strikewave.records.record import Channel, Record
-from strikewave.records.response import swings, zero_before
+from strikewave.records.response import FreeDecay, swings, zero_before
 from strikewave.signal.filters import Filter, HighPass
 
 NAN = math.nan
@@ -593,7 +593,7 @@ def test_the_coupling_of_a_response_is_the_one_stated_or_recognised(monkeypatch)
         return above * 2.0
 
     monkeypatch.setattr(response_reading, "resting", rest)
-    one = SimpleNamespace(zero=5.0, decay=(3.1, 3.2))
+    one = SimpleNamespace(zero=5.0, decay=FreeDecay(3.1, 3.2))
     record = SimpleNamespace(
         responses=[SimpleNamespace(), one], above=np.arange(3.0), place=lambda time: round((time - 3.0) / 1e-3)
     )

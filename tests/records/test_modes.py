@@ -85,7 +85,7 @@ def test_figures_and_their_uncertainties_are_those_of_an_independent_fit(rng):
     """Two swings in coloured noise: scipy's least squares from the truth, derivatives by difference, whole matrices."""
     noise = np.convolve(rng.normal(size=602), [1.0, 0.7, 0.3], "valid")
     values = swing(150.0, 1100.0, 20.0) + swing(260.0, 2700.0, 30.0, -0.9) + 4.0 + noise
-    found = sorted(decaying_modes(values, STEP))
+    found = sorted(decaying_modes(values, STEP), key=lambda mode: mode.frequency)
     omegas = [2.0 * math.pi * f for f in (1100.0, 2700.0)]
     start = np.array([150.0, omegas[0], 19.0, -6.0, 260.0, omegas[1], 18.0, 23.0, 4.0])
     _, model = columns_by_difference(start)

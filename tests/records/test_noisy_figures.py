@@ -3,6 +3,7 @@
 Shapes, noise and seeds are not those that anything was chosen by.
 """
 
+import dataclasses
 import itertools
 import math
 
@@ -52,7 +53,7 @@ def errors(shape, samples, noise, draws, first, coloured=False):
         values, step = drawn(shape, samples, noise, first + k, coloured)
         [pulse] = [one for one in find_pulses(values, step) if abs(one.time - 30.5e-3) < DURATION]
         figures = np.array([pulse.peak, pulse.width, pulse.velocity_change])
-        rows.append([figures / true - 1.0, np.array(pulse.uncertainty) / true])
+        rows.append([figures / true - 1.0, np.array(dataclasses.astuple(pulse.uncertainty)) / true])
     return np.array(rows)
 
 

@@ -308,17 +308,22 @@ def test_a_response_in_closed_form():
     assert found.begin == pytest.approx(3.01 + 1e-5 * inside[0], abs=1e-5)
     assert found.duration == pytest.approx(1e-5 * (inside[-1] - inside[0]), abs=2e-5)
     assert found.rms == pytest.approx(math.sqrt(np.mean(above[inside[0] : inside[-1] + 1] ** 2)), rel=3e-3)
-    assert found.decay[0] == pytest.approx(3.012, abs=1.01e-5)
+    assert found.decay.begin == pytest.approx(3.012, abs=1.01e-5)
     assert found.figure("peak") == -found.peak
     assert found.figure("frequency") == pytest.approx(500.0, rel=1e-6)
     assert found.figure("damping") == pytest.approx(decay / math.hypot(decay, omega), rel=1e-6)
-    assert found.modes[0].amplitude == pytest.approx(6.0 * math.exp(-decay * (found.decay[0] - 3.01)), rel=1e-6)
+    assert found.modes[0].amplitude == pytest.approx(6.0 * math.exp(-decay * (found.decay.begin - 3.01)), rel=1e-6)
     [none] = response.measure_responses(values, 1e-5, 3.0, [blow], same_unit=False)
     assert math.isnan(none.ratio)
     [flat] = response.measure_responses(np.full(2000, 0.7), 1e-5, 3.0, [blow])
     assert (flat.peak, flat.duration, flat.rms, flat.delay) == (0.0, 0.0, 0.0, pytest.approx(-1e-3))
     assert (flat.blow, flat.time, flat.base_peak, flat.ratio) == (1, blow.begin, -3.0, 0.0)
-    assert (flat.begin, flat.modes, flat.zero, flat.decay) == (blow.begin, (), 0.7, (blow.begin, blow.begin))
+    assert (flat.begin, flat.modes, flat.zero, flat.decay) == (
+        blow.begin,
+        (),
+        0.7,
+        response.FreeDecay(blow.begin, blow.begin),
+    )
     assert response._measure(2, np.zeros(99), 1e-5, 3.0, blow, True).zero == 0.0
 
 

@@ -1,5 +1,7 @@
 """The fit of a smooth pulse: against pulses that are known, an independent solver, and differences of its own squares."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -123,7 +125,7 @@ def test_uncertainty_of_the_fit_is_that_of_normal_equations(true):
     inverse = np.linalg.inv(np.array(columns) @ np.array(columns).T)
     expected = noise * np.sqrt(np.diag(np.array(slopes).T @ inverse @ np.array(slopes)))
     # where a pulse begins within a sample of the changed one, derivatives differ by what bends: 1 %
-    assert np.array(true.uncertainty(step, noise)) == pytest.approx(expected, rel=0.01)
+    assert np.array(dataclasses.astuple(true.uncertainty(step, noise))) == pytest.approx(expected, rel=0.01)
 
 
 def test_a_long_stretch_is_averaged_before_it_is_fitted():

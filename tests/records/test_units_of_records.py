@@ -121,7 +121,7 @@ def test_modes_follow_their_units():
     assert len(one) == len(other) == 2
     for a, b in zip(one, other, strict=True):
         expected = (512.0 * a.frequency, a.damping, 2.0**-20 * a.amplitude, 512.0 * a.frequency_uncertainty)
-        assert b == pytest.approx((*expected, a.damping_uncertainty), rel=1e-6)
+        assert dataclasses.astuple(b) == pytest.approx((*expected, a.damping_uncertainty), rel=1e-6)
         assert b.decay_time == pytest.approx(a.decay_time / 512.0, rel=1e-6)
 
 

@@ -215,7 +215,7 @@ def test_a_unit_that_all_rows_share_stands_in_the_head():
 
 def test_a_unit_that_rows_do_not_share_stands_beside_each_number():
     mixed = Channels((), 1.0, values=(Typed("a", 2.0 * G, "m/s^2", "g"), Typed("b", 3.0, "N", "kN"), Typed("c", 4.0)))
-    assert shown_table(mixed) == (["channel", "value"], [["a", "2 g"], ["b", "0.003 kN"], ["c", "4"]])
+    assert shown_table(mixed) == (["channel", "value"], [["a", "2 g"], ["b", "0.003 kN"], ["c", "4 (no unit)"]])
     assert mixed.columns()[1].si == ""
     assert mixed.document()["units"]["value"] == "as the channel"
     assert [text for _, text in mixed.highlights()][1:] == ["2 g", "0.003 kN", "4"]

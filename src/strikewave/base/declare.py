@@ -104,10 +104,11 @@ class Declaration:
     in_document : bool
         Whether the JSON document holds it; a word that it does not hold stands in tables and nowhere else.
     optional : bool
-        Whether the document leaves the key out where there is nothing (None), instead of saying null; of a part whose
-        keys stand among those around it all of them.
+        Whether the document leaves the key out where there is nothing (None), instead of saying null, and of a part
+        whose keys stand among those around it all of them; and a table for Python and files its column, where no row
+        has anything.
     inline : bool
-        Whether the keys of a part, or of numbers by their names, stand among those around it.
+        Whether the keys of a part, or of parts or numbers by their names, stand among those around it.
     of : type, optional
         Declared class of a part, of rows, of named parts.
     label : str
@@ -325,17 +326,17 @@ def _within(one: Declaration, value: Any) -> Any:
 def keys(kind: type, path: str = "", apart: Container[type | None] = ()) -> Iterator[tuple[str, Declaration]]:
     """Yield path and declaration of each key of a document: ``[]`` is each row of a list, ``*`` any name.
 
-    What lies within the classes ``apart`` is left out.
+    What lies within the classes ``apart`` is left out, unless its keys stand among those around it.
     """
     for name, one in declarations(kind).items():
         if not one.in_document:
             continue
-        here = path if one.inline else f"{path}{one.key or name}"
-        if not one.inline or one.of is None:
-            yield f"{here}*" if one.inline else here, one
-        if one.of is not None and one.of not in apart:
-            by_name = f"{path}*." if one.kind == "named" else path
-            yield from keys(one.of, by_name if one.inline else f"{here}{PLACES[one.kind]}.", apart)
+        is_part = one.inline and one.kind == "part"
+        here = path if is_part else f"{path}*" if one.inline else f"{path}{one.key or name}"
+        if not is_part and (not one.inline or one.of is None or one.of in apart):
+            yield here, one
+        if one.of is not None and (is_part or one.of not in apart):
+            yield from keys(one.of, here if is_part else f"{here}{'' if one.inline else PLACES[one.kind]}.", apart)
 
 
 @functools.cache

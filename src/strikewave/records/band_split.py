@@ -17,12 +17,14 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.percents import percent
+from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, OF_CHANNEL, RATIO
 from strikewave.records.ringing import LOWEST_RATIO, RINGS_WITHIN, Stretch, spectrum_after, swings_after
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.signal.filters import Filter
@@ -68,57 +70,41 @@ UNKNOWN = 0.1
 (95 %) is no measurement of a shock, whose usual tolerance is 15 or 20 %."""
 
 
-class BandSplit(NamedTuple):
-    """A blow split by a low-pass into its rigid part and its wave part.
+@declare.dataclass
+class BandSplit:
+    """A blow split by a low-pass into its rigid part and its wave part."""
 
-    Attributes
-    ----------
-    cutoff : float
-        Of the zero-phase low-pass, -3 dB, Hz.
-    lowest_mode : float
-        Frequency of the lowest mode of the wave part, Hz.
-    peak : float
-        Of the rigid part, the loss corrected, in the unit of the record, with its sign.
-    width : float
-        Of the rigid part at 10 % of its peak, s.
-    peak_uncertainty : float
-        Standard uncertainty of that peak.
-    width_uncertainty : float
-        Standard uncertainty of that width, s.
-    loss : float
-        What the filter takes off the peak of a pulse as wide, over it: the mean of the family.
-    loss_uncertainty : float
-        What is not known of the peak by how the family disagrees, over it.
-    leak : float
-        What is not known of the peak by what the filter leaves of the wave part, over it.
-    elastic : float
-        What is not known of the peak by what the lowest mode does in the pulse's own band, over it.
-    widening : float
-        What the filter adds to the width of a pulse, over it.
-    wave_energy : float
-        Integral of the square of the wave part (what the filter takes off the record, less what it takes off the pulse)
-        over that of the record, from the begin of the blow on.
-    """
+    cutoff: float = declare.number(FREQUENCY, "of the zero-phase low-pass, -3 dB")
+    lowest_mode: float = declare.number(FREQUENCY, "frequency of the lowest mode of the wave part")
+    peak: float = declare.number(OF_CHANNEL, "of the rigid part, the loss corrected, with its sign")
+    width: float = declare.number(MICROSECONDS, "of the rigid part at 10 % of its peak")
+    peak_uncertainty: float = declare.number(OF_CHANNEL, "standard uncertainty of that peak")
+    width_uncertainty: float = declare.number(MICROSECONDS, "standard uncertainty of that width")
+    loss: float = declare.number(
+        RATIO, "what the filter takes off the peak of a pulse as wide, over it: the mean of the family"
+    )
+    loss_uncertainty: float = declare.number(
+        RATIO, "what is not known of the peak by how the family disagrees, over it"
+    )
+    leak: float = declare.number(
+        RATIO, "what is not known of the peak by what the filter leaves of the wave part, over it"
+    )
+    elastic: float = declare.number(
+        RATIO, "what is not known of the peak by what the lowest mode does in the pulse's own band, over it"
+    )
+    widening: float = declare.number(RATIO, "what the filter adds to the width of a pulse, over it")
+    wave_energy: float = declare.number(
+        RATIO,
+        "integral of the square of the wave part (what the filter takes off the record, less what it takes off the "
+        "pulse) over that of the record, from the begin of the blow on",
+    )
 
-    cutoff: float
-    lowest_mode: float
-    peak: float
-    width: float
-    peak_uncertainty: float
-    width_uncertainty: float
-    loss: float
-    loss_uncertainty: float
-    leak: float
-    elastic: float
-    widening: float
-    wave_energy: float
-
-    @property
+    @declare.computed(declare.word("whether the low-pass separates pulse and ringing"))
     def separable(self) -> bool:
         """Whether the bands lie so far apart that the rigid part can be separated."""
         return self.peak_uncertainty <= UNKNOWN * abs(self.peak)
 
-    @property
+    @declare.computed(declare.word("why it does not"))
     def reason(self) -> str:
         """Why it cannot be separated; empty where it can."""
         if self.separable:
@@ -133,7 +119,7 @@ class BandSplit(NamedTuple):
 
     def signed(self, sign: float) -> BandSplit:
         """Return the split of a blow turned round for a sign of -1."""
-        return self._replace(peak=sign * self.peak)
+        return replace(self, peak=sign * self.peak)
 
 
 def split_bands(stretch: Stretch, frequency: float) -> BandSplit | None:

@@ -6,11 +6,13 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from strikewave.base import declare
+from strikewave.base.declare import NOT_MEASURED
+from strikewave.base.shock_quantities import RATIO
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.record import Array
 from strikewave.records.robust import median_line, spread_of
@@ -24,55 +26,37 @@ CONFIDENCE = 0.95
 """Of all bounds; chosen: as is usual in test reports."""
 
 
-class Statistic(NamedTuple):
-    """Mean and scatter of a figure; NaN where there are too few values.
+@declare.dataclass
+class Statistic:
+    """Mean and scatter of a figure; NaN where there are too few values."""
 
-    Attributes
-    ----------
-    mean : float
-        In the unit of the figure.
-    cv : float
-        Standard deviation over the size of the mean.
-    low, high : float
-        Bounds of the mean at 95 % (Student's t).
-    n : int
-        Values that went in.
-    cv_low, cv_high : float
-        Bounds of the scatter at 95 %.
-    median : float
-        Of the same values as the mean.
-    robust_cv : float
-        Scatter from the median of the deviations, over the size of the median: half of the values do not bend it.
-    """
-
-    mean: float
-    cv: float
-    low: float
-    high: float
-    n: int
-    cv_low: float = math.nan
-    cv_high: float = math.nan
-    median: float = math.nan
-    robust_cv: float = math.nan
+    mean: float = declare.number(NOT_MEASURED, "in the unit of the figure")
+    cv: float = declare.number(RATIO, "standard deviation over the size of the mean")
+    low: float = declare.number(NOT_MEASURED, "lower bound of the mean at 95 % (Student's t)")
+    high: float = declare.number(NOT_MEASURED, "upper bound of the mean")
+    n: int = declare.count("values that went in")
+    cv_low: float = declare.number(RATIO, "lower bound of the scatter at 95 %", default=math.nan)
+    cv_high: float = declare.number(RATIO, "upper bound of the scatter", default=math.nan)
+    median: float = declare.number(NOT_MEASURED, "of the same values as the mean", default=math.nan)
+    robust_cv: float = declare.number(
+        RATIO,
+        "scatter from the median of the deviations, over the size of the median: half of the values do not bend it",
+        default=math.nan,
+    )
 
 
-class Trend(NamedTuple):
-    """Straight line through a figure over the files, which single files do not bend.
+@declare.dataclass
+class Trend:
+    """Straight line through a figure over the files, which single files do not bend."""
 
-    Attributes
-    ----------
-    slope : float
-        Change a file, in the unit of the figure: the median of the slopes between all files.
-    low, high : float
-        Its bounds at 95 %, of Kendall's rank correlation; NaN below five files.
-    change : float
-        From the first file to the last along the line, over the size of the median.
-    """
-
-    slope: float
-    low: float
-    high: float
-    change: float
+    slope: float = declare.number(
+        NOT_MEASURED, "change a file, in the unit of the figure: the median of the slopes between all files"
+    )
+    low: float = declare.number(
+        NOT_MEASURED, "its lower bound at 95 %, of Kendall's rank correlation; null below five files"
+    )
+    high: float = declare.number(NOT_MEASURED, "its upper bound")
+    change: float = declare.number(RATIO, "from the first file to the last along the line, over the size of the median")
 
     @property
     def significant(self) -> bool:
@@ -80,32 +64,19 @@ class Trend(NamedTuple):
         return math.isfinite(self.low) and not self.low <= 0.0 <= self.high
 
 
-class Outlier(NamedTuple):
-    """A figure of a file that disagrees with those of the others and is left out.
+@declare.dataclass
+class Outlier:
+    """A figure of a file that disagrees with those of the others and is left out."""
 
-    Attributes
-    ----------
-    path : str
-        The file.
-    figure : str
-        One of `SUMMED`.
-    value : float
-        Its mean over the blows of the file.
-    ratio : float
-        Over the median of the others.
-    reason : str
-        What was found.
-    mean_with, cv_with : float
-        What mean and scatter would be with this file, the others that are left out still left out.
-    """
-
-    path: str
-    figure: str
-    value: float
-    ratio: float
-    reason: str
-    mean_with: float
-    cv_with: float
+    path: str = declare.word("the file", key="file")
+    figure: str = declare.word("which figure")
+    value: float = declare.number(NOT_MEASURED, "its mean over the blows of the file")
+    ratio: float = declare.number(RATIO, "over the median of the others")
+    reason: str = declare.word("what was found")
+    mean_with: float = declare.number(
+        NOT_MEASURED, "what the mean would be with this file, the others that are left out still left out"
+    )
+    cv_with: float = declare.number(RATIO, "what the scatter would be")
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import field
+from math import nan
 
+from strikewave.base import declare
+from strikewave.base.declare import NOT_MEASURED
 from strikewave.base.result import INFO, WARNING, Notice
 
 STATUSES = ("good", "suspect", "bad")
@@ -20,47 +22,32 @@ NO_EFFECT = 0.0005
 """Effects below which they are not worth a word."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class HealthNotice:
-    """What was found on a record: how bad it is, which figures it harms, and where.
+    """What was found on a record: how bad it is, which figures it harms, and where."""
 
-    Attributes
-    ----------
-    code : str
-        Short name, such as ``clipped``.
-    message : str
-        What, where and how much.
-    value : float
-        The number that raised it, SI; NaN where there is none.
-    severity : str
-        ``good`` (worth knowing), ``suspect`` (some figures are harmed) or ``bad`` (nothing should be averaged).
-    harms : tuple of str
-        Names of `FIGURES` that are not to be trusted.
-    start, end : float
-        Where in time, s; NaN where it is the whole record.
-    effects : tuple of (str, float)
-        By how much of itself it may falsify a figure, estimated from the record: signed where it is known which way.
-    """
-
-    code: str
-    message: str
-    value: float = float("nan")
-    severity: str = "suspect"
-    harms: tuple[str, ...] = ()
-    start: float = float("nan")
-    end: float = float("nan")
-    effects: tuple[tuple[str, float], ...] = ()
+    code: str = declare.word("short name, such as clipped")
+    message: str = declare.word("what, where and how much")
+    value: float = declare.number(NOT_MEASURED, "the number that raised it, SI; null where there is none", default=nan)
+    severity: str = declare.word(
+        "good, worth knowing; suspect, some figures are harmed; bad, nothing should be averaged", default="suspect"
+    )
+    harms: tuple[str, ...] = declare.word("figures that are not to be trusted", default=())
+    start: float = declare.number(NOT_MEASURED, "where in time, s; null where it is the whole record", default=nan)
+    end: float = declare.number(NOT_MEASURED, "until when", default=nan)
+    effects: tuple[tuple[str, float], ...] = field(default=())
 
     @property
     def notice(self) -> Notice:
         """The notice of a result that takes its numbers from the record."""
         return Notice(self.code, self.message, self.value, severity=INFO if self.severity == "good" else WARNING)
 
-    def health_document(self) -> dict[str, Any]:
-        """Return the row of the JSON document under ``health``."""
-        words = {"code": self.code, "message": self.message, "value": self.value, "severity": self.severity}
-        where = {"harms": list(self.harms), "start": self.start, "end": self.end}
-        return {**words, **where, "effects": dict(self.effects)}
+    @declare.computed(
+        declare.word("by how much of itself it may falsify a figure; signed where it is known which way", key="effects")
+    )
+    def effect_by_figure(self) -> dict[str, float]:
+        """The effects, by the names of their figures."""
+        return dict(self.effects)
 
 
 def worst(notices: Iterable[HealthNotice]) -> str:

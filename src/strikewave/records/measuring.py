@@ -15,6 +15,17 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, Quantity
+from strikewave.base.shock_quantities import (
+    MICROSECONDS,
+    OF_CHANNEL,
+    OF_INTEGRAL,
+    PULSE_WIDTH,
+    RATIO,
+    RISE_TIME,
+    SECONDS,
+)
 from strikewave.records.band_split import BandSplit, split_bands
 from strikewave.records.baseline import LocalBaseline, baseline_before, noise_before
 from strikewave.records.health_notice import HARMED
@@ -22,7 +33,7 @@ from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
 from strikewave.records.read_off import LONGEST, ReadPulse, Surroundings, read_pulse
 from strikewave.records.rigid_pulse import RigidPulse, rigid_pulse
 from strikewave.records.ringing import RINGS_WITHIN, Stretch, ringing_of
-from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse, fit_smooth_pulse
+from strikewave.records.smooth_pulse import BUDGETED, PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import SmoothingWindow
 from strikewave.records.trains import Contacts, sort_contacts
 from strikewave.signal.pulse import FOOT, WIDTH_FRACTION, area_between, crossing
@@ -62,61 +73,29 @@ NO_BASELINE, NOT_KNOWN = LocalBaseline(math.nan), PulseUncertainty()
 """Of a pulse that was not measured in a record."""
 
 
-class Rebound(NamedTuple):
-    """A contact that belongs to a blow: smaller than it, and as late after each, or near.
+@declare.dataclass
+class Rebound:
+    """A contact that belongs to a blow: smaller than it, and as late after each, or near."""
 
-    Attributes
-    ----------
-    time : float
-        Time of its peak, s.
-    peak : float
-        Largest value above the baseline, with its sign.
-    velocity_change : float
-        Integral from foot to foot, in the unit of the record times s.
-    """
-
-    time: float
-    peak: float
-    velocity_change: float
+    time: float = declare.number(SECONDS, "time of its peak")
+    peak: float = declare.number(OF_CHANNEL, "largest value above the baseline, with its sign")
+    velocity_change: float = declare.number(OF_INTEGRAL, "integral from foot to foot")
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class RecordedPulse:
     """One blow in a record, in the unit of the record and seconds.
 
+    Beside what documents have:
+
     Attributes
     ----------
-    time : float
-        Time of the peak, s.
-    peak : float
-        Largest value above the baseline, with its sign.
-    rise : float
-        Time from 10 to 90 % of the peak, s; NaN where the record is cut.
-    width : float
-        Time above 10 % of the peak, s; NaN alike.
-    velocity_change : float
-        Integral from foot to foot, where 2 % of the peak is left, in the unit of the record times s; of the smooth
-        pulse where the record does not come back to that.
-    ringing_frequency : float
-        Of what swings after the pulse, Hz; NaN where nothing stands out.
-    offset : float
-        The baseline before the pulse.
-    noise : float
-        Standard deviation of a single sample.
     smooth : SmoothPulse
         The smooth pulse that fits best; see its misfit. Strong ringing bends it.
-    method : str
-        ``record`` where the figures are read off the record, ``fit`` where noise hides a tenth of the peak.
-    begin : float
-        Time of the first foot, s.
-    end : float
-        Time of the last foot, s.
     baseline : LocalBaseline
         The baseline before the pulse, its slope, and what noise does to it.
     uncertainty : PulseUncertainty
         Of peak, width and velocity change, by what lies before the blow.
-    rebounds : tuple of Rebound
-        Smaller contacts that belong to the blow.
     rigid : RigidPulse or None
         The pulse without its ringing, fitted together with it; None where nothing rings, or no model of it fits.
     split : BandSplit or None
@@ -126,24 +105,88 @@ class RecordedPulse:
         Time between samples, s.
     """
 
-    time: float
-    peak: float
-    rise: float
-    width: float
-    velocity_change: float
-    ringing_frequency: float
-    offset: float
-    noise: float
+    time: float = declare.number(SECONDS, "time of the peak", column=KEY)
+    peak: float = declare.number(OF_CHANNEL, "largest value above the baseline, with its sign", column=MAIN)
+    rise: float = declare.number(RISE_TIME, "from 10 to 90 % of the peak; null where the record is cut")
+    width: float = declare.number(PULSE_WIDTH, "above 10 % of the peak; null where the record is cut", column=MAIN)
+    velocity_change: float = declare.number(
+        OF_INTEGRAL,
+        "integral from foot to foot, where 2 % of the peak is left; of the smooth pulse where the record does not come "
+        "back to that",
+        column=MAIN,
+    )
+    ringing_frequency: float = declare.number(
+        Quantity("Hz", "kHz"), "of what swings after the pulse; null where nothing stands out"
+    )
+    offset: float = declare.number(OF_CHANNEL, "baseline before the pulse")
+    noise: float = declare.number(OF_CHANNEL, "standard deviation of a single sample")
     smooth: SmoothPulse
-    method: str
-    begin: float
-    end: float
+    method: str = declare.word("record, read off the record; fit, where noise hides a tenth of the peak")
+    begin: float = declare.number(SECONDS, "first foot")
+    end: float = declare.number(SECONDS, "last foot")
     baseline: LocalBaseline = NO_BASELINE
     uncertainty: PulseUncertainty = NOT_KNOWN
     rebounds: tuple[Rebound, ...] = ()
     rigid: RigidPulse | None = None
     split: BandSplit | None = None
     step: float = math.nan
+
+    @declare.computed(declare.number(OF_CHANNEL, "peak of the smooth pulse that fits best"))
+    def smooth_peak(self) -> float:
+        """Peak of the smooth pulse."""
+        return self.smooth.peak
+
+    @declare.computed(declare.number(MICROSECONDS, "its width"))
+    def smooth_width(self) -> float:
+        """Width of the smooth pulse."""
+        return self.smooth.width()
+
+    @declare.computed(declare.number(RATIO, "what it leaves of the pulse, over the peak"))
+    def smooth_misfit(self) -> float:
+        """What the smooth pulse leaves of the blow."""
+        return self.smooth.misfit
+
+    @declare.computed(declare.part(PulseUncertainty, "by noise and baseline", inline=True))
+    def uncertainties(self) -> PulseUncertainty:
+        """The uncertainties by what lies before the blow, among the figures."""
+        return self.uncertainty
+
+    @declare.computed(declare.number(OF_CHANNEL, "peak without the ringing, fitted together with it"))
+    def rigid_peak(self) -> float:
+        """Peak without ringing; NaN where none was fitted."""
+        return math.nan if self.rigid is None else self.rigid.peak
+
+    @declare.computed(declare.number(MICROSECONDS, "width without the ringing"))
+    def rigid_width(self) -> float:
+        """Width without ringing, s; NaN where none was fitted."""
+        return math.nan if self.rigid is None else self.rigid.width
+
+    @declare.computed(declare.number(OF_INTEGRAL, "velocity change without the ringing"))
+    def rigid_velocity_change(self) -> float:
+        """Velocity change without ringing; NaN where none was fitted."""
+        return math.nan if self.rigid is None else self.rigid.velocity_change
+
+    @declare.computed(declare.number(OF_CHANNEL, "standard uncertainty of that peak"))
+    def rigid_peak_uncertainty(self) -> float:
+        """Standard uncertainty of the peak without ringing."""
+        return math.nan if self.rigid is None else self.rigid.peak_uncertainty
+
+    @declare.computed(declare.number(MICROSECONDS, "of that width"))
+    def rigid_width_uncertainty(self) -> float:
+        """Standard uncertainty of the width without ringing."""
+        return math.nan if self.rigid is None else self.rigid.width_uncertainty
+
+    @declare.computed(declare.number(OF_INTEGRAL, "of that velocity change"))
+    def rigid_velocity_change_uncertainty(self) -> float:
+        """Standard uncertainty of the velocity change without ringing."""
+        return math.nan if self.rigid is None else self.rigid.velocity_change_uncertainty
+
+    @declare.computed(
+        declare.rows(Rebound, "smaller contacts that belong to the blow: time, peak, velocity change", key="rebounds")
+    )
+    def rebound_rows(self) -> tuple[Rebound, ...]:
+        """The rebounds, last among the figures."""
+        return self.rebounds
 
     def area_uncertainty(self, duration: float) -> float:
         """Return the standard uncertainty of the integral over a duration, s, about the blow, by what lies before it.
@@ -173,20 +216,10 @@ class RecordedPulse:
         return abs(self.rigid.peak - self.split.peak) / doubt
 
     @property
-    def rigid_peak(self) -> float:
-        """Peak without ringing; NaN where none was fitted."""
-        return math.nan if self.rigid is None else self.rigid.peak
-
-    @property
-    def rigid_width(self) -> float:
-        """Width without ringing, s; NaN where none was fitted."""
-        return math.nan if self.rigid is None else self.rigid.width
-
-    @property
     def differs_without_ringing(self) -> bool:
         """Whether peak, width or velocity change without ringing differ by more than `HARMED`."""
         rigid = self.rigid
-        names = () if rigid is None else PulseUncertainty._fields
+        names = () if rigid is None else BUDGETED
         return _differ([(getattr(self, name), getattr(rigid, name)) for name in names])
 
     @property
@@ -326,7 +359,7 @@ def _owned(contacts: Sequence[tuple[RecordedPulse, bool]]) -> list[RecordedPulse
     return [
         replace(
             pulses[k],
-            rebounds=tuple(sorted(rebounds.get(k, ()))),
+            rebounds=tuple(sorted(rebounds.get(k, ()), key=lambda rebound: rebound.time)),
             ringing_frequency=math.nan if k in disturbed else pulses[k].ringing_frequency,
         )
         for k in kinds.blows

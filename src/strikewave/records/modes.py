@@ -14,10 +14,12 @@ matrix, Econometrica 55 (1987) 703-708.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+
+from strikewave.base import declare
+from strikewave.base.shock_quantities import FREQUENCY, MILLISECONDS, OF_CHANNEL, RATIO
 
 Array = NDArray[np.float64]
 
@@ -53,28 +55,17 @@ ROUNDS = 4
 """Times that what a fit has taken of the noise is put back into what it leaves: it then changes by less than 1 %."""
 
 
-class Mode(NamedTuple):
-    """A decaying swing.
+@declare.dataclass
+class Mode:
+    """A decaying swing."""
 
-    Attributes
-    ----------
-    frequency : float
-        Of the swing as it decays, Hz.
-    damping : float
-        Damping ratio.
-    amplitude : float
-        At the begin of the stretch.
-    frequency_uncertainty, damping_uncertainty : float
-        Standard uncertainties.
-    """
+    frequency: float = declare.number(FREQUENCY, "of the swing as it decays")
+    damping: float = declare.number(RATIO, "damping ratio")
+    amplitude: float = declare.number(OF_CHANNEL, "at the begin of the stretch")
+    frequency_uncertainty: float = declare.number(FREQUENCY, "standard uncertainty of the frequency")
+    damping_uncertainty: float = declare.number(RATIO, "standard uncertainty of the damping ratio")
 
-    frequency: float
-    damping: float
-    amplitude: float
-    frequency_uncertainty: float
-    damping_uncertainty: float
-
-    @property
+    @declare.computed(declare.number(MILLISECONDS, "time in which the swing falls to 1/e"))
     def decay_time(self) -> float:
         """Time in which the swing falls to 1/e, s."""
         return math.sqrt(1.0 - self.damping**2) / (2.0 * math.pi * self.frequency * self.damping)

@@ -9,11 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN
+from strikewave.base.shock_quantities import MILLISECONDS, OF_CHANNEL, RATIO, SECONDS
 from strikewave.records.modes import FEWEST, Mode, decaying_modes
 
 Array = NDArray[np.float64]
@@ -39,45 +43,36 @@ class BaseBlow(NamedTuple):
     peak: float
 
 
-class MeasuredResponse(NamedTuple):
-    """What a channel does after a blow of another one, until the next blow or the end of the record.
+@declare.dataclass
+class FreeDecay:
+    """The stretch in which a response swings freely."""
 
-    Attributes
-    ----------
-    blow : int
-        Number of the blow of the base, from 1.
-    peak : float
-        Absolute maximum above the zero before the first blow, with its sign.
-    time, delay : float
-        When, s; and how long after the peak of the base.
-    base_peak : float
-        That of the base, in the unit of the base.
-    ratio : float
-        Magnitude of the peak over that of the base; NaN where their units differ.
-    begin, duration : float
-        Effective duration, s: from the first to the last time above a third of the peak magnitude.
-    rms : float
-        Root mean square over the effective duration.
-    modes : tuple of Mode
-        The strongest of the free decay, that with the most energy first; amplitudes at its begin.
-    zero : float
-        What all this is counted from.
-    decay : tuple of float
-        Begin and end of the free decay, s.
-    """
+    begin: float = declare.number(SECONDS, "begin of the free decay")
+    end: float = declare.number(SECONDS, "its end")
 
-    blow: int
-    peak: float
-    time: float
-    delay: float
-    base_peak: float
-    ratio: float
-    begin: float
-    duration: float
-    rms: float
-    modes: tuple[Mode, ...]
-    zero: float
-    decay: tuple[float, float]
+
+@declare.dataclass
+class MeasuredResponse:
+    """What a channel does after a blow of another one, until the next blow or the end of the record."""
+
+    blow: int = declare.count("number of the blow of the base, from 1", column=KEY)
+    peak: float = declare.number(
+        OF_CHANNEL, "absolute maximum above the zero before the first blow, with its sign", column=MAIN
+    )
+    time: float = declare.number(SECONDS, "when")
+    delay: float = declare.number(MILLISECONDS, "how long after the peak of the base")
+    base_peak: float = declare.number(OF_CHANNEL, "that of the base, in the unit of the base")
+    ratio: float = declare.number(RATIO, "magnitude of the peak over that of the base; null where their units differ")
+    begin: float = declare.number(SECONDS, "begin of the effective duration")
+    duration: float = declare.number(
+        MILLISECONDS, "effective duration: from the first to the last time above a third of the peak magnitude"
+    )
+    rms: float = declare.number(OF_CHANNEL, "root mean square over the effective duration")
+    modes: tuple[Mode, ...] = declare.rows(
+        Mode, "the strongest of the free decay, that with the most energy first; amplitudes at its begin"
+    )
+    zero: float = declare.number(OF_CHANNEL, "what all this is counted from")
+    decay: FreeDecay = declare.part(FreeDecay, "the free decay")
 
     def figure(self, name: str) -> float:
         """Return a figure: the peak by its magnitude, frequency and damping of the strongest mode; NaN for none."""
@@ -161,7 +156,7 @@ def measure_responses(
     zero = zero_before(values, places[0]) if places else 0.0
     ends = [*places[1:], values.size]
     return tuple(
-        _measure(number, values[place:end] - zero, step, start + place * step, blow, same_unit)._replace(zero=zero)
+        replace(_measure(number, values[place:end] - zero, step, start + place * step, blow, same_unit), zero=zero)
         for number, (blow, place, end) in enumerate(zip(blows, places, ends, strict=True), 1)
         if end - place >= FEWEST
     )
@@ -175,7 +170,8 @@ def _measure(number: int, above: Array, step: float, start: float, blow: BaseBlo
     ratio = abs(peak / blow.peak) if same_unit else math.nan
     if peak == 0.0:
         at = blow.begin
-        return MeasuredResponse(number, 0.0, at, at - blow.time, blow.peak, ratio, at, 0.0, 0.0, (), 0.0, (at, at))
+        none = FreeDecay(at, at)
+        return MeasuredResponse(number, 0.0, at, at - blow.time, blow.peak, ratio, at, 0.0, 0.0, (), 0.0, none)
     first, last = effective_span(above)
     held = above[math.floor(first) : math.ceil(last) + 1]
     free = max(top, math.ceil((blow.end - start) / step))
@@ -192,7 +188,7 @@ def _measure(number: int, above: Array, step: float, start: float, blow: BaseBlo
         math.sqrt(float(np.mean(held**2))),
         decaying_modes(above[free:until], step),
         0.0,
-        (start + free * step, start + max(until - 1, free) * step),
+        FreeDecay(start + free * step, start + max(until - 1, free) * step),
     )
 
 

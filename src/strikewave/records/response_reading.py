@@ -78,7 +78,7 @@ def _response_without_coupling(
         return channel, [NOT_COUPLED]
     constant = seen[0] if isinstance(wanted, str) else float(wanted)
     last = examined.responses[-1]
-    values = last.zero + resting(examined.above, channel.step, constant, examined.place(last.decay[1]))
+    values = last.zero + resting(examined.above, channel.step, constant, examined.place(last.decay.end))
     message = (
         f"AC coupling of {1.0 / (2.0 * math.pi * constant):.4g}\xa0Hz (tau = {1e3 * constant:.4g}\xa0ms) was taken off"
     )

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.shock_quantities import MICROSECONDS, OF_CHANNEL, OF_INTEGRAL
 from strikewave.records._smooth_pulse_kernels import fit_pulse, unit_pulses
 
 if TYPE_CHECKING:
@@ -41,18 +43,21 @@ TOE_POINTS = 33
 """Points at which a toe is integrated: straight lines between them keep 0.1 % of it."""
 
 
-class PulseUncertainty(NamedTuple):
-    """Standard uncertainties of the figures of a blow, in their units; NaN where they are not known.
+@declare.dataclass
+class PulseUncertainty:
+    """Standard uncertainties of the figures of a blow by what lies beside it; NaN where they are not known."""
 
-    Attributes
-    ----------
-    peak, width, velocity_change : float
-        What noise, hum and drift beside the blow do to each.
-    """
+    peak: float = declare.number(
+        OF_CHANNEL, "standard uncertainty by noise and baseline", key="peak_uncertainty", default=math.nan
+    )
+    width: float = declare.number(MICROSECONDS, "the same of the width", key="width_uncertainty", default=math.nan)
+    velocity_change: float = declare.number(
+        OF_INTEGRAL, "the same of the velocity change", key="velocity_change_uncertainty", default=math.nan
+    )
 
-    peak: float = math.nan
-    width: float = math.nan
-    velocity_change: float = math.nan
+
+BUDGETED = tuple(declare.declarations(PulseUncertainty))
+"""Figures of a blow that have an uncertainty."""
 
 
 class SmoothPulse(NamedTuple):

@@ -118,7 +118,7 @@ def _columns(
             error = at(value, (*path[:-1], one.error)) if one.error else None
             if error is not None and LEAST_SHARE < error < math.inf:
                 return share_with_error(at(value, path), error).removesuffix(f" {PERCENT}")
-            if one.kind == "number" and quantity.given_by and not quantity.si:
+            if one.kind == "number" and quantity.given_by and quantity.given_by not in given:
                 return own_unit_cell(one, at(value, path), value)
             return cell_of(one, at(value, path), bands.get(one.band, ()), label, given)
 
@@ -163,7 +163,9 @@ def own_unit_cell(one: Declaration, value: Any, row: Any) -> str | None:
     """Return what a cell shows of a number whose unit is that of its row: both."""
     if value is None or value != value:
         return None
-    return _with_unit(one, value, None, getattr(row, "given_units", {}), one.quantity.digits)
+    given = getattr(row, "given_units", {})
+    text = _with_unit(one, value, None, given, one.quantity.digits)
+    return text if one.quantity.given_by in given else f"{text} (no unit)"
 
 
 def cell_of(
@@ -276,7 +278,7 @@ def data_columns(result: Result, name: str) -> list[Column]:
     """Return such rows as columns in SI for Python, CSV and workbooks: every single value, and those of named parts.
 
     A table is its columns. Words of a column that no document has are for faces alone, and what is a list in a row is
-    no column.
+    no column. A unit that the data decide is that of all rows, as far as they share it.
     """
     one = declarations(type(result))[name]
     if one.kind == "table":
@@ -284,13 +286,12 @@ def data_columns(result: Result, name: str) -> list[Column]:
     rows = [row.value for row in face_rows(result, name)]
     assert one.of is not None
     columns = [Column("name", [row.name for row in face_rows(result, name)])] if one.kind == "named" else []
-    columns += [
-        Column(
-            ".".join(_keys(one.of, path)), [at(row, path) for row in rows], leaf.quantity.within(result.given_units).si
-        )
-        for path, leaf in leaves(one.of)
-        if leaf.kind != "history" and (leaf.in_document or leaf.kind != "word" or leaf.column is None)
-    ]
+    given = shared_units(rows, result.given_units)
+    for path, leaf in leaves(one.of):
+        values = [at(row, path) for row in rows]
+        is_data = leaf.kind != "history" and (leaf.in_document or leaf.kind != "word" or leaf.column is None)
+        if is_data and not (leaf.optional and all(value is None for value in values)):
+            columns.append(Column(".".join(_keys(one.of, path)), values, leaf.quantity.within(given).si))
     columns = [one for one in columns if not any(isinstance(value, list | tuple | dict) for value in one.values)]
     for path, kind in _named(one.of):
         parts = [at(row, path) or {} for row in rows]
@@ -300,6 +301,13 @@ def data_columns(result: Result, name: str) -> list[Column]:
                     values = [at(by_name.get(called), inner) for by_name in parts]
                     columns.append(Column(f"{called} {inner[-1]}", values, leaf.quantity.si))
     return columns
+
+
+def shared_units(rows: Iterable[Any], given: GivenUnits) -> GivenUnits:
+    """Return the units given by a result, and those that rows give and share."""
+    pairs = {pair for row in rows for pair in getattr(row, "given_units", {}).items()}
+    named = [by for by, _ in pairs]
+    return {**{by: units for by, units in pairs if named.count(by) == 1}, **given}
 
 
 def _keys(kind: type, path: Path) -> list[str]:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.shock_quantities import MICROSECONDS, OF_CHANNEL, RATIO
 from strikewave.sensors.bandwidth import band
 from strikewave.sensors.chain import Reading, Recorder, Sensor, output, read
 from strikewave.signal.pulse import Pulse, measure_pulse
@@ -34,39 +35,30 @@ TAKES, RANGE, FULL_SCALE, RESONANCE, RECORDER, NOISE = (
 """Verdicts on a blow, in words."""
 
 
-class SensorTrial(NamedTuple):
-    """What a sensor leaves of one blow.
+@declare.dataclass
+class SensorTrial:
+    """What a sensor leaves of one blow."""
 
-    Attributes
-    ----------
-    peak : float
-        Of the motion, m/s^2, above zero.
-    peak_left : float
-        Peak of the reading over that of the motion, where the instants of the recorder leave it farthest off; 0 where
-        none of them falls into the blow.
-    width_left : float
-        The same of the width at 10 % of the own peak; NaN where it was not read.
-    range_used : float
-        Largest magnitude that the sensing element would put out without its range, over that range.
-    time_clipped : float
-        How long it is beyond its range, s.
-    ringing : float
-        How far that output departs from the motion of the surface at most, over the peak: its resonances, excited, and
-        the lag of a mounting.
-    noise_ringing : float
-        The same before the blow, where there is noise alone.
-    verdict : str
-        In words.
-    """
-
-    peak: float
-    peak_left: float
-    width_left: float
-    range_used: float
-    time_clipped: float
-    ringing: float
-    noise_ringing: float
-    verdict: str
+    peak: float = declare.number(OF_CHANNEL, "of the motion, above zero")
+    peak_left: float = declare.number(
+        RATIO,
+        "peak of the reading over that of the motion, where the instants of the recorder leave it farthest off; 0 "
+        "where none of them falls into the blow",
+    )
+    width_left: float = declare.number(
+        RATIO, "the same of the width at 10 % of the own peak; null where it was not read"
+    )
+    range_used: float = declare.number(
+        RATIO, "largest magnitude that the sensing element would put out without its range, over that range"
+    )
+    time_clipped: float = declare.number(MICROSECONDS, "how long it is beyond its range")
+    ringing: float = declare.number(
+        RATIO,
+        "how far that output departs from the motion of the surface at most, over the peak: its resonances, excited, "
+        "and the lag of a mounting",
+    )
+    noise_ringing: float = declare.number(RATIO, "the same before the blow, where there is noise alone")
+    verdict: str = declare.word("in words")
 
 
 def lowest_resonance(sensor: Sensor) -> float:

@@ -376,7 +376,7 @@ def shock_of(
     beside = {one.channel.name: np.interp(time, one.channel.time, one.channel.values) - one.baseline for one in across}
     values = {"peak": abs(pulse.peak), "velocity_change": abs(pulse.velocity_change), "width": pulse.width}
     window = (1.0 + sum(limits.window)) * limits.pulse.duration
-    noise = pulse.uncertainty._replace(velocity_change=pulse.area_uncertainty(window))
+    noise = replace(pulse.uncertainty, velocity_change=pulse.area_uncertainty(window))
     figures = {
         name: measured_figure(name, value, noise, known)
         for name, value in values.items()

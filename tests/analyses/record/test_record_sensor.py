@@ -67,7 +67,7 @@ def test_a_file_gives_mounting_recorder_and_its_own_numbers(shot):
     )
     found = sw.record(shot, sensor=Path("own.toml")).sensor
     assert [blow.trial.verdict for blow in found.blows][1:] == ["pulse too short for its recorder", "can take it"]
-    assert (found.stated.notices, found.called, found.document()["status"]) == ((), "own", "stated")
+    assert (found.stated.notices, found.called, found.row.status) == ((), "own", "stated")
     assert [notice.code for notice in found.notices] == ["sensor-trial", "sensor-beyond-band"]
     Path("soft.toml").write_text(
         '[[sensor]]\nname = "soft"\nrange = "50000 g"\nmass = "5 gram"\n'
@@ -75,8 +75,8 @@ def test_a_file_gives_mounting_recorder_and_its_own_numbers(shot):
     )
     found = sw.record(shot, sensor="soft.toml").sensor
     assert found.resonance < 5e3
-    [gasket] = found.document()["gaskets"]
-    assert (gasket["thickness"], found.document()["sensor_mass"]) == (3e-3, 5e-3)
+    [gasket] = found.row.gaskets
+    assert (gasket.thickness, found.row.sensor_mass) == (3e-3, 5e-3)
     assert {blow.trial.verdict for blow in found.blows} == {"pulse too short for its resonance"}
 
 

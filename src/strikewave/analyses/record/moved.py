@@ -4,16 +4,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import declarations
+from strikewave.base.shock_quantities import LENGTH, SECONDS, VELOCITY
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.columns import Column
 from strikewave.signal.motion import IntegratedMotion, motion
 
 Array = NDArray[np.float64]
+
+
+@declare.dataclass
+class MotionRow:
+    """Where a motion ends, and how well that is known."""
+
+    file: str = declare.word("measured file")
+    channel: str = declare.word("channel")
+    begin: float = declare.number(SECONDS, "first sample")
+    end: float = declare.number(SECONDS, "last sample")
+    velocity: float = declare.number(VELOCITY, "velocity at the end")
+    displacement: float = declare.number(LENGTH, "displacement at the end")
+    velocity_drift: float = declare.number(VELOCITY, "what is not known of that velocity")
+    displacement_drift: float = declare.number(LENGTH, "what is not known of that displacement")
+    lost: float = declare.number(SECONDS, "from when on the drift exceeds the displacement")
 
 
 class RecordMotion(NamedTuple):
@@ -41,10 +59,11 @@ class RecordMotion(NamedTuple):
         after = int(known[-1]) + 1 if known.size else 0
         return float(self.time[after]) if after < self.time.size else math.nan
 
-    def document(self) -> dict[str, Any]:
-        """Return where it ends, in SI."""
+    @property
+    def row(self) -> MotionRow:
+        """Where it ends."""
         ends = {name: float(values[-1]) for name, values in self.motion._asdict().items()}
-        return {"begin": float(self.time[0]), "end": float(self.time[-1]), **ends, "lost": self.lost}
+        return MotionRow(self.file, self.channel, float(self.time[0]), float(self.time[-1]), **ends, lost=self.lost)
 
 
 def moved(file: str, reading: ChannelReading) -> RecordMotion | None:
@@ -82,11 +101,7 @@ def motion_columns(found: Sequence[RecordMotion]) -> list[Column]:
         Column("channel", [one.channel for one in found for _ in one.time]),
         Column("time", np.concatenate([one.time for one in found]) if found else [], "s"),
     ]
-    for name, si in MOTION_UNITS.items():
+    for name in IntegratedMotion._fields:
         values: Array = np.concatenate([getattr(one.motion, name) for one in found] or [np.empty(0)])
-        columns.append(Column(name, values, si))
+        columns.append(Column(name, values, declarations(MotionRow)[name].quantity.si))
     return columns
-
-
-MOTION_UNITS = {"velocity": "m/s", "displacement": "m", "velocity_drift": "m/s", "displacement_drift": "m"}
-"""Histories of a motion, with their SI unit."""

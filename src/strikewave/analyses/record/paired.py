@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.analyses.record.rows import units_given
+from strikewave.base import declare
+from strikewave.base.declare import NO_UNIT, GivenUnits, declarations
 from strikewave.base.errors import InputError
+from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, OF_CHANNEL, RATIO
 from strikewave.records.measuring import FEWEST
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.two_sensors import PairedMotion, Transfer, paired_motion
@@ -23,21 +28,81 @@ SAME_STEP, SAME_START = 1e-6, 0.05
 up to which channels were sampled together."""
 NO_BLOW = "no-pulse"
 """Bad for a channel by itself; one that only swings is still compared with the one that is struck."""
-COPIED = ("delay", "delay_uncertainty", "gain", "gain_uncertainty", "explained", "peak_lag")
-DIFFERENTIAL = ("differential_peak", "differential_in_band", "differential_share")
-PAIR_UNITS = {
-    **dict.fromkeys(("delay", "delay_uncertainty", "peak_lag", "common_width"), "s"),
-    **dict.fromkeys(("gain", "gain_uncertainty", "explained", "differential_share", "coherence", "h1", "h2"), "1"),
-    **dict.fromkeys(("resolution", "trusted_from", "trusted_to", "alike_to"), "Hz"),
-    "phase": "rad",
-    "magnitude_uncertainty": "1",
-}
-"""SI unit of each figure of two sensors that does not depend on what they measure."""
-OF_CHANNEL = ("common_peak", "common_raw_peak", "common_uncertainty", *DIFFERENTIAL[:2])
-"""Figures in the unit of the channels."""
+COPIED = (
+    *("delay", "delay_uncertainty", "gain", "gain_uncertainty", "explained", "peak_lag", "common_uncertainty"),
+    *("differential_peak", "differential_in_band", "differential_share"),
+)
+"""Numbers of a row that are those of the motion itself."""
+CSV_LEAVES_OUT = ("first", "second", "reason", "blows")
+"""Words of a pair that its table of files does not have."""
 
 
-class RecordPair(NamedTuple):
+@declare.dataclass
+class TransferRow:
+    """A transfer function."""
+
+    averages: int = declare.count("blows that it is the mean of")
+    resolution: float = declare.number(FREQUENCY, "its resolution")
+    frequency: Array = declare.history("Hz", "frequencies")
+    h1: Array = declare.history(NO_UNIT, "magnitude, by the estimator that noise in the second bends least")
+    h2: Array = declare.history(NO_UNIT, "magnitude, by the estimator that noise in the first bends least")
+    phase: Array = declare.history("rad", "phase")
+    coherence: Array = declare.history(NO_UNIT, "coherence")
+    magnitude_uncertainty: Array = declare.history(NO_UNIT, "standard uncertainty of the magnitude")
+
+    @classmethod
+    def of(cls, one: Transfer) -> TransferRow:
+        """Return a transfer function in magnitude and phase."""
+        return cls(
+            one.averages,
+            one.resolution,
+            one.frequency,
+            np.abs(one.h1),
+            np.abs(one.h2),
+            np.angle(one.h1),
+            one.coherence,
+            one.uncertainty * np.abs(one.h1),
+        )
+
+
+@declare.dataclass
+class PairRow:
+    """Two channels of a file as two sensors on one object: what they do together, nothing where it is not known."""
+
+    file: str = declare.word("measured file")
+    first: str | None = declare.word("name of the first channel; null where there is none")
+    second: str | None = declare.word("name of the second channel")
+    one_body: str = declare.word("yes, no or cannot-tell")
+    reason: str = declare.word("why")
+    leads: str | None = declare.word("channel that is ahead; null for neither")
+    blows: int = declare.count("blows that delay, gain and transfer function are means of")
+    common_peak: float = declare.number(OF_CHANNEL, "peak of the common motion, without its ringing")
+    common_raw_peak: float = declare.number(OF_CHANNEL, "the same with its ringing")
+    common_width: float = declare.number(MICROSECONDS, "width of the common motion")
+    delay: float = declare.number(MICROSECONDS, "of the second after the first; null where it is no delayed copy")
+    delay_uncertainty: float = declare.number(MICROSECONDS, "its standard uncertainty")
+    gain: float = declare.number(RATIO, "second over first; null where it is no delayed copy")
+    gain_uncertainty: float = declare.number(RATIO, "its standard uncertainty")
+    explained: float = declare.number(RATIO, "share of the energy of the second that delay and gain explain")
+    peak_lag: float = declare.number(MICROSECONDS, "from the peak of the first to that of the second")
+    common_uncertainty: float = declare.number(OF_CHANNEL, "standard uncertainty of the common peak")
+    differential_peak: float = declare.number(OF_CHANNEL, "largest value of half the difference, with its sign")
+    differential_in_band: float = declare.number(OF_CHANNEL, "its largest magnitude in the band of the common pulse")
+    differential_share: float = declare.number(RATIO, "root mean square of the differential over that of the common")
+    trusted_from: float = declare.number(FREQUENCY, "from where the transfer function is trusted")
+    trusted_to: float = declare.number(FREQUENCY, "up to where")
+    alike_to: float = declare.number(FREQUENCY, "up to where both move alike")
+    transfer: TransferRow | None = declare.part(TransferRow, "null where no blow is long enough")
+    unit: str = ""
+
+    @property
+    def given_units(self) -> GivenUnits:
+        """Those of its channels."""
+        return units_given(self.unit)
+
+
+@dataclass(frozen=True)
+class RecordPair:
     """Two channels of a file, and what they do together; None where that cannot be compared, with the reason."""
 
     file: str
@@ -63,52 +128,31 @@ class RecordPair(NamedTuple):
         reading = (None, self.first, self.second)[ahead]
         return "" if reading is None else reading.channel.name
 
-    def figures(self) -> dict[str, float]:
-        """Return the figures in SI; NaN where there is none."""
-        found = self.found
-        names = (*COPIED, "common_uncertainty", *DIFFERENTIAL)
+    @functools.cached_property
+    def row(self) -> PairRow:
+        """Its figures in SI; NaN where there is none."""
+        found, nothing = self.found, math.nan
         common = None if found is None else found.common
         transfer = None if found is None else found.transfer
-        trusted = (math.nan, math.nan) if transfer is None else transfer.trusted
-        return {
-            "common_peak": math.nan if found is None else found.rigid_peak,
-            "common_raw_peak": math.nan if common is None else common.peak,
-            "common_width": math.nan if common is None else common.width,
-            **{name: math.nan if found is None else float(getattr(found, name)) for name in names},
-            "trusted_from": trusted[0],
-            "trusted_to": trusted[1],
-            "alike_to": math.nan if transfer is None else transfer.alike_to,
-        }
-
-    def document(self) -> dict[str, Any]:
-        """Return what the JSON document holds."""
-        pair = [None if one is None else one.channel.name for one in (self.first, self.second)]
-        transfer = None if self.found is None else self.found.transfer
-        return {
-            "file": self.file,
-            "first": pair[0],
-            "second": pair[1],
-            "one_body": self.one_body,
-            "reason": self.why,
-            "leads": self.leads or None,
-            "blows": 0 if self.found is None else self.found.blows,
-            **self.figures(),
-            "transfer": None if transfer is None else _transfer(transfer),
-        }
-
-
-def _transfer(one: Transfer) -> dict[str, Any]:
-    """Return a transfer function as lists."""
-    return {
-        "averages": one.averages,
-        "resolution": one.resolution,
-        "frequency": one.frequency.tolist(),
-        "h1": np.abs(one.h1).tolist(),
-        "h2": np.abs(one.h2).tolist(),
-        "phase": np.angle(one.h1).tolist(),
-        "coherence": one.coherence.tolist(),
-        "magnitude_uncertainty": (one.uncertainty * np.abs(one.h1)).tolist(),
-    }
+        trusted = (nothing, nothing) if transfer is None else transfer.trusted
+        return PairRow(
+            file=self.file,
+            first=None if self.first is None else self.first.channel.name,
+            second=None if self.second is None else self.second.channel.name,
+            one_body=self.one_body,
+            reason=self.why,
+            leads=self.leads or None,
+            blows=0 if found is None else found.blows,
+            common_peak=nothing if found is None else found.rigid_peak,
+            common_raw_peak=nothing if common is None else common.peak,
+            common_width=nothing if common is None else common.width,
+            **{name: nothing if found is None else float(getattr(found, name)) for name in COPIED},
+            trusted_from=trusted[0],
+            trusted_to=trusted[1],
+            alike_to=nothing if transfer is None else transfer.alike_to,
+            transfer=None if transfer is None else TransferRow.of(transfer),
+            unit="" if self.first is None else self.first.channel.unit,
+        )
 
 
 def read_pair(word: str, field: str = "--pair") -> tuple[str, str]:
@@ -188,31 +232,12 @@ def _not_together(first: ChannelReading, second: ChannelReading) -> str:
     return ""
 
 
-def pair_columns(pairs: Sequence[RecordPair]) -> list[Column]:
-    """Return the figures, a line a file."""
-    units = {one.first.channel.unit for one in pairs if one.first is not None}
-    unit = units.pop() if len(units) == 1 else ""
-    columns = [
-        Column("file", [one.file for one in pairs]),
-        Column("one_body", [one.one_body for one in pairs]),
-        Column("leads", [one.leads for one in pairs]),
-    ]
-    rows = [one.figures() for one in pairs]
-    for name in rows[0] if rows else ():
-        si = unit if name in OF_CHANNEL else PAIR_UNITS[name]
-        columns.append(Column(name, [row[name] for row in rows], si))
-    return columns
-
-
 def transfer_columns(pairs: Sequence[RecordPair]) -> list[Column]:
     """Return the transfer functions under one another, each line with its file."""
-    known = [(one.file, one.found.transfer) for one in pairs if one.found is not None and one.found.transfer]
-
-    def joined(name: str) -> Array:
-        parts = [np.asarray(_transfer(transfer)[name]) for _, transfer in known]
-        return np.concatenate(parts) if parts else np.empty(0)
-
+    known = [(one.file, one.row.transfer) for one in pairs if one.row.transfer is not None]
     columns = [Column("file", [file for file, transfer in known for _ in transfer.frequency])]
-    columns.append(Column("frequency", joined("frequency"), "Hz"))
-    names = ("h1", "h2", "phase", "coherence", "magnitude_uncertainty")
-    return columns + [Column(name, joined(name), PAIR_UNITS[name]) for name in names]
+    for name, one in declarations(TransferRow).items():
+        if one.kind == "history":
+            values = np.concatenate([getattr(transfer, name) for _, transfer in known] or [np.empty(0)])
+            columns.append(Column(name, values, one.quantity.si))
+    return columns

@@ -4,36 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
 
+from strikewave.analyses.record.rows import units_given
+from strikewave.base import declare
+from strikewave.base.declare import NO_UNIT, declarations
 from strikewave.records.campaign import Statistic, statistic
 from strikewave.records.health_notice import RESPONSE_FIGURES
-from strikewave.records.modes import MOST_MODES
+from strikewave.records.modes import MOST_MODES, Mode
 from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.records.response import MeasuredResponse
 from strikewave.reporting.columns import Column
 from strikewave.reporting.shown_units import shown_unit
 
 
-class ResponseSummary(NamedTuple):
-    """Figures of one response channel over all blows of all files.
+@declare.dataclass
+class ResponseSummary:
+    """Figures of one response channel over all blows of all files."""
 
-    Attributes
-    ----------
-    channel : str
-        Its name in the first file.
-    unit : str
-        Its SI unit.
-    statistics : dict
-        A `Statistic` for each figure that has a value; the peak by its magnitude, modes by the strongest.
-    """
-
-    channel: str
+    channel: str = declare.word("name of the response channel in the first file")
     unit: str
-    statistics: dict[str, Statistic]
-
-    def document(self) -> dict[str, Any]:
-        """Return the row of the JSON document."""
-        return {"channel": self.channel, **{name: value._asdict() for name, value in self.statistics.items()}}
+    statistics: dict[str, Statistic] = declare.named(
+        Statistic, "of each figure that has a value; the peak by its magnitude, modes by the strongest", inline=True
+    )
 
 
 def responding(files: Sequence[FileReading]) -> list[tuple[FileReading, ChannelReading]]:
@@ -92,14 +84,17 @@ def response_columns(files: Sequence[FileReading]) -> list[Column]:
         Column("harmed", [" ".join(harmed(file, reading)) for file, reading, _ in rows]),
         Column("blow", [one.blow for _, _, one in rows]),
     ]
-    for name, si in (("time", "s"), ("peak", only), ("ratio", ""), ("delay", "s"), ("duration", "s"), ("rms", only)):
-        columns.append(Column(name, [getattr(one, name) for _, _, one in rows], si))
+    for name in ("time", "peak", "ratio", "delay", "duration", "rms"):
+        columns.append(Column(name, [getattr(one, name) for _, _, one in rows], _si(MeasuredResponse, name, only)))
     for k in range(MOST_MODES):
         modes = [one.modes[k] if k < len(one.modes) else None for _, _, one in rows]
-        for name, si in (
-            *(("frequency", "Hz"), ("frequency_uncertainty", "Hz"), ("damping", ""), ("damping_uncertainty", "")),
-            *(("decay_time", "s"), ("amplitude", only)),
-        ):
+        for name in ("frequency", "frequency_uncertainty", "damping", "damping_uncertainty", "decay_time", "amplitude"):
             values = [None if mode is None else getattr(mode, name) for mode in modes]
-            columns.append(Column(f"mode_{k + 1}_{name}", values, si))
+            columns.append(Column(f"mode_{k + 1}_{name}", values, _si(Mode, name, only)))
     return columns
+
+
+def _si(kind: type, name: str, unit: str) -> str:
+    """Return the SI unit of a field of responses of a channel of a unit; none of a share."""
+    si = declarations(kind)[name].quantity.within(units_given(unit)).si
+    return "" if si == NO_UNIT != unit else si

@@ -4,43 +4,59 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from strikewave.analyses.record.chosen import advised_filter, sources_of
-from strikewave.analyses.record.document import campaign_row, file_row
-from strikewave.analyses.record.figure_units import INTEGRALS, OF_CHANNEL, OF_INTEGRAL, SENSOR_UNITS, units_of
-from strikewave.analyses.record.moved import MOTION_UNITS, RecordMotion, all_moved, motion_columns
-from strikewave.analyses.record.paired import OF_CHANNEL as PAIR_OF_CHANNEL
-from strikewave.analyses.record.paired import PAIR_UNITS, RecordPair, all_pairs, pair_columns, transfer_columns
-from strikewave.analyses.record.pulse_columns import pulse_columns
+from strikewave.analyses.record.moved import MotionRow, RecordMotion, all_moved, motion_columns
+from strikewave.analyses.record.paired import CSV_LEAVES_OUT, PairRow, RecordPair, all_pairs, transfer_columns
 from strikewave.analyses.record.responses import ResponseSummary, responding, response_columns, summaries
+from strikewave.analyses.record.rows import SHOWN, BlowRow, CampaignRow, FileRow, blow_rows, units_given
+from strikewave.analyses.record.sensor_trials import SensorRow, SensorTrials
 from strikewave.analyses.record.shock_columns import shock_columns
+from strikewave.base import declare
+from strikewave.base.declare import GivenUnits, declarations
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import FAILED, Notice
+from strikewave.base.shock_quantities import FREQUENCY, OF_CHANNEL, OF_INTEGRAL
+from strikewave.records.budget.contributions import Budget
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
+from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.faces import data_columns
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, history_curve, html_place
+from strikewave.reporting.shown_units import shown_unit
 from strikewave.signal.filters import Filter
+from strikewave.specifications.judged_records import RecordsVerdict
 
 if TYPE_CHECKING:
-    from strikewave.analyses.record.sensor_trials import SensorTrials
     from strikewave.cases.sensor_file import StatedSensor
     from strikewave.cases.stated_test import StatedTest
-    from strikewave.records.budget.contributions import Budget
-    from strikewave.specifications.judged_records import RecordsVerdict
 
 
-@dataclass(frozen=True)
+OWN = "as in the file"
+"""Stands for the unit of figures whose file does not say it."""
+MEANS_SHOWN = ("m/s^2", "s", "N", "m/s")
+"""SI units of figures whose means are key numbers."""
+
+
+@declare.dataclass
+class SpecifiedRecords:
+    """A verdict on records by a specification."""
+
+    verdict: RecordsVerdict = declare.part(RecordsVerdict, "the verdict", inline=True)
+    calibration_overdue: list[str] = declare.word("instruments whose calibration has run out by the date of the test")
+
+
+@declare.dataclass
 class RecordResult(AskedResult):
     """What measured records say, file by file and together; see `Result` for what it shares with others.
 
@@ -71,6 +87,7 @@ class RecordResult(AskedResult):
     """
 
     command: ClassVar[str] = "record"
+    main_rows: ClassVar[str] = "blows"
 
     readings: Sequence[FileReading]
     campaigns: Sequence[Campaign] = ()
@@ -158,80 +175,103 @@ class RecordResult(AskedResult):
         """How many files have which status; which checks failed, where some did."""
         return super().state if self.own_verdict.codes else ", ".join(counted(self.readings)) or super().state
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        units = units_of(self.readings)
-        more = {**MOTION_UNITS, "lost": "s"} if self.motion else {}
-        more |= {**PAIR_UNITS, **dict.fromkeys(PAIR_OF_CHANNEL, units["peak"])} if self.pair else {}
-        more |= {**dict.fromkeys(("standard", "expanded"), "as the figure"), "coverage": "1", "share": "1"}
-        more |= {} if self.sensor is None else SENSOR_UNITS
-        return {**units, **more}
+    @property
+    def unit(self) -> str:
+        """SI unit of all channels; empty where they differ in it, or it is not known."""
+        return next(iter(self._units)) if len(self._units) == 1 else ""
 
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        content = {
-            "files": [file_row(file, self.filter) for file in self.readings],
-            "campaign": campaign_row(self.campaigns[0]) if self.campaigns else {},
-            "advised_cutoff": None if (advised := advised_filter(self.readings)) is None else advised.cutoff,
-        }
-        if self.budget is not None:
-            content["budget"] = self.budget.document()
-        if self.motion:
-            content["motion"] = [{"file": one.file, "channel": one.channel, **one.document()} for one in self.motions]
-        if self.pair:
-            content["pairs"] = [one.document() for one in self.pairs]
-        if self.verdict is not None:
-            lapses = [] if self.performed is None else self.performed.lapses
-            content["spec"] = {**self.verdict.document(), "calibration_overdue": [one.instrument for one in lapses]}
-        if self.sensor is not None:
-            content["sensor"] = self.sensor.document()
-        if responding(self.readings):
-            content["response_summary"] = [one.document() for one in self.response_summaries]
-        if len(self.campaigns) > 1:
-            content["campaigns"] = [campaign_row(one) for one in self.campaigns]
-        return content
+    @property
+    def _units(self) -> set[str]:
+        return {reading.channel.unit for file in self.readings for reading in file.channels}
+
+    @property
+    def given_units(self) -> GivenUnits:
+        """Those of all channels, where they share one, or none of them is known."""
+        return units_given(self.unit) if len(self._units) < 2 else {}
+
+    @property
+    def named_units(self) -> Mapping[str, str]:
+        """That of intervals of a campaign, and what stands for the units of files that do not say any."""
+        own = {} if any(self._units) else {OF_CHANNEL.given_by: OWN, OF_INTEGRAL.given_by: f"{OWN}, times s"}
+        units = declare.units(type(self)) if own else {}
+        return {"interval": "s", **{key: own[unit] for key, unit in units.items() if unit in own}}
+
+    @declare.computed(declare.rows(FileRow, "measured files", key="files"))
+    def file_rows(self) -> list[FileRow]:
+        """The files, with channels and blows."""
+        return [FileRow.of(file, self.filter) for file in self.readings]
+
+    @declare.computed(declare.part(CampaignRow, "all blows of a channel together"))
+    def campaign(self) -> CampaignRow | dict[str, Any]:
+        """The first channel over all files."""
+        return CampaignRow.of(self.campaigns[0]) if self.campaigns else {}
+
+    @declare.computed(declare.number(FREQUENCY, "low-pass that is advised for all"))
+    def advised_cutoff(self) -> float | None:
+        """Cutoff of the filter that is advised for all files."""
+        return None if (advised := advised_filter(self.readings)) is None else advised.cutoff
+
+    @declare.computed(declare.part(Budget, "by which the uncertainties were found", key="budget", optional=True))
+    def stated_budget(self) -> Budget | None:
+        """The budget, among what documents have."""
+        return self.budget
+
+    @declare.computed(declare.rows(MotionRow, "by the option motion: where each ends", key="motion", optional=True))
+    def motion_rows(self) -> list[MotionRow] | None:
+        """Where velocity and displacement end."""
+        return [one.row for one in self.motions] if self.motion else None
+
+    @declare.computed(
+        declare.rows(PairRow, "by the option pair: what two channels do together", key="pairs", optional=True)
+    )
+    def pair_rows(self) -> list[PairRow] | None:
+        """What two channels of each file do together."""
+        return [one.row for one in self.pairs] if self.pair else None
+
+    @declare.computed(declare.part(SpecifiedRecords, "the verdict by a specification", key="spec", optional=True))
+    def specified(self) -> SpecifiedRecords | None:
+        """The verdict, with the instruments whose calibration had run out."""
+        lapses = [] if self.performed is None else self.performed.lapses
+        overdue = [one.instrument for one in lapses]
+        return None if self.verdict is None else SpecifiedRecords(self.verdict, overdue)
+
+    @declare.computed(declare.part(SensorRow, "by the option sensor: the blows on it", key="sensor", optional=True))
+    def sensor_row(self) -> SensorRow | None:
+        """The sensor with its blows."""
+        return None if self.sensor is None else self.sensor.row
+
+    @declare.computed(
+        declare.rows(ResponseSummary, "each response channel over its blows", key="response_summary", optional=True)
+    )
+    def summed_responses(self) -> list[ResponseSummary] | None:
+        """Each response channel summed up; None where no base was named."""
+        return self.response_summaries if responding(self.readings) else None
+
+    @declare.computed(
+        declare.rows(
+            CampaignRow, "of several channels: the same for each, as in campaign", key="campaigns", optional=True
+        )
+    )
+    def campaign_rows(self) -> list[CampaignRow] | None:
+        """The campaigns of several channels."""
+        return [CampaignRow.of(one) for one in self.campaigns] if len(self.campaigns) > 1 else None
+
+    @declare.computed(declare.rows(BlowRow, "all blows, file by file", in_document=False))
+    def blows(self) -> list[BlowRow]:
+        """The table of blows."""
+        return blow_rows(self.readings)
 
     def highlights(self) -> list[tuple[str, str]]:
         """Return the number of files and blows, and the means of their peaks, widths and velocity changes."""
-        blows = sum(len(reading.pulses) for file in self.readings for reading in file.channels)
-        numbers = [("files", str(len(self.readings))), ("blows", str(blows))]
+        numbers = [("files", str(len(self.readings))), ("blows", str(len(self.blows)))]
         campaign = min(self.campaigns, key=lambda one: one.unit == "", default=None)
-        units, shown = {**self.units()}, {"m/s^2": "g", "s": "us", "N": "kN", "m/s": "m/s"}
-        if campaign is not None:  # files in other units are in none of its figures
-            units |= dict.fromkeys(OF_CHANNEL, campaign.unit) | dict.fromkeys(
-                OF_INTEGRAL, INTEGRALS.get(campaign.unit, "")
-            )
+        given = units_given("" if campaign is None else campaign.unit)
         for name, statistic in campaign.statistics.items() if campaign is not None else ():
-            if units.get(name) in shown:
-                numbers.append(
-                    (f"mean {name.replace('_', ' ')}", with_unit(statistic.mean, units[name], shown[units[name]]))
-                )
+            one = declarations(RecordedPulse).get(name)
+            si, usual = ("", "") if one is None else one.quantity.within(given)[:2]
+            if si in MEANS_SHOWN:
+                numbers.append((f"mean {name.replace('_', ' ')}", with_unit(statistic.mean, si, usual)))
         return numbers
-
-    def columns(self) -> list[Column]:
-        """Return all blows, file by file."""
-        return pulse_columns(self.readings)
-
-    def brief(self) -> dict[str, str]:
-        """Return where each blow stands, and what it is."""
-        shown, units = {"m/s^2": "g", "s": "us", "N": "kN"}, {column.name: column.si for column in self.columns()}
-        places = {"file": "", "channel": "", "index": "", "time": "s"}
-        return places | {n: shown.get(units[n], units[n]) for n in ("peak", "width", "velocity_change")}
-
-    def brief_columns(self) -> list[Column]:
-        """Return them with the unit in each cell where channels differ in it: 4900 m/s^2 is no number beside 4900 N."""
-        units = [reading.channel.unit for file in self.readings for reading in file.channels for _ in reading.pulses]
-        columns = super().brief_columns()
-        if len(set(units)) < 2:
-            return columns
-        from strikewave.analyses.record.tables import in_own_unit
-
-        return [
-            Column(one.name, [in_own_unit(one.name, *pair) for pair in zip(units, one.values, strict=True)])
-            if one.name in (*OF_CHANNEL, *OF_INTEGRAL)
-            else one
-            for one in columns
-        ]
 
     def preview(self) -> Curve | None:
         """Return the first channel over the first blow; over the whole record where there is none."""
@@ -243,24 +283,30 @@ class RecordResult(AskedResult):
         for pulse in reading.pulses[:1]:
             span = pulse.end - pulse.begin
             chosen = (channel.time >= pulse.begin - span) & (channel.time <= pulse.end + 2.0 * span)
-        shown = {"m/s^2": "g", "N": "kN"}.get(unit, unit)
-        return history_curve(channel.time[chosen], channel.values[chosen], unit, shown, channel.name)
+        return history_curve(channel.time[chosen], channel.values[chosen], unit, SHOWN.get(unit, unit), channel.name)
 
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""
-        tables = {"pulses.csv": csv_table(self.columns())}
+        units = [Column("unit", [shown_unit(self.unit, self.unit)] * len(self.blows))] if self.unit else []
+        columns = [*self.columns()[:2], *units, *self.columns()[2 + len(units) :]]  # numbers of one unit are in that
+        tables = {"pulses.csv": csv_table(columns)}
         if responding(self.readings):
             tables["responses.csv"] = csv_table(response_columns(self.readings))
         if self.motion:
             tables["motion.csv"] = csv_table(motion_columns(self.motions), HISTORY_DIGITS)
         if self.pair:
-            tables["pairs.csv"] = csv_table(pair_columns(self.pairs))
+            tables["pairs.csv"] = csv_table(self._pair_columns())
             tables["transfer.csv"] = csv_table(transfer_columns(self.pairs), HISTORY_DIGITS)
         if self.verdict is not None:
             tables["shocks.csv"] = csv_table(shock_columns(self.verdict))
         if self.sensor is not None:
-            tables["sensor.csv"] = csv_table(self.sensor.columns())
+            tables["sensor.csv"] = csv_table(self.sensor.table())
         return tables
+
+    def _pair_columns(self) -> list[Column]:
+        """Return the figures of pairs, a line a file."""
+        columns = data_columns(self, "pair_rows")
+        return [one for one in columns if one.name not in CSV_LEAVES_OUT and not one.name.startswith("transfer.")]
 
 
 def name_of(paths: Sequence[Path]) -> str:

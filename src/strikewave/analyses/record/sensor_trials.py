@@ -7,13 +7,15 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
 
 from strikewave.analyses.record.chosen import advised_filter
+from strikewave.analyses.record.rows import units_given
 from strikewave.analyses.record.tables import rows_of
+from strikewave.base import declare
+from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError
-from strikewave.base.json_document import without
 from strikewave.base.result import INFO, WARNING, Notice
+from strikewave.base.shock_quantities import ACCELERATION, FREQUENCY, LENGTH, MASS, RATIO, SECONDS
 from strikewave.cases.sensor_file import StatedSensor
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
@@ -39,31 +41,59 @@ OF_RESONANCE = 0.25
 """Highest low-pass that is advised, over the resonance: a motion so slow is magnified by 7 %, noise there no more."""
 
 
-class TriedBlow(NamedTuple):
-    """One blow on the sensor: where it stands, and what is left of it.
+@declare.dataclass
+class TriedBlow:
+    """One blow on the sensor: where it stands, and what is left of it."""
 
-    Attributes
-    ----------
-    file : str
-        Measured file.
-    channel : str
-        Channel of it.
-    blow : int
-        Its number, from 1.
-    time : float
-        Of its peak, s.
-    doubted : bool
-        Whether a finding harms the peak of the record itself.
-    trial : SensorTrial
-        What the sensor leaves.
-    """
+    file: str = declare.word("measured file")
+    channel: str = declare.word("channel of it")
+    blow: int = declare.count("its number, from 1")
+    time: float = declare.number(SECONDS, "of its peak")
+    doubted: bool = declare.word("whether a finding harms the peak of the record itself")
+    trial: SensorTrial = declare.part(SensorTrial, "what the sensor leaves", inline=True)
 
-    file: str
-    channel: str
-    blow: int
-    time: float
-    doubted: bool
-    trial: SensorTrial
+
+@declare.dataclass
+class GasketRow:
+    """A layer between surface and sensor."""
+
+    density: float = declare.number(Quantity("kg/m^3", "kg/m^3"), "its density")
+    modulus: float = declare.number(Quantity("Pa", "MPa"), "its storage modulus")
+    area: float = declare.number(Quantity("m^2", "mm^2"), "its area")
+    thickness: float = declare.number(LENGTH, "its thickness")
+    loss_factor: float = declare.number(RATIO, "its loss factor")
+
+
+@declare.dataclass
+class RecorderRow:
+    """What keeps the signal of the sensor."""
+
+    sampling_rate: float = declare.number(FREQUENCY, "of its recorder")
+    cutoff: float = declare.number(FREQUENCY, "of the filter of the recorder")
+    order: int = declare.count("poles of that filter")
+    bits: int = declare.count("of the recorder; 0 for none")
+
+
+@declare.dataclass
+class SensorRow:
+    """A sensor, and whether it can take the blows of records."""
+
+    name: str = declare.word("by the option sensor: the sensor")
+    model: str | None = declare.word("its row in the table of accelerometers; null of one of your own")
+    range: float = declare.number(ACCELERATION, "its range")
+    resonance: float = declare.number(FREQUENCY, "its resonance")
+    quality: float = declare.number(RATIO, "quality factor of that")
+    zero_shift: float = declare.number(ACCELERATION, "its zero shift after a shock")
+    sensor_mass: float = declare.number(MASS, "its mass on gaskets")
+    gaskets: list[GasketRow] = declare.rows(GasketRow, "gaskets under it")
+    lowest_resonance: float = declare.number(FREQUENCY, "lowest resonance with its mounting")
+    recorder: RecorderRow = declare.part(RecorderRow, "its recorder")
+    source: str | None = declare.word("where its numbers come from")
+    status: str = declare.word("how they are known")
+    note: str | None = declare.word("what is said of it")
+    band: float = declare.number(FREQUENCY, "highest frequency that the records hold")
+    takes: bool | None = declare.word("whether it can take all blows")
+    blows: tuple[TriedBlow, ...] = declare.rows(TriedBlow, "each blow on it")
 
 
 @dataclass(frozen=True)
@@ -130,36 +160,38 @@ class SensorTrials:
             notices.append(Notice("sensor-beyond-band", message, self.resonance, self.band, INFO))
         return notices
 
-    def document(self) -> dict[str, Any]:
-        """Return what stands in the JSON document."""
+    @property
+    def row(self) -> SensorRow:
+        """What faces show of it."""
         sensor, recorder, model = self.stated.sensor, self.stated.recorder, self.stated.model
-        provenance = {"source": None, "status": "stated", "note": None}
-        if model is not None:
-            provenance = {"source": model.source, "status": model.status, "note": model.note}
-        return {
-            "name": sensor.name,
-            "model": None if model is None else model.name,
-            **{key: getattr(sensor, key) for key in ("range", "resonance", "quality", "zero_shift")},
-            "sensor_mass": sensor.mounting.sensor_mass,
-            "gaskets": [dataclasses.asdict(gasket) for gasket in sensor.mounting.gaskets],
-            "lowest_resonance": self.resonance,
-            "recorder": {key: getattr(recorder, key) for key in ("sampling_rate", "cutoff", "order", "bits")},
-            **provenance,
-            "band": self.band,
-            "takes": self.takes,
-            "blows": [without({**blow._asdict(), **blow.trial._asdict()}, "trial") for blow in self.blows],
-        }
+        known = ("range", "resonance", "quality", "zero_shift")
+        kept = ("sampling_rate", "cutoff", "order", "bits")
+        return SensorRow(
+            name=sensor.name,
+            model=None if model is None else model.name,
+            **{name: getattr(sensor, name) for name in known},
+            sensor_mass=sensor.mounting.sensor_mass,
+            gaskets=[GasketRow(**vars(gasket)) for gasket in sensor.mounting.gaskets],
+            lowest_resonance=self.resonance,
+            recorder=RecorderRow(**{name: getattr(recorder, name) for name in kept}),
+            source=None if model is None else model.source,
+            status="stated" if model is None else model.status,
+            note=None if model is None else model.note,
+            band=self.band,
+            takes=self.takes,
+            blows=self.blows,
+        )
 
-    def columns(self) -> list[Column]:
+    def table(self) -> list[Column]:
         """Return a line a blow."""
         columns = [Column(key, [getattr(blow, key) for blow in self.blows]) for key in ("file", "channel", "blow")]
         columns.append(Column("time", [blow.time for blow in self.blows], "s"))
         columns.append(Column("doubted", ["yes" if blow.doubted else "no" for blow in self.blows]))
-        units = {"peak": "m/s^2", "time_clipped": "s"}
-        return columns + [
-            Column(key, [getattr(blow.trial, key) for blow in self.blows], units.get(key, ""))
-            for key in SensorTrial._fields
-        ]
+        units = units_given("m/s^2")
+        for key, one in declarations(SensorTrial).items():
+            si = one.quantity.within(units).si
+            columns.append(Column(key, [getattr(blow.trial, key) for blow in self.blows], "" if si == NO_UNIT else si))
+        return columns
 
     def sentence(self) -> str:
         """Say how many blows the sensor can take, and why not the others."""
@@ -197,7 +229,7 @@ def try_records(
         for number, (pulse, until) in enumerate(zip(reading.pulses, ends, strict=False), 1):
             trial = tried(reading.channel, pulse, until, stated, resonance)
             if trial.verdict == TAKES and lacks:
-                trial = trial._replace(verdict=f"{UNKNOWN}no {' and no '.join(lacks)} stated")
+                trial = dataclasses.replace(trial, verdict=f"{UNKNOWN}no {' and no '.join(lacks)} stated")
             blows.append(TriedBlow(file.path, reading.channel.name, number, pulse.time, doubted, trial))
     band = min(_band(reading.channel, filter_) for _, reading in own)
     noisy = any(blow.trial.verdict == NOISE for blow in blows)

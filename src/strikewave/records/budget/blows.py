@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,11 +35,11 @@ from strikewave.records.budget.propagation import (
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.read_off import figures_of, without_noise
 from strikewave.records.record import Channel
-from strikewave.records.smooth_pulse import PulseUncertainty
+from strikewave.records.smooth_pulse import BUDGETED
 
 Array = NDArray[np.float64]
 
-FIGURES = PulseUncertainty._fields
+FIGURES = BUDGETED
 """Figures of a blow that have a budget."""
 BESIDE = 0.5
 """Lengths of a blow to either side of it that are changed and measured again."""
@@ -268,7 +268,7 @@ class _Inputs(NamedTuple):
 
 
 def _inputs(channel: Channel, pulse: RecordedPulse, budget: Budget, measured: _Measured) -> _Inputs:
-    told = np.array(pulse.uncertainty, dtype=np.float64)
+    told = np.array(astuple(pulse.uncertainty), dtype=np.float64)
     peak = measured.stretch.peak
     noises = [one for one in budget.contributions if one.kind == "noise"]
     added = [(RECORD, told)]

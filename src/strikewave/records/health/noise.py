@@ -13,6 +13,7 @@ from strikewave.base.percents import percent
 from strikewave.records.health.examined import Examined
 from strikewave.records.health_notice import HealthNotice, by_effect
 from strikewave.records.measuring import RecordedPulse
+from strikewave.records.smooth_pulse import BUDGETED
 
 Array = NDArray[np.float64]
 
@@ -106,7 +107,7 @@ def _effects(record: Examined, pulse: RecordedPulse) -> dict[str, float]:
     doubt = pulse.uncertainty
     if math.isnan(doubt.peak) and pulse.width > 0.0:
         doubt = pulse.smooth.uncertainty(record.step, pulse.noise)
-    known = {name: getattr(doubt, name) / abs(getattr(pulse, name)) for name in doubt._fields if getattr(pulse, name)}
+    known = {name: getattr(doubt, name) / abs(getattr(pulse, name)) for name in BUDGETED if getattr(pulse, name)}
     return {name: COVERAGE * effect for name, effect in known.items() if math.isfinite(effect)}
 
 

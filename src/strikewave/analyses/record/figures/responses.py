@@ -31,7 +31,7 @@ def response_figure(base: ChannelReading, reading: ChannelReading) -> Figure:
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.0, 1.6))
     responses = reading.responses
     begin = base.pulses[responses[0].blow - 1].begin
-    end = max(one.decay[1] for one in responses)
+    end = max(one.decay.end for one in responses)
     room = BESIDE * (end - begin)
     factor, unit = clock(end - begin)
     for axes, one in ((above, base), (below, reading)):
@@ -72,9 +72,9 @@ def _mark(axes: Any, one: MeasuredResponse, factor: float, scale: float, labelle
     axes.plot(span, [level] * 2, ":", color=GREY, linewidth=1.2, label=called("a third of the peak"))
     axes.plot(span, [-level] * 2, ":", color=GREY, linewidth=1.2)
     axes.plot([one.time * factor], [one.peak / scale], "o", color=RED, markersize=3.5, zorder=4, label=called("peak"))
-    time = np.linspace(*one.decay, ENVELOPE)
+    time = np.linspace(one.decay.begin, one.decay.end, ENVELOPE)
     for mode, colour in zip(one.modes, _MODES, strict=False):
-        envelope = mode.amplitude / scale * np.exp(-(time - one.decay[0]) / mode.decay_time)
+        envelope = mode.amplitude / scale * np.exp(-(time - one.decay.begin) / mode.decay_time)
         label = called(f"decay of {with_unit(mode.frequency, 'Hz', 'kHz')}")
         axes.plot(time * factor, envelope, "--", color=colour, linewidth=1.2, label=label)
         axes.plot(time * factor, -envelope, "--", color=colour, linewidth=1.2)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from strikewave.analyses.record.chosen import advised_filter
-from strikewave.analyses.record.document import filter_effect
+from strikewave.analyses.record.rows import FilterRow, filter_effect
 from strikewave.analyses.record.screen.kit import MOST_LINES, mean_of, tell_first
 from strikewave.analyses.record.tables import rows_of, short_names
 from strikewave.records import FileReading
@@ -47,16 +46,16 @@ def _print_advice(files: Sequence[FileReading]) -> None:
         )
 
 
-def _effect(effect: Mapping[str, Any]) -> str:
+def _effect(effect: FilterRow) -> str:
     """Say what a filter left of the blows of a channel; see `filter_effect`."""
-    sentence = str(effect["name"])
-    if effect["peak_left"]:
-        peak, width = mean_of(effect["peak_left"]), mean_of(effect["width_left"])
+    sentence = effect.name
+    if effect.peak_left:
+        peak, width = mean_of(effect.peak_left), mean_of(effect.width_left)
         sentence += f" leaves {percent(peak)} of the peak, {percent(width)} of the width"
-    if effect["half_sine_peak_left"] is not None:
-        sentence += f" (of a half-sine as wide {percent(effect['half_sine_peak_left'])})"
-    if effect["effect"]:
+    if effect.half_sine_peak_left is not None:
+        sentence += f" (of a half-sine as wide {percent(effect.half_sine_peak_left)})"
+    if effect.effect:
         figures = (("peak", "peak"), ("width", "width"), ("velocity_change", "velocity change"))
-        shares = [f"{words} {percent(mean_of([one[key] for one in effect['effect']]))}" for key, words in figures]
+        shares = [f"{words} {percent(mean_of([one[key] for one in effect.effect]))}" for key, words in figures]
         sentence += f"; filter effect on the smooth pulse alone: {', '.join(shares)} left"
     return sentence

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from strikewave.analyses.record.figure_units import INTEGRALS
+from strikewave.analyses.record.rows import INTEGRALS
 from strikewave.base.units import DIMENSIONS
 from strikewave.reporting.layout import ScreenColumn
 from strikewave.reporting.numbers import with_unit

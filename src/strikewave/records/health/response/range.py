@@ -74,7 +74,7 @@ def compressed(record: ExaminedResponse) -> list[HealthNotice]:
     """
     one = record.largest
     begin, end = record.span(one)
-    end = min(end, record.place(one.decay[1]) + 1)
+    end = min(end, record.place(one.decay.end) + 1)
     through = record.driven(end)
     if through is None:
         return []

@@ -48,7 +48,7 @@ def aliased(record: ExaminedResponse) -> list[HealthNotice]:
     """Find a spectrum that has not fallen off at half the sampling rate: what lies above is folded into it."""
     one = record.largest
     begin, end = record.span(one)
-    last = min(max(record.place(one.decay[1]), begin + 2 * FEWEST), end)
+    last = min(max(record.place(one.decay.end), begin + 2 * FEWEST), end)
     first = max(begin - (last - begin), 0)  # a window of its own length before it: the onset is in its middle
     level = folded_level(record.above[first:last], record.noise)
     if level is None:

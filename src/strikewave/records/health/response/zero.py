@@ -123,7 +123,7 @@ def _line_before(record: ExaminedResponse) -> tuple[float, float] | None:
     error = math.sqrt(float(np.mean(rest**2)) * alike_as_one(rest) / power)
     if not abs(slope) > SLOPED * error:
         return None
-    last = record.place(record.responses[-1].decay[1])
+    last = record.place(record.responses[-1].decay.end)
     tail = record.above[last:]
     if tail.size >= 2 * FEWEST:
         expected = slope * (last + 0.5 * tail.size - 0.5 * record.first)
@@ -155,7 +155,7 @@ class _FreeDecay(NamedTuple):
 def _free_decay(record: ExaminedResponse, above: Array) -> _FreeDecay | None:
     """Return the last free decay, thinned, to the end of the record; None where it is too short."""
     one = record.responses[-1]
-    begin, end = record.place(one.decay[0]), record.values.size
+    begin, end = record.place(one.decay.begin), record.values.size
     if end - begin < 2 * FEWEST:
         return None
     every = max((end - begin) // MOST_LOOKED_AT, 1)
