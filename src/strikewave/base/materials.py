@@ -5,60 +5,43 @@ from __future__ import annotations
 import functools
 import math
 import tomllib
-from dataclasses import dataclass
 from importlib import resources
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.errors import InputError, nearest
 
 MATERIAL = "material"
 """Table in the paths of numbers that a named material stands for: a case has no other of that name."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Material:
     """An isotropic material at room temperature, quasi-static; SI.
 
-    Attributes
-    ----------
-    name : str
-        Name in the table.
-    density : float
-        kg/m^3.
-    youngs_modulus : float
-        Pa.
-    poissons_ratio : float
-        Between -1 and 0.5.
-    kind : str
-        metal, polymer or elastomer.
-    source, status, note : str
-        Where the numbers come from; ``checked``, ``quoted`` or ``from memory`` (`strikewave.base.citations`); what to
-        know about them.
-    yield_strength : float or None
-        Pa.
-    hardness : float or None
-        Mean pressure of a ball indentation (Brinell, in Pa), in the state of the yield strength.
-    loss_factor : float or None
-        Tangent of the loss angle.
-    from_memory : tuple of str
-        Which numbers nobody has seen in a text, where ``status`` is ``from memory``.
+    Its status is ``checked``, ``quoted`` or ``from memory`` (`strikewave.base.citations`). The hardness is the mean
+    pressure of a ball indentation (Brinell), in the state of the yield strength; the loss factor is the tangent of the
+    loss angle.
     """
 
-    name: str
-    density: float
-    youngs_modulus: float
-    poissons_ratio: float
-    kind: str
-    source: str
-    status: str
-    note: str
-    yield_strength: float | None = None
-    hardness: float | None = None
-    loss_factor: float | None = None
-    from_memory: tuple[str, ...] = ()
+    name: str = declare.word("name", column=KEY)
+    density: float = declare.number(Quantity("kg/m^3", "kg/m^3"), "density", column=MAIN)
+    youngs_modulus: float = declare.number(Quantity("Pa", "GPa", "E"), "Young's modulus", column=MAIN)
+    poissons_ratio: float = declare.number(Quantity(NO_UNIT, NO_UNIT, "nu"), "Poisson's ratio", column=MORE)
+    kind: str = declare.word("metal, polymer, ...")
+    source: str = declare.word("where the numbers come from")
+    status: str = declare.word("how they are known", column=MORE)
+    note: str = declare.word("what is said of them")
+    yield_strength: float | None = declare.number(
+        Quantity("Pa", "MPa"), "yield strength", label="yield", column=MAIN, default=None
+    )
+    hardness: float | None = declare.number(Quantity("Pa", "MPa"), "hardness", column=MORE, default=None)
+    loss_factor: float | None = declare.number(Quantity(NO_UNIT, NO_UNIT), "loss factor", column=MORE, default=None)
+    from_memory: tuple[str, ...] = declare.word("which of them were seen in no text", default=())
 
-    @property
+    @declare.computed(declare.number(Quantity("m/s", "m/s"), "speed of a wave in a thin bar", column=MAIN))
     def bar_speed(self) -> float:
-        """Speed of a longitudinal wave in a thin bar, c0 = sqrt(E/rho), m/s."""
+        """Speed of a longitudinal wave in a thin bar, c0 = sqrt(E/rho)."""
         return math.sqrt(self.youngs_modulus / self.density)
 
     @property

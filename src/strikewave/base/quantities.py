@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict
 
+from strikewave.base import declare
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.units import DIMENSIONS, parse_quantity, take_apart, typed_number
 
@@ -49,6 +50,20 @@ class ToleranceBand(BaseModel):
     typed: str | int | float
     relative: bool
     distribution: Distribution = "normal"
+
+
+@declare.dataclass
+class StatedValue:
+    """A value of a case or of a set-up, as documents have it."""
+
+    value: float = declare.word("SI")
+    typed: str | int | float = declare.word("as typed")
+    provenance: str = declare.word(
+        "where it comes from: published, measured, inferred, assumed, fitted or user",
+    )
+    note: str = declare.word("what the file says of it")
+    tolerance: float | None = declare.word("half width of its tolerance, SI", default=None, optional=True)
+    distribution: str | None = declare.word("of the tolerance: normal or uniform", default=None, optional=True)
 
 
 class Value(BaseModel):

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
+from strikewave.base import declare
 from strikewave.base.json_document import head
-from strikewave.base.quantities import PROVENANCES, Value
+from strikewave.base.quantities import PROVENANCES, StatedValue, Value
 from strikewave.base.result import Notice
 from strikewave.cases.case import load_case
 from strikewave.cases.case_files import read_case_text
@@ -14,6 +15,15 @@ from strikewave.reporting.layout import MORE, keys, texts
 from strikewave.reporting.options.output import Shown
 from strikewave.reporting.options.shared import CaseName, Changes
 from strikewave.reporting.terminal import print_json, say, show_notices, table, tell
+
+
+@declare.dataclass
+class CheckedCase:
+    """A case that was checked, and its values."""
+
+    case: str = declare.word("name of the case")
+    provenance: dict[str, int] = declare.word("how many values of each provenance")
+    values: dict[str, StatedValue] = declare.named(StatedValue, "values by their paths")
 
 
 def command(case: CaseName, *, changes: Changes = None, shown: Shown) -> int:
@@ -49,12 +59,9 @@ def _show(name: str, title: str, values: Mapping[str, Value], notices: Sequence[
     """Print the values of a case with their provenance, and what a user should know of them."""
     counted = Counter[str](value.provenance for value in values.values())
     if json:
-        rows = {
-            path: {"value": v.si, "typed": v.typed, "provenance": v.provenance, "note": v.note, **_tolerance(v)}
-            for path, v in values.items()
-        }
+        checked = CheckedCase(name, dict(counted), {path: _stated(value) for path, value in values.items()})
         warnings = [notice.document() for notice in notices]
-        print_json({**head({"value": "SI"}, warnings), "case": name, "provenance": dict(counted), "values": rows})
+        print_json({**head({"value": "SI"}, warnings), **declare.content(checked)})
         return
     counts = ", ".join(f"{counted[provenance]} {provenance}" for provenance in PROVENANCES if counted[provenance])
     tell(f"valid: {counts}")
@@ -75,7 +82,8 @@ def _typed(value: Value) -> str:
     return f"{value.typed} ± {band.typed}" + (f" ({band.distribution})" if band.distribution != "normal" else "")
 
 
-def _tolerance(value: Value) -> dict[str, float | str]:
-    """Return the tolerance of a value for the JSON document, its half width in SI; nothing where there is none."""
+def _stated(value: Value) -> StatedValue:
+    """Return what the JSON document has of a value."""
     band = value.tolerance
-    return {} if band is None else {"tolerance": value.half_width, "distribution": band.distribution}
+    width = (None, None) if band is None else (value.half_width, band.distribution)
+    return StatedValue(value.si, value.typed, value.provenance, value.note, *width)

@@ -9,24 +9,13 @@ from typing import Any, ClassVar
 from strikewave._version import __version__
 from strikewave.analyses.hopkinson.setup_file import HopkinsonCase, values_of
 from strikewave.base import declare
+from strikewave.base.quantities import StatedValue
 from strikewave.base.result import Source
 from strikewave.base.variables import LabelledArrays
 from strikewave.reporting.shown_result import ShownResult
 
 SCHEMA = 1
 """Version of the layout of the files of a solution; it rises when they change."""
-
-
-@declare.dataclass
-class SetupValue:
-    """A value of a set-up."""
-
-    value: float = declare.word("SI")
-    typed: str | int | float = declare.word("as typed")
-    provenance: str = declare.word(
-        "where it comes from: published, measured, inferred, assumed, fitted or user",
-    )
-    note: str = declare.word("what the file says of it")
 
 
 @declare.dataclass
@@ -53,11 +42,11 @@ class Outcome(ShownResult):
         """What the set-up is called."""
         return self.case.setup.name
 
-    @declare.computed(declare.named(SetupValue, "values of the set-up by their paths"))
-    def inputs(self) -> dict[str, SetupValue]:
+    @declare.computed(declare.named(StatedValue, "values of the set-up by their paths"))
+    def inputs(self) -> dict[str, StatedValue]:
         """Every quantity of the set-up, with provenance."""
         values = values_of(self.case.setup)
-        return {path: SetupValue(one.si, one.typed, one.provenance, one.note) for path, one in values}
+        return {path: StatedValue(one.si, one.typed, one.provenance, one.note) for path, one in values}
 
     @property
     def title(self) -> str:

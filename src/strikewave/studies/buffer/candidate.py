@@ -133,9 +133,12 @@ class BufferCandidate:
     """
 
     stack: GasketStack
-    place: int | None = declare.count(
-        "in the ranking, from 1", label="#", column=KEY, tables="screen page moduli", optional=True
-    )
+    place: int | None = declare.count("in the ranking, from 1", optional=True)
+
+    @declare.phrase("#", column=KEY, tables="screen page moduli")
+    def marked_place(self) -> str:
+        """Return its place, with the mark of Pareto-optimal ones."""
+        return f"{self.place or ''}{'*' if self.pareto else ''}"
 
     @declare.computed(
         declare.word(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar
 
@@ -262,16 +261,9 @@ class BufferStudy(ShownResult):
 
 
 def stack_columns(table: str, stacks: Sequence[BufferCandidate]) -> list[TableColumn[BufferCandidate]]:
-    """Return the columns of a table of stacks, which marks Pareto-optimal ones; `CUT_OFF` only where a reading is.
+    """Return the columns of a table of stacks, on the "screen", the "page", or of other "moduli".
 
-    Parameters
-    ----------
-    table : str
-        The one of the "screen", of the "page", or of other "moduli".
-    stacks : sequence of BufferCandidate
-        Its rows.
+    That readings are cut off is said only where one is.
     """
-    place, *columns = columns_of(BufferCandidate, table)
-    marked = dataclasses.replace(place, value=lambda one: f"{one.place or ''}{'*' if one.pareto else ''}")
     cut = any(one.clipped for one in stacks)
-    return [marked, *(column for column in columns if cut or column.name != CUT_OFF)]
+    return [column for column in columns_of(BufferCandidate, table) if cut or column.name != CUT_OFF]

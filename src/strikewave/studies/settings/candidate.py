@@ -110,7 +110,13 @@ class IntervalSpread:
 class Limit:
     """A value beside its limit; one that does not decide is only warned of."""
 
-    name: str = declare.word("what is limited", label="limit", column=KEY)
+    name: str = declare.word("what is limited")
+
+    @declare.phrase("limit", column=KEY)
+    def words(self) -> str:
+        """Return what is limited, in words."""
+        return self.name.replace("_", " ")
+
     value: float = declare.number(Quantity.of_data(OWN_UNIT, digits=3), "what it comes to, in its unit", column=MAIN)
     limit: float = declare.number(
         Quantity.of_data(OWN_UNIT, "at most", digits=3), "the limit, in its unit", column=MAIN
@@ -273,7 +279,7 @@ class SettingsCandidate:
             f"{name} off by {percent(miss, 1, '+')}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN
         ]
         reasons += [odd] if odd else []
-        reasons += [f"{limit.name.replace('_', ' ')} above its limit" for limit in self.broken]
+        reasons += [f"{limit.words} above its limit" for limit in self.broken]
         if status_of(self.run_verdict) == RUN_BROKEN:
             reasons.append(f"the run is {self.run_verdict}")
         reasons += [

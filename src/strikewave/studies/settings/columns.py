@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.table_columns import TableColumn
@@ -20,10 +18,8 @@ def _limit_result(limit: Limit) -> Tag:
     return Tag("kept", "good") if limit.kept else Tag("broken", "bad") if limit.decides else Tag("warned", "warned")
 
 
-_NAME, *_VALUES = columns_of(Limit)
 LIMIT_COLUMNS: tuple[TableColumn[Limit], ...] = (
-    dataclasses.replace(_NAME, value=lambda limit: limit.name.replace("_", " ")),
-    *_VALUES,
+    *columns_of(Limit),
     TableColumn("result", _limit_result, words=True),
 )
 """Limits of a candidate, each in its own unit."""

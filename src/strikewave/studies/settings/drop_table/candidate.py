@@ -309,4 +309,4 @@ def _limit_words(limit: Limit, goal: DropGoal) -> str:
         return f"pressed by {percent(limit.value, 0)} of its thickness, above {percent(limit.limit, 0)}"
     if limit.name == "shape_factor":
         return f"shape factor {limit.value:.3g}, above {limit.limit:g}: bulk compression counts"
-    return f"{limit.name.replace('_', ' ')} above its limit"
+    return f"{limit.words} above its limit"
