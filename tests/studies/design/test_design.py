@@ -64,6 +64,14 @@ def test_an_objective_goes_to_the_limit_of_a_goal():
     assert force == pytest.approx(force_at(4.0), rel=3.0 * 0.6 * LAST)  # F goes with h^(3/5)
 
 
+def test_objectives_alone_go_to_the_end_of_the_range():
+    """Nothing has to be met, so that every run does: the fall from the top is the fastest one."""
+    study = design(BALL, HEIGHT, ["approach_speed largest"], analysis="impact", runs=32)
+    assert study.candidates[0].numbers[0] == pytest.approx(math.sqrt(2.0 * G * 2.0), rel=0.01)
+    assert study.met == len(study.rows)
+    assert "least margin" not in dict(study.highlights())
+
+
 @pytest.mark.verify
 def test_goals_that_exclude_each_other_are_named_with_what_each_comes_to():
     """With v >= 4 m/s, F is F(4 m/s) at least; with F <= 15 kN, v is v(15 kN) at most; a third goal stays out."""

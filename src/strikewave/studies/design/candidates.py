@@ -9,7 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.result import RUN_BROKEN, status_of
+from strikewave.base.shock_quantities import RATIO
 from strikewave.studies.design.goals import Goal, Objective, shares_of
 from strikewave.studies.design.plan import DesignPlan
 from strikewave.studies.design.runs import DesignRuns
@@ -32,27 +34,24 @@ STEP = 0.01
 tried, so that the rounding of settings is a tenth of it at most."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Robustness:
-    """Of draws within the tolerances of a setting, how many meet all goals.
+    """Of draws within the tolerances of a setting, how many meet all goals."""
 
-    Attributes
-    ----------
-    met, drawn : int
-        Draws.
-    low, high : float
-        Interval of the share that would meet them, 95 % (Clopper & Pearson).
-    """
-
-    met: int
-    drawn: int
+    met: int = declare.count("draws that meet all goals")
+    drawn: int = declare.count("draws")
     low: float
     high: float
 
-    @property
+    @declare.computed(declare.number(RATIO, "share of the draws that meet all goals"))
     def share(self) -> float:
         """Share of the draws that meet all goals."""
         return self.met / self.drawn
+
+    @declare.computed(declare.word("of the share that would meet them, 95 % (Clopper & Pearson)"))
+    def interval(self) -> list[float]:
+        """Low and high end."""
+        return [self.low, self.high]
 
 
 @dataclass(frozen=True)

@@ -3,20 +3,9 @@
 from __future__ import annotations
 
 from strikewave.reporting import chapters
+from strikewave.reporting.faces import face_table
 from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table
-from strikewave.reporting.table_columns import page_table
-from strikewave.studies.design.columns import (
-    GOAL_COLUMNS,
-    REACH_COLUMNS,
-    SENSITIVITY_COLUMNS,
-    SURROGATE_COLUMNS,
-    goal_rows,
-    ranked_columns,
-    ranked_rows,
-    reach_rows,
-    sensitivity_rows,
-    surrogate_rows,
-)
+from strikewave.reporting.shown_result import shown_table
 from strikewave.studies.design.figures import design_picture
 from strikewave.studies.design.study import DesignStudy, all_broken_words, conflict_words
 from strikewave.studies.sweep.report import ANALYSES
@@ -82,8 +71,7 @@ def _conflict_section(study: DesignStudy) -> Section:
     )
     alone = "This goal cannot be reached by itself. The table says what it comes to at best."
     single = study.conflict is not None and len(study.conflict.goals) == 1
-    table = page_table("Goals that exclude each other", REACH_COLUMNS, reach_rows(study))
-    return Section("Goals that exclude each other", alone if single else text, [table])
+    return Section("Goals that exclude each other", alone if single else text, [face_table(study, "reaches")])
 
 
 def _ranked_section(study: DesignStudy) -> Section:
@@ -96,9 +84,9 @@ def _ranked_section(study: DesignStudy) -> Section:
         text += f" Each was verified by {study.plan.verifying[1]}."
     if study.plan.robust:
         text += f" The most robust of {study.plan.robust} draws each comes first; shares with their interval of 95 %."
-    parts: list[Part] = [page_table("Ranked settings", ranked_columns(study), ranked_rows(study))]
+    parts: list[Part] = [Table("Ranked settings", *shown_table(study))]
     if study.plan.goals:
-        parts.append(page_table("Goals at the first setting", GOAL_COLUMNS, goal_rows(study)))
+        parts.append(face_table(study, "goals_at_first"))
     parts.append(Link("runs.csv", "All runs, runs.csv"))
     return Section("Settings", text, parts)
 
@@ -122,8 +110,7 @@ def _sensitivity_section(study: DesignStudy) -> Section:
         "By runs one hundredth of a range to either side of the first setting. The last columns say how far a setting "
         "alone may be moved till the first goal is missed, if the numbers go on as they do here."
     )
-    table = page_table("Sensitivities at the first setting", SENSITIVITY_COLUMNS, sensitivity_rows(study))
-    return Section("Sensitivity", text, [table])
+    return Section("Sensitivity", text, [face_table(study, "number_changes")])
 
 
 def _surrogate_section(study: DesignStudy) -> Section:
@@ -132,22 +119,14 @@ def _surrogate_section(study: DesignStudy) -> Section:
         "number: what it is off, root mean square, where all other runs foretell a run. Where that is as large as what "
         "a goal allows, more runs may find better settings. The ranked settings themselves are runs."
     )
-    return Section("Surrogate", text, [page_table("Surrogate", SURROGATE_COLUMNS, surrogate_rows(study))])
+    return Section("Surrogate", text, [face_table(study, "known_numbers", caption="Surrogate")])
 
 
 def _question_section(study: DesignStudy) -> Section:
     plan = study.plan
-    rows: list[list[Cell]] = []
-    for one in plan.variables:
-        if one.is_range:
-            kind = "logarithmic" if one.axis.log else "linear"
-            ends = (one.brief(one.axis.values[0]), one.brief(one.axis.values[-1]))
-            rows.append([one.path, kind, f"{ends[0]} to {ends[1]}"])
-        else:
-            rows.append([one.path, "list", ", ".join(one.brief(value) for value in one.axis.values[:12])])
     way = "Gaussian processes with expected improvement" if plan.by_surrogate else "Differential evolution"
     text = (
         f"Each run is {ANALYSES[plan.analysis]}. {way}, up to {plan.runs} runs a search, random seed "
         f"{plan.seed}. Goals: {'; '.join(aim.typed for aim in plan.aims)}."
     )
-    return Section("What was asked", text, [Table("What may be chosen", ["setting", "kind", "values"], rows)])
+    return Section("What was asked", text, [face_table(study, "vary", "range")])

@@ -11,19 +11,9 @@ import numpy as np
 
 from strikewave.base.json_document import head, plain
 from strikewave.reporting.measured_files import asked
-from strikewave.reporting.terminal import print_json, print_rows, progress_bar, say, tell
-from strikewave.studies.design.columns import (
-    GOAL_COLUMNS,
-    REACH_COLUMNS,
-    SENSITIVITY_COLUMNS,
-    SURROGATE_COLUMNS,
-    goal_rows,
-    ranked_columns,
-    ranked_rows,
-    reach_rows,
-    sensitivity_rows,
-    surrogate_rows,
-)
+from strikewave.reporting.parts import Table
+from strikewave.reporting.shown_result import shown_table
+from strikewave.reporting.terminal import print_face, print_json, progress_bar, report_table, say, tell
 from strikewave.studies.design.plan import DesignPlan
 from strikewave.studies.design.study import DesignStudy, make_design
 from strikewave.studies.engine.pools import Pool
@@ -119,15 +109,15 @@ class DesignCommand(ResumableCommand[DesignStudy]):
 
     def show(self, result: DesignStudy) -> None:
         """Print ranked settings, goals, sensitivities, and what excludes what."""
-        if result.conflict is not None:
-            print_rows("Goals that exclude each other", REACH_COLUMNS, reach_rows(result))
-        print_rows("Ranked settings", ranked_columns(result), ranked_rows(result))
-        if result.plan.goals:
-            print_rows("Goals at the first setting", GOAL_COLUMNS, goal_rows(result))
-        if result.surrogate:
-            print_rows("Surrogate", SURROGATE_COLUMNS, surrogate_rows(result))
-        if result.sensitivities:
-            print_rows("Sensitivities at the first setting", SENSITIVITY_COLUMNS, sensitivity_rows(result))
+        heads, rows = shown_table(result)
+        objectives = [result.kept(one.number).label for one in result.plan.objectives]
+        numbers = [result.kept(name).label for name in result.plan.evaluation.names]
+        more = [*heads[3 : len(result.plan.variables) + 1], *(set(numbers) - set(objectives)), "of goal"]
+        print_face(result, "reaches", "Goals that exclude each other")
+        report_table(Table("Ranked settings", heads, rows), 3, more)
+        print_face(result, "goals_at_first", "Goals at the first setting")
+        print_face(result, "known_numbers", "Surrogate")
+        print_face(result, "number_changes", "Sensitivities at the first setting")
 
     def draw(self, result: DesignStudy, folder: Path) -> list[str]:
         """Write the page and the picture."""

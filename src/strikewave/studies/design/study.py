@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
-from strikewave.base.declare import NO_UNIT, Quantity
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Source, Verdicts, worse
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
+from strikewave.reporting.case_result import ResultOfCase
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import percent
-from strikewave.reporting.shown_result import ShownResult
 from strikewave.studies.design.candidates import (
     DesignCandidate,
     Robustness,
@@ -46,11 +46,12 @@ from strikewave.studies.design.runs import (
 from strikewave.studies.design.search import search
 from strikewave.studies.design.surrogate import SurrogateError, left_out_errors
 from strikewave.studies.design.trade_off import trade_off_search
-from strikewave.studies.engine.case_evaluation import KeptNumber, kept_number
+from strikewave.studies.engine.case_evaluation import OF_NUMBER, KeptNumber, OfKept, kept_number
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance
 from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.variables import StudyVariable
 
 Array = NDArray[np.float64]
 
@@ -62,14 +63,136 @@ OPTUNA_SOURCES: tuple[str, ...] = ("ozaki-2022", "akiba-2019")
 """Those of the search for a whole front."""
 DERIVED = Quantity(NO_UNIT, "%", decimals=2, digits=0)
 """Of a number that goals alone have: a share of a yield strength, of a range, or a least margin."""
+MARGIN = Quantity(NO_UNIT, "%", "margin", 1, 0)
+MOST_SETTINGS, MOST_NUMBERS = 6, 4
+"""Settings, and numbers, that the table of ranked settings shows; the CSV file has all."""
 AT_LIMIT = 0.95
 """Share of its limit from which on the number of a check is said to limit what a goal comes to."""
 WEIGHTS = (0.25, 0.5, 0.75)
 """Weights of the first of two objectives, between the ends of their front, at which it is searched for besides."""
 
 
-@dataclass(frozen=True, eq=False)
-class DesignStudy(ShownResult):
+@declare.dataclass
+class StatedGoal:
+    """What a number must lie within."""
+
+    goal: str = declare.word("as typed")
+    number: str = declare.word("number that it is of")
+    low: float = declare.word("low limit, SI")
+    high: float = declare.word("high limit, SI")
+
+
+@declare.dataclass
+class DesignRun:
+    """A run of a design."""
+
+    run: int = declare.count("number of the run, from 1")
+    settings: dict[str, Any] = declare.word("its settings by their paths, SI or words")
+    numbers: dict[str, float] = declare.word("its numbers by their names, SI")
+
+
+@declare.dataclass
+class RankedRun(DesignRun):
+    """A ranked setting as documents have it."""
+
+    meets: bool = declare.word("whether it meets all goals")
+    margin: float = declare.number(
+        MARGIN, "least margin, as of clauses: the distance to the nearer limit over its scale"
+    )
+    margins: dict[str, float] = declare.number(MARGIN, "margin of each goal")
+    verified_margins: dict[str, float] | None = declare.number(
+        MARGIN, "the same by a full run, where that is another one"
+    )
+    failure: str = declare.word("why that run failed; empty where it did not")
+    verdict: str = declare.word("what the checks of its run came to: passed, or broken with the checks that failed")
+    robust: Robustness | None = declare.part(
+        Robustness, "by the option robust: how many draws within the tolerances meet all goals"
+    )
+
+
+@declare.dataclass
+class GoalAtFirst(OfKept):
+    """A goal at the first of the ranked settings."""
+
+    goal: str = declare.word("as typed", column=KEY)
+    value: float | None = declare.number(OF_NUMBER, "its number there", label="comes to", column=KEY)
+    margin: float = declare.number(MARGIN, "its margin", column=MAIN)
+    verified: float | None = declare.number(
+        MARGIN, "its margin by the run that verifies it", label="verified", column=MAIN
+    )
+
+
+@declare.dataclass
+class SettingChanges:
+    """How the numbers move with a setting."""
+
+    setting: str = declare.word("path of a setting of the best one")
+    changes: dict[str, float] = declare.word(
+        "change of each number, SI, for a hundredth of the range of the setting", key="changes_per_hundredth_of_range"
+    )
+    room: list[float] = declare.word("how far it may move down and up until a goal is missed, SI")
+
+
+@declare.dataclass
+class NumberChange(OfKept):
+    """How a number moves with a setting."""
+
+    setting: str = declare.word("path of the setting", column=KEY, order=-1)
+    number: str = declare.word("which number", column=KEY, order=-1)
+    size: float
+    met_from: str | None = declare.word(
+        "down to where it may move alone", label="all goals met from", quantity=OF_NUMBER, column=MAIN
+    )
+    met_to: str | None = declare.word("up to where", label="to", quantity=OF_NUMBER, column=MAIN)
+
+    @declare.phrase("change per 1 % of its range", quantity=OF_NUMBER, column=MAIN, order=-1)
+    def change(self) -> str:
+        """Say by how much it moves, with its sign."""
+        return f"{'-' if self.size < 0.0 else '+'}{self.kept.words(abs(self.size)) if self.size else '0'}"
+
+
+@declare.dataclass
+class GoalReach(OfKept):
+    """A goal that others exclude, and what it comes to where they are met."""
+
+    without: str = declare.word("goal that is given up, as typed", label="without the goal", column=KEY)
+    value: float = declare.number(OF_NUMBER, "its number at best", label="it comes to", column=KEY)
+    lacks: float = declare.number(OF_NUMBER, "what its limit lacks", label="its limit would move by", column=MAIN)
+    run: DesignRun = declare.part(DesignRun, "where", inline=True)
+    at: str = declare.word("where", label="at", column=MORE, in_document=False)
+
+
+@declare.dataclass
+class GoalConflict:
+    """Goals that exclude each other."""
+
+    goals: list[str] = declare.word("the fewest goals that exclude each other")
+    reachable: list[GoalReach] = declare.rows(GoalReach, "what each comes to under the others")
+
+
+@declare.dataclass
+class KnownNumber(OfKept):
+    """How well a number is known by the other runs."""
+
+    name: str = declare.word("which number", label="number", column=KEY)
+    error: float = declare.number(
+        OF_NUMBER, "root mean square of what is left", label="leave-one-out error", column=KEY
+    )
+    share: float = declare.number(
+        Quantity(NO_UNIT, "%", "of its scatter over the runs", 1, 0), "the same over its scatter", column=MAIN
+    )
+
+
+@declare.dataclass
+class ChosenSetting:
+    """A value of the first setting, as a case file has it."""
+
+    name: str = declare.word("path of the setting")
+    value: str = declare.word("its value", headline="{name}")
+
+
+@declare.dataclass
+class DesignStudy(ResultOfCase):
     """A design; see `Result` for what it shares with others.
 
     Attributes
@@ -98,6 +221,7 @@ class DesignStudy(ShownResult):
 
     command: ClassVar[str] = "design"
     table_name: ClassVar[str] = "settings"
+    main_rows: ClassVar[str] = "rank_table"
 
     plan: DesignPlan
     rows: tuple[Row, ...]
@@ -124,16 +248,6 @@ class DesignStudy(ShownResult):
     def broken(self) -> bool:
         """Whether no setting meets all goals."""
         return self.best is None
-
-    @property
-    def title(self) -> str:
-        """The title of the case."""
-        return self.case.title or self.case.name
-
-    @property
-    def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
-        return self.case.test.stated()
 
     def case_of(self, place: int = 0) -> Case:
         """Return the case of a candidate, without published numbers to compare with."""
@@ -187,10 +301,195 @@ class DesignStudy(ShownResult):
         """The least margin of each run; infinite where there is no goal, NaN where a run lacks a number."""
         return np.asarray(self.shares.min(axis=1, initial=math.inf))
 
-    @property
+    @declare.computed(declare.word("run, fast, wave, fem or impact"))
+    def analysis(self) -> str:
+        """What each run is."""
+        return self.plan.analysis
+
+    @declare.computed(declare.rows(StatedGoal, "what must be met"))
+    def goals(self) -> list[StatedGoal]:
+        """What must be met."""
+        return [StatedGoal(one.typed, one.number, one.low, one.high) for one in self.plan.goals]
+
+    @declare.computed(declare.word("objectives as typed"))
+    def objectives(self) -> list[str]:
+        """What shall be small or large."""
+        return [one.typed for one in self.plan.objectives]
+
+    @declare.computed(declare.count("of the search"))
+    def seed(self) -> int:
+        """Seed of the search."""
+        return self.plan.seed
+
+    @declare.computed(declare.count("how many runs", key="runs", headline="runs"))
+    def run_count(self) -> int:
+        """How many runs."""
+        return len(self.rows)
+
+    @declare.computed(declare.count("how many of them failed"))
+    def failed(self) -> int:
+        """How many runs failed."""
+        return sum(map(bool, self.failures))
+
+    @declare.computed(
+        declare.count(
+            "how many meet all goals and fail no check", key="meeting_all_goals", headline="runs that meet all goals"
+        )
+    )
     def met(self) -> int:
         """How many runs meet all goals, and fail no check."""
         return int(np.sum((self.margins >= 0.0) & ~self._failed_check))
+
+    @declare.computed(declare.word("whether one does", key="met"))
+    def is_met(self) -> bool:
+        """Whether a setting meets all goals."""
+        return not self.broken
+
+    @declare.computed(declare.rows(ChosenSetting, "the first setting", headline="3", in_document=False))
+    def first_setting(self) -> list[ChosenSetting]:
+        """The first setting in words."""
+        pairs = zip(self.plan.variables, self.candidates[0].row, strict=True)
+        return [ChosenSetting(one.path, one.shown(value)) for one, value in pairs]
+
+    @declare.computed(declare.number(MARGIN, "its margin", headline="least margin", in_document=False))
+    def least_margin(self) -> float | None:
+        """The least margin of the first setting; None where there is no goal."""
+        margin = self.candidates[0].margin
+        return margin if math.isfinite(margin) else None
+
+    @declare.computed(declare.rows(RankedRun, "ranked settings", key="candidates"))
+    def ranked(self) -> list[RankedRun]:
+        """The ranked settings."""
+        goals = [goal.typed for goal in self.plan.goals]
+
+        def by_goal(shares: Array) -> dict[str, float]:
+            return dict(zip(goals, shares.tolist(), strict=True))
+
+        return [
+            RankedRun(
+                **vars(self._run(one.run)),
+                meets=one.meets,
+                margin=one.margin,
+                margins=by_goal(one.shares),
+                verified_margins=None if one.verified is None else by_goal(one.verified),
+                failure=one.failure,
+                verdict=one.verdict,
+                robust=one.robustness,
+            )
+            for one in self.candidates
+        ]
+
+    @declare.computed(declare.rows(SettingChanges, "how the numbers move with each setting", key="sensitivities"))
+    def changes(self) -> list[SettingChanges]:
+        """How the numbers move with each setting."""
+        names = self.plan.evaluation.names
+        return [
+            SettingChanges(one.path, dict(zip(names, one.changes.tolist(), strict=True)), list(one.room))
+            for one in self.sensitivities
+        ]
+
+    @declare.computed(
+        declare.rows(
+            DesignRun, "runs that no other one beats in all objectives, with two or more of these", key="front"
+        )
+    )
+    def front_runs(self) -> list[DesignRun]:
+        """The runs of the front."""
+        return [self._run(run) for run in self.front]
+
+    @declare.computed(
+        declare.part(
+            GoalConflict,
+            "where nothing meets all: goals that exclude each other, and what each comes to under the others",
+            key="conflict",
+        )
+    )
+    def excluding(self) -> GoalConflict | None:
+        """Goals that exclude each other; None where all can be met."""
+        if self.conflict is None:
+            return None
+        reaches = [
+            GoalReach(
+                self.kept(one.goal.number),
+                one.goal.typed,
+                one.value,
+                one.lacks,
+                self._run(one.run),
+                self.at(self.rows[one.run]),
+            )
+            for one in self.conflict.reaches
+        ]
+        return GoalConflict([goal.typed for goal in self.conflict.goals], reaches)
+
+    @declare.computed(
+        declare.rows(
+            KnownNumber, "of a search by surrogate: how well each number is known by the other runs", key="surrogate"
+        )
+    )
+    def known_numbers(self) -> list[KnownNumber]:
+        """How well each number is known by the other runs."""
+        return [KnownNumber(self.kept(one.name), *one) for one in self.surrogate]
+
+    @declare.computed(declare.word("sources of the methods"))
+    def sources(self) -> list[str]:
+        """Sources of the methods."""
+        return [citation(key) for key in self.citations]
+
+    @declare.computed(declare.rows(GoalAtFirst, "goals at the first setting", in_document=False))
+    def goals_at_first(self) -> list[GoalAtFirst]:
+        """What each goal comes to at the first setting."""
+        first = self.candidates[0]
+        checked = [None] * len(self.plan.goals) if first.verified is None else first.verified.tolist()
+        return [
+            GoalAtFirst(self.kept(one.number), one.typed, self.value(first.run, one.number), *margins)
+            for one, *margins in zip(self.plan.goals, first.shares.tolist(), checked, strict=True)
+        ]
+
+    @declare.computed(declare.rows(NumberChange, "sensitivities at the first setting", in_document=False))
+    def number_changes(self) -> list[NumberChange]:
+        """How the numbers of the aims move with each setting, and between which values of it all goals stay met."""
+        wanted = dict.fromkeys(aim.number for aim in self.plan.aims)
+        return [
+            NumberChange(self.kept(name), one.setting, name, one.changes[name], *self._room(one))
+            for one in self.changes
+            for name in wanted
+        ]
+
+    @declare.computed(declare.rows(GoalReach, "goals that exclude each other", in_document=False))
+    def reaches(self) -> list[GoalReach]:
+        """What each of the goals that exclude each other comes to at best while the others are met."""
+        return [] if self.excluding is None else self.excluding.reachable
+
+    @declare.computed(declare.rows(StudyVariable, "what may be chosen", in_document=False))
+    def vary(self) -> tuple[StudyVariable, ...]:
+        """What may be chosen."""
+        return self.plan.variables
+
+    @declare.computed(declare.table("the ranked settings"))
+    def rank_table(self) -> list[Column]:
+        """The ranked settings: what was chosen, what comes of it, what verifies it, and draws."""
+        ranked, goals = self.candidates, self.plan.goals
+        columns = [Column("place", range(1, len(ranked) + 1), shown=""), *self._columns([one.run for one in ranked])]
+        if goals:
+            tightest = [goals[int(np.argmin(one.shares))].number for one in ranked]
+            columns.append(Column("of goal", tightest, shown=""))
+        if self.plan.verifying is not None and goals:
+            columns.append(Column("verified", [_least(one.verified) for one in ranked], NO_UNIT, shown="%"))
+        if self.plan.robust:
+            drawn = [one.robustness for one in ranked]
+            ends = [None if one is None else f"{percent(one.low, 0)} to {percent(one.high, 0)}" for one in drawn]
+            shares = [None if one is None else one.share for one in drawn]
+            columns += [
+                Column("draws that meet all", shares, NO_UNIT, shown="%"),
+                Column("95 % bounds", ends, shown=""),
+            ]
+        return [*columns, Column("verdict", [one.verdict or None for one in ranked], shown="")]
+
+    @property
+    def named_units(self) -> Mapping[str, str]:
+        """SI units of settings and numbers."""
+        settings = {one.path: one.axis.si_unit or NO_UNIT for one in self.plan.variables if not one.words}
+        return {**settings, **{name: self.kept(name).si for name in self.plan.evaluation.names}}
 
     @property
     def met_broken(self) -> int:
@@ -223,80 +522,25 @@ class DesignStudy(ShownResult):
             )
         return (*notices, *self.verdicts.notices())
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return how many runs meet all goals, and the first setting."""
-        first = self.candidates[0]
-        numbers = [("runs", str(len(self.rows))), ("runs that meet all goals", str(self.met))]
-        pairs = list(zip(self.plan.variables, first.row, strict=True))[:3]
-        numbers += [(one.path, one.shown(value)) for one, value in pairs]
-        if math.isfinite(first.margin):
-            numbers.append(("least margin", percent(first.margin, 1)))
-        return numbers
-
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
-        settings = {one.path: one.axis.si_unit or "1" for one in self.plan.variables if not one.words}
-        numbers = {name: self.kept(name).si for name in self.plan.evaluation.names}
-        return {**settings, **numbers, "margin": "1", "margins": "1", "share": "1"}
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        plan = self.plan
-        return {
-            "case": self.case.name,
-            "analysis": plan.analysis,
-            "goals": [
-                {"goal": one.typed, "number": one.number, "low": one.low, "high": one.high} for one in plan.goals
-            ],
-            "objectives": [one.typed for one in plan.objectives],
-            "seed": plan.seed,
-            "runs": len(self.rows),
-            "failed": sum(map(bool, self.failures)),
-            "meeting_all_goals": self.met,
-            "met": not self.broken,
-            "candidates": [self._candidate(one) for one in self.candidates],
-            "sensitivities": [self._sensitivity(one) for one in self.sensitivities],
-            "front": [self._run(run) for run in self.front],
-            "conflict": None if self.conflict is None else self._conflict(self.conflict),
-            "surrogate": [one._asdict() for one in self.surrogate],
-            "sources": [citation(key) for key in self.citations],
-        }
-
     def setting(self, row: Row) -> dict[str, Any]:
         """Return settings by their paths: SI, or words."""
         pairs = zip(self.plan.variables, row, strict=True)
         return {one.path: one.words[int(value)] if one.words else value for one, value in pairs}
 
-    def _run(self, run: int) -> dict[str, Any]:
+    def _run(self, run: int) -> DesignRun:
         numbers = dict(zip(self.plan.evaluation.names, self.numbers[run].tolist(), strict=True))
-        return {"run": run + 1, "settings": self.setting(self.rows[run]), "numbers": numbers}
+        return DesignRun(run + 1, self.setting(self.rows[run]), numbers)
 
-    def _candidate(self, one: DesignCandidate) -> dict[str, Any]:
-        goals = [goal.typed for goal in self.plan.goals]
-        checked = None if one.verified is None else dict(zip(goals, one.verified.tolist(), strict=True))
-        return {
-            **self._run(one.run),
-            "meets": one.meets,
-            "margin": one.margin,
-            "margins": dict(zip(goals, one.shares.tolist(), strict=True)),
-            "verified_margins": checked,
-            "failure": one.failure,
-            "verdict": one.verdict,
-            "robust": None if one.robustness is None else _robust(one.robustness),
-        }
-
-    def _sensitivity(self, one: Sensitivity) -> dict[str, Any]:
-        slopes = dict(zip(self.plan.evaluation.names, one.changes.tolist(), strict=True))
-        return {"setting": one.path, "changes_per_hundredth_of_range": slopes, "room": list(one.room)}
-
-    def _conflict(self, conflict: Conflict) -> dict[str, Any]:
-        return {
-            "goals": [goal.typed for goal in conflict.goals],
-            "reachable": [
-                {"without": one.goal.typed, "value": one.value, "lacks": one.lacks, **self._run(one.run)}
-                for one in conflict.reaches
-            ],
-        }
+    def _room(self, one: SettingChanges) -> Iterator[str | None]:
+        """Yield to where a setting may be moved down and up, till the first goal is missed."""
+        k = [variable.path for variable in self.plan.variables].index(one.setting)
+        variable, value = self.plan.variables[k], self.candidates[0].row[k]
+        ends = variable.axis.values[0], variable.axis.values[-1]
+        for far, way, end in zip(one.room, (-1.0, 1.0), ends, strict=True):
+            moved = value + way * far
+            within = ends[0] <= moved <= ends[1]
+            brief = variable.brief(moved) if within else f"beyond {variable.brief(end)}"
+            yield None if math.isnan(far) else brief
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
@@ -309,29 +553,20 @@ class DesignStudy(ShownResult):
         return {"runs.csv": csv_table(columns, HISTORY_DIGITS)}
 
     def _columns(self, runs: list[int]) -> list[Column]:
-        columns = []
+        columns = list[Column]()
         for one in self.plan.variables:
             values = [self.setting(self.rows[run])[one.path] for run in runs]
-            columns.append(Column(one.path, values, *(() if one.words else (one.axis.si_unit or "1", one.axis.unit))))
+            columns.append(one.column(values, len(columns) < MOST_SETTINGS))
         for k, name in enumerate(self.plan.evaluation.names):
-            columns.append(Column(name, self.numbers[runs, k], self.kept(name).si))
-        return [*columns, Column("margin", self.margins[runs], "1")] if self.plan.goals else columns
-
-    def columns(self) -> list[Column]:
-        """Return the ranked settings."""
-        runs = [one.run for one in self.candidates]
-        verdicts = Column("verdict", [one.verdict for one in self.candidates])
-        return [Column("place", range(1, len(runs) + 1)), *self._columns(runs), verdicts]
-
-    def brief(self) -> dict[str, str]:
-        """Return settings, numbers and margin."""
-        settings = {one.path: one.axis.unit or "1" for one in self.plan.variables[:4]}
-        numbers = {name: self.kept(name).quantity.usual.replace("%", "1") for name in self.plan.evaluation.names[:4]}
-        return {"place": "", **settings, **numbers, **({"margin": "1"} if self.plan.goals else {}), "verdict": ""}
+            columns.append(self.kept(name).column(self.numbers[runs, k], k < MOST_NUMBERS))
+        margins = np.where(np.isfinite(self.margins[runs]), self.margins[runs], np.nan)
+        return [*columns, Column("margin", margins, NO_UNIT, "", "%", "least margin")] if self.plan.goals else columns
 
 
-def _robust(one: Robustness) -> dict[str, Any]:
-    return {"met": one.met, "drawn": one.drawn, "share": one.share, "interval": [one.low, one.high]}
+def _least(shares: Array | None) -> float | None:
+    """Return the least finite margin; None where there is none."""
+    known = [] if shares is None else [share for share in shares.tolist() if math.isfinite(share)]
+    return min(known, default=None)
 
 
 def conflict_words(study: DesignStudy) -> str:
@@ -457,7 +692,7 @@ def _goals_met(runs: DesignRuns) -> bool:
 def _ranking(runs: DesignRuns) -> Merit:
     """Return the merit by which settings are ranked, after the searches that the objectives need."""
     plan, names = runs.plan, runs.plan.evaluation.names
-    if not plan.objectives or not runs.meet():
+    if not plan.objectives or (plan.goals and not runs.meet()):
         return margin_merit(plan.goals, names)
     salt = 2 * len(plan.goals) + 1
     if plan.search == OPTUNA:

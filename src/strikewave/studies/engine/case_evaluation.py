@@ -12,6 +12,7 @@ import numpy as np
 
 from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.notices import fast_not_judged, fast_verdict, run_verdict
+from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Verdict
@@ -366,6 +367,21 @@ class KeptNumber(NamedTuple):
     def words(self, value: float) -> str:
         """Write a value with its unit."""
         return amount(self.quantity, value)
+
+
+OF_NUMBER = Quantity.of_data("as the number")
+
+
+@declare.dataclass
+class OfKept:
+    """A row on a number that is kept, which its `OF_NUMBER` are measured as."""
+
+    kept: KeptNumber
+
+    @property
+    def given_units(self) -> declare.GivenUnits:
+        """What the number measures."""
+        return {OF_NUMBER.given_by: self.kept.quantity}
 
 
 def kept_number(case: Case, analysis: str, name: str) -> KeptNumber:

@@ -23,7 +23,14 @@ from strikewave.cases.written_case import dump_case
 from strikewave.reporting.case_result import ResultOfCase
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.shown_result import shown_table
-from strikewave.studies.engine.case_evaluation import CaseEvaluation, KeptNumber, checked_device, kept_number
+from strikewave.studies.engine.case_evaluation import (
+    OF_NUMBER,
+    CaseEvaluation,
+    KeptNumber,
+    OfKept,
+    checked_device,
+    kept_number,
+)
 from strikewave.studies.engine.evaluation import Job, Row, Variation
 from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL, TOLERANCES
 from strikewave.studies.engine.pools import Pool, ProcessPool
@@ -46,15 +53,13 @@ SOURCES = {HYPERCUBE: ("mckay-1979",), SOBOL: ("joe-kuo-2008",)}
 """Keys of the sources of a design."""
 
 
-OF_NUMBER = Quantity.of_data("as the number")
 SHARE = Quantity(NO_UNIT, "%", "share of the variance", 1, 0)
 
 
 @declare.dataclass
-class RunRange:
+class RunRange(OfKept):
     """A number over all runs."""
 
-    kept: KeptNumber
     name: str = declare.word("which number", label="number", column=KEY)
     smallest: float | None = declare.number(OF_NUMBER, "its smallest value", column=MAIN)
     median: float | None = declare.number(OF_NUMBER, "its median over the runs that have it", column=MAIN)
@@ -62,24 +67,18 @@ class RunRange:
     smallest_at: str | None = declare.word("settings of its smallest value", column=MORE)
     largest_at: str | None = declare.word("settings of its largest value", column=MORE)
 
-    @property
-    def given_units(self) -> declare.GivenUnits:
-        """What the number measures."""
-        return {OF_NUMBER.given_by: self.kept.quantity}
-
-    @declare.computed(declare.word("between what it lies", headline="{name}"))
+    @declare.phrase("extent", headline="{name}")
     def extent(self) -> str | None:
-        """Both ends; None where no run has it."""
+        """Say between what it lies; None where no run has it."""
         if self.smallest is None or self.largest is None:
             return None
         return f"{self.kept.words(self.smallest)} to {self.kept.words(self.largest)}"
 
 
 @declare.dataclass
-class EffectShare:
+class EffectShare(OfKept):
     """The main effect of a setting on a number."""
 
-    kept: KeptNumber
     number: str = declare.word("which number", column=KEY, in_document=False)
     setting: str = declare.word("path of the setting", column=KEY, in_document=False)
     share: float = declare.number(
@@ -91,8 +90,6 @@ class EffectShare:
     )
     smallest_mean: float = declare.number(OF_NUMBER, "smallest mean", column=MAIN, in_document=False)
     largest_mean: float = declare.number(OF_NUMBER, "largest mean", column=MAIN, in_document=False)
-
-    given_units = RunRange.given_units
 
     @property
     def stands_out(self) -> bool:
