@@ -54,7 +54,7 @@ class IncidentPulse:
 
 
 @declare.dataclass
-class Sensitivity:
+class ReadSensitivity:
     """Reading over reference, and its relative standard uncertainties by where they come from.
 
     NaN stands where nobody states one, and where the rise is too steep for accelerations to be quoted.
@@ -81,7 +81,7 @@ class Sensitivity:
 
         Examples
         --------
-        >>> Sensitivity("sensitivity", 1.0, 0.003, 0.0, 0.004, math.nan, 1.0, 1.0).relative
+        >>> ReadSensitivity("sensitivity", 1.0, 0.003, 0.0, 0.004, math.nan, 1.0, 1.0).relative
         0.005
         """
         parts = (self.scatter, self.bias, self.strain_uncertainty, self.speed_uncertainty)
@@ -173,12 +173,12 @@ class SensorSolution(Outcome):
         """Unit of reading over reference."""
         return GIVEN_UNITS[self.unit][SENSITIVITY][0]
 
-    @declare.computed(declare.part(Sensitivity, "reading over reference", quantity=SENSITIVITY, headline="first"))
-    def sensitivity(self) -> Sensitivity:
+    @declare.computed(declare.part(ReadSensitivity, "reading over reference", quantity=SENSITIVITY, headline="first"))
+    def sensitivity(self) -> ReadSensitivity:
         """Reading over reference with its uncertainty."""
         stated, comparison = self.case.setup.uncertainty, self.comparison
         strain, speed = (math.nan if value is None else value.si for value in (stated.strain, stated.speed))
-        return Sensitivity(
+        return ReadSensitivity(
             name="sensitivity" if self.unit == "V" else "reading over reference",
             value=comparison.agreement.sensitivity if self.quoted else math.nan,
             scatter=comparison.scatter,

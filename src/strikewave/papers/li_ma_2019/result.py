@@ -142,7 +142,7 @@ class NumberRow:
 
 
 @declare.dataclass
-class CheckedRun:
+class RunChecks:
     """A run, and what its checks came to."""
 
     case: str = declare.word("name of the case")
@@ -223,10 +223,10 @@ class Reproduction(ShownResult):
         """The cases that were run."""
         return [case.name for case in self.runs.cases]
 
-    @declare.computed(declare.rows(CheckedRun, "what the checks of the runs came to", key="runs"))
-    def checked_runs(self) -> list[CheckedRun]:
+    @declare.computed(declare.rows(RunChecks, "what the checks of the runs came to", key="runs"))
+    def checked_runs(self) -> list[RunChecks]:
         """The runs, with what their checks came to."""
-        return [CheckedRun(*pair) for pair in self.runs.checked]
+        return [RunChecks(*pair) for pair in self.runs.checked]
 
     equations: tuple[EquationRow, ...] = declare.rows(EquationRow, "equations", headline="count")
     numbers: tuple[NumberRow, ...] = declare.rows(NumberRow, "published numbers", key="published")

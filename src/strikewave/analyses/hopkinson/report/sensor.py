@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from strikewave.analyses.hopkinson.report.page import line_of, outcome_page
-from strikewave.analyses.hopkinson.sensor_result import Sensitivity
+from strikewave.analyses.hopkinson.sensor_result import ReadSensitivity
 from strikewave.base.declare import declarations
 from strikewave.reporting import chapters
 from strikewave.reporting.faces import cell_text, text_of
@@ -125,7 +125,7 @@ def _agreement_table(solution: SensorSolution) -> Table:
 
 def _uncertainty_table(solution: SensorSolution) -> Table:
     names = ("scatter", "bias", "strain_uncertainty", "speed_uncertainty", "relative")
-    notes = {name: declarations(Sensitivity)[name].meaning for name in names}
+    notes = {name: declarations(ReadSensitivity)[name].meaning for name in names}
     notes["speed_uncertainty"] += f" {solution.comparison.speed_power:.3g}"
     rows = [line_of(solution.sensitivity, name, note) for name, note in notes.items()]
     return Table("Relative standard uncertainty of the sensitivity", ["part", "value", "from"], rows)
