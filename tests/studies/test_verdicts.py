@@ -178,7 +178,7 @@ def first_words(study):
     from strikewave.papers.li_ma_2019.report.page import reproduction_words
     from strikewave.studies.buffer.report import buffer_words
     from strikewave.studies.design.report import design_words
-    from strikewave.studies.fit.columns import fit_words
+    from strikewave.studies.fit.report import fit_words
     from strikewave.studies.map.report import map_words
     from strikewave.studies.scatter.report import scatter_words
     from strikewave.studies.settings.drop_table.report import drop_words

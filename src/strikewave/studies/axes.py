@@ -12,7 +12,7 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.case import FORM, Case
-from strikewave.reporting.numbers import headed
+from strikewave.reporting.numbers import headed, spelled
 from strikewave.reporting.shown_units import shown_unit
 
 HALF_TO_TWICE = (0.5, 2.0)
@@ -53,6 +53,19 @@ class Axis:
     def shown(self, value: Any) -> Any:
         """Return values in the unit in which they are shown."""
         return in_unit(value, self.si_unit, shown_unit(self.si_unit, self.unit)) if self.unit else value
+
+    @property
+    def shown_unit(self) -> str:
+        """Unit in which `shown` gives them, as print spells it; empty where there is none.
+
+        Examples
+        --------
+        >>> from strikewave.reporting.shown_units import ShownUnits, showing
+        >>> with showing(ShownUnits.read("rad/s")):
+        ...     Axis("machine.speed", "rpm", "rad/s", (50.0,)).shown_unit
+        'rad/s'
+        """
+        return spelled(shown_unit(self.si_unit, self.unit)) if self.unit else ""
 
     @property
     def label(self) -> str:

@@ -132,4 +132,4 @@ def test_bands_hold_what_lies_at_their_ends_and_biases_are_means_by_figure():
     found = Checks(figures, ())
     assert [each.inside for each in figures] == [True, True, False, False]
     assert found.inside == 2
-    assert found.biases() == {"peak": pytest.approx((0.5 - 0.25 + 0.0) / 3.0), "width": pytest.approx(-0.2)}
+    assert found.biases == {"peak": pytest.approx((0.5 - 0.25 + 0.0) / 3.0), "width": pytest.approx(-0.2)}

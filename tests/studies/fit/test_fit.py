@@ -425,7 +425,7 @@ def test_what_is_kept_out_is_predicted_within_its_bands(tmp_path):
     )
     assert [one.figure for one in study.checks.figures] == ["peak", "width", "velocity change", "first.width"]
     assert study.checks.inside >= 3
-    assert max(abs(bias) for bias in study.checks.biases().values()) < 0.02
+    assert max(abs(bias) for bias in study.checks.biases.values()) < 0.02
     ((_, found),) = study.checks.agreements
     assert found.rating.overall > 0.9
     assert study.content()["checks"]["inside"] == study.checks.inside

@@ -16,7 +16,7 @@ from strikewave.studies.fit.free_fields import free_fields
 from strikewave.studies.fit.measured import MeasuredNumber
 from strikewave.studies.fit.posterior import Posterior, adjustment, log_likelihood, widened
 from strikewave.studies.fit.problem import Experiment, Problem, more_than_noise
-from strikewave.studies.fit.result import FittedParameter, combination_words, separating_words, value_words
+from strikewave.studies.fit.result import FittedParameter, combination_words, separating_words
 from strikewave.studies.fit.separating import separating
 from strikewave.studies.fit.solving import _check_felt, _nearest, _others, solve
 from strikewave.studies.fit.trying import TriedChoice, tried
@@ -224,7 +224,7 @@ def test_a_number_that_was_kept_out_is_predicted_in_its_band():
     assert (peak.high - peak.low) / 28000.0 == pytest.approx(half, rel=0.1)
     assert (peak.high + peak.low) / 2.0 == pytest.approx(14000.0, rel=1e-6)
     assert (peak.inside, width.inside, checks.inside) == (True, False, 1)
-    assert checks.biases() == {
+    assert checks.biases == {
         "first.rigid_peak": pytest.approx(peak.bias),
         "first.width": pytest.approx(1.0 / 0.7 - 1.0, rel=1e-5),
     }
@@ -290,7 +290,7 @@ def test_values_are_written_to_two_digits_of_their_errors():
         (789.64e3, np.inf, "789.6 kN (not determined)"),
         (789.64e3, 0.0, "789.64000 ± 0.00000 kN"),
     ):
-        assert value_words(FittedParameter(field, value, error, 0.0, 1.0)) == words
+        assert FittedParameter(field, value, error, 0.0, 1.0).words == words
 
 
 def test_a_choice_is_ranked_by_records_that_each_fit_was_without():

@@ -9,12 +9,11 @@ import pytest
 from strikewave import load_case
 from strikewave.base.result import Verdicts
 from strikewave.studies.fit import corner, figures
-from strikewave.studies.fit.columns import fit_words, residual_rows
 from strikewave.studies.fit.contradictions import speed_notices
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.posterior import Posterior, predictive_bands
 from strikewave.studies.fit.problem import Experiment
-from strikewave.studies.fit.report import fit_report
+from strikewave.studies.fit.report import fit_report, fit_words, residual_rows
 
 from .closed_runs import CASE, FORCE, HEIGHT, LOSS, number, problem, pulse
 
@@ -95,7 +94,7 @@ def test_numbers_that_are_missed_and_values_at_a_bound_are_named(studied):
     assert missed.limit == 2.0
     assert study.parameters[0].high == 900e3
     (row,) = residual_rows(study)
-    assert row.one.share == pytest.approx(share, rel=1e-4)
+    assert row.misfit.share == pytest.approx(share, rel=1e-4)
     assert "1 of 1 numbers are missed by more than 2 times their uncertainty" in fit_words(study)
 
 

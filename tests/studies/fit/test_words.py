@@ -8,23 +8,17 @@ from matplotlib.figure import Figure
 
 from strikewave.base.quantities import Value
 from strikewave.base.result import Verdicts
+from strikewave.reporting.faces import columns_of
+from strikewave.reporting.shown_units import ShownUnits, showing
 from strikewave.studies.fit import report, screen
 from strikewave.studies.fit.checking import Checks, PredictedFigure
-from strikewave.studies.fit.columns import (
-    CHECK_COLUMNS,
-    PARAMETER_COLUMNS,
-    RESIDUAL_COLUMNS,
-    check_words,
-    correlation_columns,
-    fit_words,
-    residual_rows,
-)
 from strikewave.studies.fit.excess import Excess
 from strikewave.studies.fit.free_fields import free_fields
 from strikewave.studies.fit.notices import fit_notices, held_notices, posterior_notices
 from strikewave.studies.fit.posterior import Posterior
 from strikewave.studies.fit.problem import Misfit
-from strikewave.studies.fit.result import FittedParameter, combination_words, separating_words, value_words
+from strikewave.studies.fit.report import check_words, correlation_table, fit_words, residual_rows
+from strikewave.studies.fit.result import FittedParameter, MisfitOfRun, combination_words, separating_words
 from strikewave.studies.fit.separating import SeparatingNumber
 from strikewave.studies.fit.trying import TriedChoice
 
@@ -137,7 +131,7 @@ def test_what_would_tell_values_apart_is_told_with_what_is_then_known_of_them():
 )
 def test_a_value_has_twelve_decimals_at_most_and_no_noughts_that_both_have(error, words):
     field = free_fields(CASE, [FORCE])[0]
-    assert value_words(FittedParameter(field, 789.64e3, error, 0.0, 1.0)) == words
+    assert FittedParameter(field, 789.64e3, error, 0.0, 1.0).words == words
 
 
 def codes(study):
@@ -253,7 +247,7 @@ def test_a_fit_is_told_by_its_values_and_what_is_left():
     study = study_of()
     first = study.solved.misfits[0]
     study.solved.misfits = [first, misfit("b", 2.0, 0.034, number=True)]
-    values = ", ".join(f"{one.field.path} = {value_words(one)}" for one in study.parameters)
+    values = ", ".join(f"{one.field.path} = {one.words}" for one in study.parameters)
     within = "What is left is within noise or uncertainty: at most 3.40 % (RMS)."
     assert fit_words(study) == f"{values} (standard errors). {within}"
     study.solved.misfits = [first, misfit("b", 2.01, 0.034, number=True), misfit("c", 9.0, 0.01, number=True)]
@@ -285,23 +279,23 @@ def test_predictions_are_told_by_bands_biases_and_agreement():
     assert "width -5.0 %" in words
     assert words.endswith("Predictions agree to 0.88 of 1 by ISO/TS 18571.")
     assert check_words(Checks(figures, ())).endswith("-5.0 %.")
-    row = [column.text(figures[0]) for column in CHECK_COLUMNS]
-    assert row[:2] == ["a", "peak (g)"]
-    assert [float(text.replace("\u2212", "-")) for text in row[2:4]] == pytest.approx([10.0, 11.0])
-    assert row[6:] == ["+10.0", "inside"]
+    columns = columns_of(PredictedFigure)
+    assert [column.text(figures[0]) for column in columns] == [
+        "a", "peak", "10 g", "11 g", "9.177 to 11.22 g", "+10.0", "inside"
+    ]  # fmt: skip
     bare = PredictedFigure("a", "first.restitution", "", 0.5, 0.4, 0.3, 0.45)
-    assert [column.text(bare) for column in CHECK_COLUMNS][1:3] == ["first.restitution", "0.5"]
+    assert [column.text(bare) for column in columns][1:5] == ["first.restitution", "0.5", "0.4", "0.3 to 0.45"]
 
 
 def test_residuals_and_correlations_have_a_row_each_the_largest_first():
     study = study_of([LOSS, FORCE])
     study.solved.misfits = [misfit("a", 1.0, 0.1), misfit("b", 3.0, 0.2), misfit("c", 2.0, 0.3)]
     study.verdicts_of_measured = lambda: ["x", "y", "z"]
-    assert [(row.one.called, row.verdict) for row in residual_rows(study)] == [("b", "y"), ("c", "z"), ("a", "x")]
-    first, *columns = correlation_columns(study)
-    row = SimpleNamespace(field="f", values=(0.12345, -0.5))
-    assert first.text(row) == "f"
-    assert [column.text(row).replace("\u2212", "-") for column in columns] == ["0.123", "-0.5"]
+    assert [(row.misfit.called, row.verdict) for row in residual_rows(study)] == [("b", "y"), ("c", "z"), ("a", "x")]
+    study.correlation = np.array([[1.0, 0.12345], [-0.5, np.nan]])
+    table = correlation_table(study)
+    assert table.columns == ["", LOSS, FORCE]
+    assert table.cells() == [[LOSS, "1", "0.123"], [FORCE, "-0.5", "–"]]
 
 
 @pytest.mark.parametrize(
@@ -334,6 +328,7 @@ def test_a_report_has_a_correlation_of_two_values_and_says_of_which_records_pict
 def test_the_screen_lists_twenty_residuals_and_the_correlation_of_several_values(monkeypatch, count, told):
     printed, said = {}, []
     monkeypatch.setattr(screen, "print_rows", lambda title, columns, rows: printed.update({title: list(rows)}))
+    monkeypatch.setattr(screen, "report_table", lambda table: printed.update({table.caption: table.rows}))
     monkeypatch.setattr(screen, "tell", said.append)
     study = study_of((FORCE,))
     study.solved.misfits = [misfit(str(k), float(k), 0.1) for k in range(count)]
@@ -341,7 +336,7 @@ def test_the_screen_lists_twenty_residuals_and_the_correlation_of_several_values
     command = screen.FitCommand(CASE, None, None, None, place=None, fresh=False)
     command.show(study)
     assert list(printed) == ["Fitted values", "Residuals"]
-    assert [row.one.called for row in printed["Residuals"]] == [str(k) for k in range(count)][::-1][:20]
+    assert [row.misfit.called for row in printed["Residuals"]] == [str(k) for k in range(count)][::-1][:20]
     assert len(said) == told
     two = study_of()
     two.verdicts_of_measured = lambda: [""]
@@ -383,12 +378,22 @@ def test_an_interval_says_from_what_it_is():
     study = study_of((FORCE, LOW), [0.01, np.inf])
     force, height = study.parameters
     followed = FittedParameter(force.field, force.value, force.standard_error, 1.0, 2.0, profile=())
-    states = [PARAMETER_COLUMNS[3].text(one) for one in (followed, force, height)]
+    columns = columns_of(FittedParameter)
+    states = [columns[3].text(one) for one in (followed, force, height)]
     assert states == ["profile", "parabola", "not determined"]
-    texts = [PARAMETER_COLUMNS[2].text(one) for one in (force, height)]
+    texts = [columns[2].text(one) for one in (force, height)]
     assert texts == ["78.96 to 7896 kN", "0.2 to 0.4 m (bounds)"]
-    columns = correlation_columns(study)[1:]
-    row = SimpleNamespace(field="f", values=(0.25, 0.75))
-    assert [column.text(row) for column in columns] == ["0.25", "0.75"]
-    row = SimpleNamespace(one=Misfit("a", 1.0, 0.034, 9.9, False), verdict="")
-    assert [column.text(row) for column in RESIDUAL_COLUMNS[1:4]] == ["3.4", "1", "9"]
+    row = MisfitOfRun(Misfit("a", 1.0, 0.034, 9.9, False), "")
+    assert [column.text(row) for column in columns_of(MisfitOfRun)[1:4]] == ["3.4", "1", "9"]
+
+
+def test_values_stand_in_the_unit_that_was_chosen_with_its_name():
+    """789.64 kN is 789640 N: number and name change together."""
+    field = free_fields(CASE, [FORCE])[0]
+    value = FittedParameter(field, 789.64e3, 20.2e3, 700e3, 800e3)
+    assert value.words == "790 ± 20 kN"
+    with showing(ShownUnits.read("N")):
+        assert value.words == "789640 ± 20200 N"
+        assert [column.text(value) for column in columns_of(FittedParameter)[2:]] == [
+            "7e+05 to 8e+05 N", "parabola", "789600 N"
+        ]  # fmt: skip

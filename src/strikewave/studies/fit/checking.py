@@ -5,13 +5,17 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.agreement import CurveAgreement, agreement
-from strikewave.analyses.compare.curve import FIGURES, ComparedCurve
+from strikewave.analyses.compare.agreement import OF_FIGURE, CurveAgreement, agreement
+from strikewave.analyses.compare.curve import FIGURES, SHOWN_IN, ComparedCurve
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
+from strikewave.base.shock_quantities import RATIO
+from strikewave.reporting.numbers import shown, with_unit
+from strikewave.reporting.parts import Tag, written
 from strikewave.signal.pulse import Pulse
 from strikewave.studies.fit.batches import each_or_none
 from strikewave.studies.fit.covariance import NORMAL, Estimate
@@ -30,55 +34,98 @@ HALVINGS = 12
 """Times that a drawn place is halved towards the best one at most: to 1/4000 of the bounds."""
 CHECK_STREAM = 31
 """Key of the draws."""
+USUAL = {**SHOWN_IN, "s": "us"}
+"""Unit in which a figure is shown as a rule."""
+OF_NUMBER = Quantity.of_data("as the number")
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class PredictedFigure:
     """A figure of a record that was kept out: what was measured, what was predicted with its 95 % band, SI."""
 
-    record: str
-    figure: str
-    unit: str
-    measured: float
-    predicted: float
-    low: float
-    high: float
+    record: str = declare.word("what was measured", column=KEY)
+    figure: str = declare.word("figure of it", column=KEY)
+    unit: str = declare.word("its SI unit")
+    measured: float = declare.number(OF_NUMBER, "as it was measured", column=MAIN)
+    predicted: float = declare.number(OF_FIGURE, "as the fitted case has it", column=MAIN)
+    low: float = declare.number(NOT_MEASURED, "low end of the 95 % band")
+    high: float = declare.number(NOT_MEASURED, "high end of the 95 % band")
 
     @property
+    def given_units(self) -> GivenUnits:
+        """Unit of the figure."""
+        return dict.fromkeys((OF_NUMBER.given_by, OF_FIGURE.given_by), (self.unit, USUAL.get(self.unit, self.unit)))
+
+    @declare.phrase("95 % band", column=MORE)
+    def band(self) -> str:
+        """Return the ends of the band."""
+        si, usual = self.unit or NO_UNIT, USUAL.get(self.unit, self.unit) or NO_UNIT
+        return f"{written(shown(self.low, si, usual))} to {with_unit(self.high, si, usual)}"
+
+    @declare.computed(declare.word("whether the band holds what was measured"))
     def inside(self) -> bool:
         """Whether the band holds what was measured."""
         return self.low <= self.measured <= self.high
 
-    @property
+    @declare.computed(
+        declare.number(
+            Quantity(NO_UNIT, "%", "bias", 1, 0, signed=True),
+            "by how much the prediction is above, as a share of what was measured",
+            column=MAIN,
+        )
+    )
     def bias(self) -> float:
         """By how much the prediction is above, as a share of what was measured."""
         return self.predicted / self.measured - 1.0
 
+    @declare.phrase("band holds it", column=MAIN)
+    def held(self) -> Tag:
+        """Return whether the band holds it."""
+        return Tag("inside", "good") if self.inside else Tag("outside", "warned")
 
-@dataclass(frozen=True, eq=False)
+
+@declare.dataclass
+class PulseAgreement:
+    """How well the prediction of a whole pulse agrees with the record."""
+
+    record: str = declare.word("what was measured", column=KEY)
+    overall: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, decimals=3, digits=0), "overall score of ISO/TS 18571", column=MAIN
+    )
+    grade: str = declare.word("its grade in words", column=MAIN, in_document=False)
+    rms: float = declare.number(
+        Quantity(NO_UNIT, "%", "RMS difference", 1, 0),
+        "root mean square of the difference over that of the record",
+        column=MAIN,
+    )
+
+
+@declare.dataclass
 class Checks:
-    """Predictions of what was kept out.
+    """Predictions of what was kept out; ``agreements`` have the prediction laid on each record."""
 
-    Attributes
-    ----------
-    figures : tuple of PredictedFigure
-        Peaks, widths, velocity changes or impulses, and numbers.
-    agreements : tuple of (str, CurveAgreement)
-        The prediction laid on each record.
-    """
-
-    figures: tuple[PredictedFigure, ...]
-    agreements: tuple[tuple[str, CurveAgreement], ...]
-
-    @property
+    @declare.computed(declare.count("how many bands hold what was measured"))
     def inside(self) -> int:
         """How many bands hold what was measured."""
         return sum(one.inside for one in self.figures)
 
+    figures: tuple[PredictedFigure, ...] = declare.rows(
+        PredictedFigure, "peaks, widths, velocity changes or impulses, and numbers"
+    )
+    agreements: tuple[tuple[str, CurveAgreement], ...]
+
+    @declare.computed(declare.number(RATIO, "mean bias of each figure", key="bias"))
     def biases(self) -> dict[str, float]:
-        """Return the mean bias of each figure."""
+        """Mean bias of each figure."""
         names = dict.fromkeys(one.figure for one in self.figures)
         return {name: float(np.mean([one.bias for one in self.figures if one.figure == name])) for name in names}
+
+    @declare.computed(declare.rows(PulseAgreement, "whole pulses, by ISO/TS 18571", key="iso18571"))
+    def pulses(self) -> list[PulseAgreement]:
+        """The prediction of each whole pulse beside the record."""
+        return [
+            PulseAgreement(name, found.rating.overall, found.rating.grade, found.rms) for name, found in self.agreements
+        ]
 
 
 def check(solved: Solved, experiments: Sequence[Experiment]) -> Checks:

@@ -106,4 +106,4 @@ def _label(axes: Any, values: Any, row: int, column: int) -> None:
 
 def _name(one: Any) -> str:
     name = one.field.path.rpartition(".")[2].replace("_", " ")
-    return f"{name} ({one.field.axis.unit})" if one.field.axis.unit else name
+    return f"{name} ({one.field.axis.shown_unit})" if one.field.axis.unit else name

@@ -8,34 +8,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import Quantity
 from strikewave.studies.fit.noise import CHANCE
 
 Array = NDArray[np.float64]
 
 ALONE = -1
 """Group of a number that is known from elsewhere: the model can lack nothing of it."""
+OF_DOUBTS = Quantity.of_data("standard uncertainties")
 
 
-class Excess(NamedTuple):
-    """By how much numbers are off, in their standard uncertainties.
+@declare.dataclass
+class Excess:
+    """By how much numbers are off; 1 and 0 where chance and their uncertainties explain it.
 
-    Attributes
-    ----------
-    within : float
-        Standard deviation of repeats at one setting; 1 where their uncertainties explain it.
-    between : float
-        Standard deviation of what all repeats at a setting are off together; 0 where chance explains it.
-    freedom : float
-        Degrees of freedom from which these are known; infinite where uncertainties are as stated.
+    ``freedom`` are the degrees of freedom from which these are known; infinite where uncertainties are as stated.
     """
 
-    within: float = 1.0
-    between: float = 0.0
+    within: float = declare.number(
+        OF_DOUBTS, "by how much repeats of numbers scatter, in their standard uncertainties", default=1.0
+    )
+    between: float = declare.number(
+        OF_DOUBTS, "by how much numbers at a setting are off together, in the same", default=0.0
+    )
     freedom: float = math.inf
 
     @property

@@ -110,7 +110,7 @@ def draw_profile(axes: Any, one: FittedParameter, reach: float) -> None:
     values = [axis.shown(one.field.si(float(place))) for place in one.profile.places]
     axes.plot(values, np.abs(one.profile.deviations), "o-", color=BLUE, linewidth=1.3, markersize=4)
     axes.axhline(reach, color=GREY, linewidth=0.8, linestyle=":")
-    unit = f" ({axis.unit})" if axis.unit else ""
+    unit = f" ({axis.shown_unit})" if axis.unit else ""
     quiet(axes, f"Profile of {one.field.path}", f"value{unit}", "rise of the misfit (standard errors)")
 
 

@@ -88,8 +88,12 @@ class FreeField:
         return min(max(value, self.low), self.high)
 
     def shown(self, si: float, digits: int = 5) -> str:
-        """Return a value in the unit in which the field was typed."""
-        return f"{self.axis.shown(si):.{digits}g} {self.axis.unit}".strip()
+        """Return a value in the unit in which the field was typed, or in the one that was chosen."""
+        return f"{self.axis.shown(si):.{digits}g} {self.axis.shown_unit}".strip()
+
+    def between(self, low: float, high: float) -> str:
+        """Return the ends of an interval, as `shown` does."""
+        return f"{self.axis.shown(low):.5g} to {self.shown(high)}"
 
     def error(self, si: float, of_place: float) -> float:
         """Return the standard error of a value whose place has this one."""

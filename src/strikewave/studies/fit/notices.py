@@ -12,7 +12,7 @@ from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.case import Case
 from strikewave.reporting.numbers import listed, percent
 from strikewave.studies.fit.posterior import ENOUGH, LONG, Posterior
-from strikewave.studies.fit.result import FitStudy, combination_words, separating_words, value_words
+from strikewave.studies.fit.result import FitStudy, combination_words, separating_words
 
 Array = NDArray[np.float64]
 
@@ -126,7 +126,7 @@ def _of_values(study: FitStudy) -> Iterator[Notice]:
     """Yield values at a bound or on the steps of waves, and other solutions."""
     for value, at in zip(study.parameters, study.solved.estimate.place, strict=True):
         if min(at, 1.0 - at) < AT_BOUND:
-            message = f"{value.field.path} stands at a bound, {value_words(value)}: its best value may lie beyond"
+            message = f"{value.field.path} stands at a bound, {value.words}: its best value may lie beyond"
             yield Notice("at-bound", message, value.value)
     for value in study.parameters:
         if value.stair > ON_STAIRS * value.standard_error and value.determined:

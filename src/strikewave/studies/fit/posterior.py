@@ -11,13 +11,15 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import NOT_MEASURED
 from strikewave.base.errors import MISSING, InputError
+from strikewave.base.shock_quantities import RATIO
 from strikewave.studies.fit.batches import each_or_none
 from strikewave.studies.fit.checking import DRAWS, drawn_places
 from strikewave.studies.fit.covariance import NORMAL, Estimate
@@ -50,20 +52,16 @@ PREDICTED = 100
 """Draws of which the predictive band of a pulse is made: its ends, 2.5 %, lie between the second and third of them."""
 
 
-@dataclass(frozen=True, eq=False)
+@declare.dataclass
 class Posterior:
     """Draws of the posterior, and how far they can be trusted.
+
+    Beside what documents have:
 
     Attributes
     ----------
     draws : ndarray
         Places in the unit cube, without the first two autocorrelation times; shape (draws, fields).
-    steps : int
-        Of each of the `WALKERS` chains.
-    memory : float
-        Longest autocorrelation time of any field, steps.
-    accepted : float
-        Share of moves that were.
     runs : int
         Runs of the model at each setting.
     stopped : bool
@@ -71,21 +69,35 @@ class Posterior:
     """
 
     draws: Array
-    steps: int
-    memory: float
-    accepted: float
-    runs: int
-    stopped: bool = False
 
-    @property
+    @declare.computed(declare.count("chains that move together"))
+    def walkers(self) -> int:
+        """Chains that move together."""
+        return WALKERS
+
+    steps: int = declare.count("steps of each chain")
+    memory: float = declare.number(
+        RATIO, "longest autocorrelation time of any field, steps", key="autocorrelation_time"
+    )
+
+    @declare.computed(declare.number(NOT_MEASURED, "independent draws, about", key="independent_draws"))
     def independent(self) -> float:
         """Independent draws, about."""
         return WALKERS * self.steps / self.memory
 
-    @property
+    accepted: float = declare.number(RATIO, "share of moves that were accepted")
+    runs: int
+    stopped: bool = False
+
+    @declare.computed(declare.word("whether chains are too short to be trusted"))
     def too_short(self) -> bool:
         """Whether chains are too short to be trusted."""
         return not (self.steps >= LONG * self.memory and self.independent >= ENOUGH)
+
+    @declare.computed(declare.count("seed of the chains"))
+    def seed(self) -> int:
+        """Seed of the chains."""
+        return SEED
 
     def quantiles(self, share: float) -> Array:
         """Return the place below which a share of the draws lies, of each field."""

@@ -12,7 +12,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
+from strikewave.base.shock_quantities import RATIO
 from strikewave.cases.case import Case
+from strikewave.reporting.parts import Tag
 from strikewave.studies.engine.case_evaluation import numbers_of
 from strikewave.studies.fit.covariance import ResidualBlock
 from strikewave.studies.fit.excess import ALONE, Excess, excess_of
@@ -28,6 +32,7 @@ Array = NDArray[np.float64]
 
 AS_STATED = Excess()
 """Of numbers that are off by no more than their uncertainties."""
+OVER_NOISE = Quantity.of_data("standard deviations of the noise", digits=3)
 FAINT_SLOPE = 1e-4
 """Slope of a record along a direction, over the largest, from which on its own best values follow the residual."""
 
@@ -51,38 +56,46 @@ class Experiment:
     measured: tuple[Measured, ...]
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Misfit:
-    """What is left of one measured thing, over its noise.
+    """What is left of one measured thing, over its noise."""
 
-    Attributes
-    ----------
-    called : str
-        What it is called.
-    size : float
-        Root mean square of the residual over the standard deviation of its noise, or its standard uncertainty.
-    share : float
-        Root mean square of the residual over the peak, or over the number.
-    independent : float
-        Independent samples that the residual has.
-    more_than_noise : bool
-        Whether noise alone leaves so much once in a thousand times at most.
-    is_number : bool
-        Whether it is a stated number, not a record.
-    noise_known : bool
-        Whether the noise of the record is known; else it is taken as `strikewave.studies.fit.measured.QUIETEST`.
-    scatters : bool
-        Whether it is noise with values of its own: then the shots differ, and the model need lack nothing.
-    """
+    called: str = declare.word("what it is called", label="measured", column=KEY, order=-1)
+    size: float = declare.number(
+        OVER_NOISE,
+        "root mean square of the residual over the standard deviation of its noise, or its standard uncertainty",
+        label="over its noise or uncertainty",
+        column=MAIN,
+    )
+    share: float = declare.number(
+        Quantity(NO_UNIT, "%", "RMS residual", digits=3),
+        "root mean square of the residual over the peak, or over the number",
+        column=MAIN,
+        order=-1,
+    )
+    independent: float = declare.number(RATIO, "independent samples that the residual has")
 
-    called: str
-    size: float
-    share: float
-    independent: float
-    more_than_noise: bool
-    is_number: bool = False
-    noise_known: bool = True
-    scatters: bool = False
+    @declare.computed(declare.count("independent samples, whole ones", column=MORE, in_document=False))
+    def independent_samples(self) -> int:
+        """Whole independent samples of the residual."""
+        return math.floor(self.independent)
+
+    more_than_noise: bool = declare.word("whether noise alone leaves so much once in a thousand times at most")
+    is_number: bool = declare.word("whether it is a stated number, not a record", default=False)
+    noise_known: bool = declare.word(
+        "whether the noise of the record is known; else 1e-4 of its peak is taken", default=True
+    )
+    scatters: bool = declare.word(
+        "whether it is noise with values of its own: then the shots differ, and the model need lack nothing",
+        default=False,
+    )
+
+    @declare.phrase("is", column=MAIN)
+    def kind(self) -> Tag:
+        """Return whether it is a number, noise, or more."""
+        if self.is_number:
+            return Tag("number")
+        return Tag("not noise", "warned") if self.more_than_noise else Tag("noise", "good")
 
 
 class Problem:

@@ -1,31 +1,94 @@
-"""The report of a fit."""
+"""A fit in words and tables, for screen and page, and its report."""
 
 from __future__ import annotations
 
+import numpy as np
+
 from strikewave.reporting import chapters
-from strikewave.reporting.numbers import percent
-from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table
+from strikewave.reporting.faces import columns_of
+from strikewave.reporting.numbers import listed, percent
+from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table, written
 from strikewave.reporting.table_columns import page_table
-from strikewave.studies.fit.checking import Checks
-from strikewave.studies.fit.columns import (
-    CHECK_COLUMNS,
-    CORRELATION_TITLE,
-    PARAMETER_COLUMNS,
-    POSTERIOR_COLUMNS,
-    POSTERIOR_TITLE,
-    RESIDUAL_COLUMNS,
-    TRIED_COLUMNS,
-    check_words,
-    correlation_columns,
-    correlation_rows,
-    fit_words,
-    posterior_words,
-    residual_rows,
-)
+from strikewave.studies.fit.checking import Checks, PredictedFigure, PulseAgreement
 from strikewave.studies.fit.corner import corner_figure
 from strikewave.studies.fit.figures import MOST_DRAWN, overlay, profile_figures, values_figure
-from strikewave.studies.fit.posterior import Posterior
-from strikewave.studies.fit.result import FitStudy
+from strikewave.studies.fit.notices import MET
+from strikewave.studies.fit.posterior import SEED, WALKERS, Posterior
+from strikewave.studies.fit.result import FitStudy, FittedParameter, MisfitOfRun, PosteriorValue, combination_words
+from strikewave.studies.fit.trying import TriedChoice
+
+POSTERIOR_TITLE = "Posterior beside least squares"
+
+
+def fit_words(study: FitStudy) -> str:
+    """Say in words what a fit comes to."""
+    found = study.solved.estimate
+    values = [f"{one.name} = {one.words}" for one in study.parameters if one.determined]
+    words = [f"{', '.join(values)} (standard errors)."] if values else []
+    words += [f"{_capital(combination_words(study, group))}." for group in found.groups()]
+    broken = [one for one in study.solved.misfits if one.more_than_noise]
+    worst = max(study.solved.misfits, key=lambda one: one.share)
+    missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
+    if missed:
+        words.append(
+            f"{len(missed)} of {len(study.numbers)} numbers are missed by more than {MET:g} times their uncertainty, "
+            f"by up to {percent(max(one.share for one in missed), 1)}."
+        )
+    if broken:
+        words.append(
+            f"What is left is more than noise in {len(broken)} of {len(study.pulses)} records: up to "
+            f"{percent(max(one.share for one in broken), 1)} of the peak (RMS)."
+        )
+    if not broken and not missed:
+        words.append(f"What is left is within noise or uncertainty: at most {percent(worst.share, 2)} (RMS).")
+    if study.tries:
+        words.insert(0, f"Of {len(study.tries)} choices, {study.tries[0].choice} {_best_by(study.tries[0])}.")
+    if study.checks is not None:
+        words.append(check_words(study.checks))
+    if study.verdicts.words:
+        words.insert(0, study.verdicts.sentence)
+    return " ".join(words)
+
+
+def _best_by(best: TriedChoice) -> str:
+    return "predicts records that it was not fitted to best" if best.kept_out == best.kept_out else "fits best"
+
+
+def _capital(words: str) -> str:
+    return words[0].upper() + words[1:]
+
+
+def posterior_words(posterior: Posterior) -> str:
+    """Say how the posterior was sampled, and how well."""
+    return (
+        f"{WALKERS} chains of {posterior.steps} steps, {posterior.steps / posterior.memory:.0f} autocorrelation times "
+        f"of {posterior.memory:.3g} steps: about {posterior.independent:.0f} independent draws; "
+        f"{percent(posterior.accepted, 0)} of moves accepted; seed {SEED}."
+    )
+
+
+def correlation_table(study: FitStudy) -> Table:
+    """Return the correlation of the values, a row and a column each."""
+    names = [one.name for one in study.parameters]
+    rows = [
+        [name, *(written(one, 3) for one in row)] for name, row in zip(names, study.correlation.tolist(), strict=True)
+    ]
+    return Table("Correlation of the values", ["", *names], rows)
+
+
+def check_words(checks: Checks) -> str:
+    """Say how well what was kept out is predicted."""
+    count = len(checks.figures)
+    biases = listed([f"{name} {percent(bias, 1, '+')}" for name, bias in checks.biases.items()])
+    words = f"Of what was kept out, {checks.inside} of {count} bands hold what was measured; mean bias: {biases}."
+    scores = [one.rating.overall for _, one in checks.agreements]
+    return f"{words} Predictions agree to {np.mean(scores):.2f} of 1 by ISO/TS 18571." if scores else words
+
+
+def residual_rows(study: FitStudy) -> list[MisfitOfRun]:
+    """Return a row for each record and number, the largest residuals over noise or uncertainty first."""
+    rows = map(MisfitOfRun, study.solved.misfits, study.verdicts_of_measured())
+    return sorted(rows, key=lambda row: -row.misfit.size)
 
 
 def fit_report(study: FitStudy) -> str:
@@ -37,7 +100,7 @@ def fit_report(study: FitStudy) -> str:
         Section(
             "Residuals",
             _residual_text(study),
-            [page_table("Measured and computed", RESIDUAL_COLUMNS, residual_rows(study))],
+            [page_table("Measured and computed", columns_of(MisfitOfRun), residual_rows(study))],
         ),
         *([_tries(study)] if study.tries else []),
         *([_checks(study.checks)] if study.checks is not None else []),
@@ -50,11 +113,11 @@ def fit_report(study: FitStudy) -> str:
 
 
 def _values(study: FitStudy) -> Section:
-    parts: list[Part] = [page_table("Fitted values", PARAMETER_COLUMNS, study.parameters)]
+    parts: list[Part] = [page_table("Fitted values", columns_of(FittedParameter), study.parameters)]
     caption = "Each value between its bounds; the bar is its 95 % interval, red where the data do not determine it."
     parts.append(Picture(values_figure(study), caption))
     if len(study.parameters) > 1:
-        parts.append(page_table(CORRELATION_TITLE, correlation_columns(study), correlation_rows(study)))
+        parts.append(correlation_table(study))
     parts += [Picture(figure, words) for figure, words in profile_figures(study)]
     parts.append(Link("fitted.toml", "The fitted case, fitted.toml"))
     text = (
@@ -74,7 +137,7 @@ def _posterior(study: FitStudy, posterior: Posterior) -> Section:
         "other scales. The likelihood has the covariance of the fit, so that colour of the noise, what is left beyond "
         f"it, and scatter from shot to shot are in it. {posterior_words(posterior)}"
     )
-    table = page_table(POSTERIOR_TITLE, POSTERIOR_COLUMNS, study.posterior_values())
+    table = page_table(POSTERIOR_TITLE, columns_of(PosteriorValue), study.posterior_values())
     return Section("Posterior", text, [table, Picture(corner_figure(study), caption)])
 
 
@@ -99,17 +162,13 @@ def _tries(study: FitStudy) -> Section:
         "Root mean square residuals over noise or uncertainty. Kept out: each record, or tenth of them, predicted by "
         "a fit to the others (cross-validation), by which choices are ranked."
     )
-    return Section("Choices", text, [page_table("Choices, the best first", TRIED_COLUMNS, study.tries)])
+    return Section("Choices", text, [page_table("Choices, the best first", columns_of(TriedChoice), study.tries)])
 
 
 def _checks(checks: Checks) -> Section:
-    rows: list[list[Cell]] = [
-        [name, f"{found.rating.overall:.3f}", found.rating.grade, percent(found.rms)]
-        for name, found in checks.agreements
-    ]
-    parts: list[Part] = [page_table("Predictions", CHECK_COLUMNS, checks.figures)]
-    if rows:
-        parts.append(Table("Whole pulses, by ISO/TS 18571", ["record", "overall", "grade", "RMS difference"], rows))
+    parts: list[Part] = [page_table("Predictions", columns_of(PredictedFigure), checks.figures)]
+    if checks.pulses:
+        parts.append(page_table("Whole pulses, by ISO/TS 18571", columns_of(PulseAgreement), checks.pulses))
     text = (
         f"{check_words(checks)} A band holds values drawn from the fit, what the same figure was off in the records of "
         "the fit, and the noise of the record."

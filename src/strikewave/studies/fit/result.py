@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, ClassVar, NamedTuple
+from collections.abc import Sequence
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quantity
+from strikewave.base.shock_quantities import RATIO
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.faces import data_columns
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import listed, percent
+from strikewave.reporting.parts import Tag
 from strikewave.reporting.shown_result import Curve, history_curve
-from strikewave.studies.fit.checking import Checks
+from strikewave.studies.fit.checking import OF_NUMBER, Checks
 from strikewave.studies.fit.estimation import ProfileEnds
+from strikewave.studies.fit.excess import Excess
 from strikewave.studies.fit.free_fields import FreeField
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
-from strikewave.studies.fit.posterior import SEED, WALKERS, Posterior
+from strikewave.studies.fit.posterior import Posterior
+from strikewave.studies.fit.problem import Misfit
 from strikewave.studies.fit.separating import SeparatingNumber
 from strikewave.studies.fit.solving import Solved
 from strikewave.studies.fit.trying import TriedChoice
@@ -33,22 +38,24 @@ KEPT_DRAWS = 2000
 """Draws of a posterior that are written: as many as are independent at least."""
 WHOLE_POWER = 5e-3
 """Difference of a power from 1 below which it is not written: slopes know it no better."""
+WRITTEN = ("field", "unit", "value", "standard_error", "low", "high")
+"""Columns of parameters.csv."""
+OF_FIELD = Quantity.of_data("as the field", digits=5)
+WORST = Quantity(NO_UNIT, "%", decimals=2, digits=0)
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class FittedParameter:
     """A fitted value, SI.
+
+    Beside what documents have:
 
     Attributes
     ----------
     field : FreeField
         What it is.
-    value : float
-        SI.
     standard_error : float
         SI; infinite where the data do not determine it.
-    low, high : float
-        Ends of its 95 % interval, SI; its bounds where it is not determined.
     profile : ProfileEnds or None
         Where the interval is that of its profile, as the misfit is no parabola.
     stair : float
@@ -56,31 +63,168 @@ class FittedParameter:
     """
 
     field: FreeField
-    value: float
+
+    @declare.computed(declare.word("path of the value", key="field", label="field", column=KEY))
+    def name(self) -> str:
+        """Path of the value."""
+        return self.field.path
+
+    @declare.computed(declare.word("its SI unit"))
+    def unit(self) -> str:
+        """Its SI unit."""
+        return self.field.axis.si_unit or NO_UNIT
+
+    value: float = declare.number(OF_FIELD, "fitted value")
     standard_error: float
-    low: float
-    high: float
+
+    @declare.computed(declare.number(OF_FIELD, "of it; null where the data do not determine it", key="standard_error"))
+    def known_error(self) -> float | None:
+        """Standard error, where the data determine the value."""
+        return self.standard_error if self.determined else None
+
+    low: float = declare.number(OF_FIELD, "low end of its 95 % interval")
+    high: float = declare.number(OF_FIELD, "high end of its 95 % interval")
     profile: ProfileEnds | None = None
     stair: float = 0.0
+
+    @declare.computed(declare.number(OF_FIELD, "value of the case", label="began at", column=MORE, order=1))
+    def start(self) -> float:
+        """Value of the case."""
+        return self.field.value.si
+
+    @declare.computed(declare.history(OF_FIELD, "[low, high] within which it was sought"))
+    def bounds(self) -> tuple[float, float]:
+        """Ends within which it was sought."""
+        return self.field.low, self.field.high
+
+    @declare.computed(
+        declare.word("what the interval rests on: quadratic, profile, or bounds where it is not determined")
+    )
+    def interval(self) -> str:
+        """What the interval rests on."""
+        return "profile" if self.profile is not None else "quadratic" if self.determined else "bounds"
+
+    reach: float | None = declare.number(
+        Quantity.of_data("standard errors"), "standard errors that 95 % lie within, to either side", default=None
+    )
 
     @property
     def determined(self) -> bool:
         """Whether the data determine it."""
         return math.isfinite(self.standard_error)
 
+    @property
+    def given_units(self) -> GivenUnits:
+        """Unit in which the field was typed."""
+        return {OF_FIELD.given_by: (self.unit, self.field.axis.unit or NO_UNIT)}
 
-class PosteriorValue(NamedTuple):
+    @declare.phrase("value ± standard error", column=KEY, headline="{name}")
+    def words(self) -> str:
+        """Return the value with its standard error, in the unit in which it was typed."""
+        axis, unit = self.field.axis, self.field.axis.shown_unit
+        if not self.determined:
+            return f"{axis.shown(self.value):.4g} {unit}".strip() + " (not determined)"
+        error = float(axis.shown(self.standard_error))
+        decimals = min(max(1 - math.floor(math.log10(error)), 0), 12) if error > 0.0 else 6
+        texts = f"{axis.shown(self.value):.{decimals}f}", f"{error:.{decimals}f}"
+        if all("." in text and text.endswith("0") for text in texts):
+            texts = texts[0][:-1].rstrip("."), texts[1][:-1].rstrip(".")
+        return f"{texts[0]} ± {texts[1]} {unit}".strip()
+
+    @declare.phrase("95 % interval", column=MAIN)
+    def interval_words(self) -> str:
+        """Return the ends of the interval."""
+        return self.field.between(self.low, self.high) + ("" if self.determined else " (bounds)")
+
+    @declare.phrase("interval from", column=MORE)
+    def state(self) -> Tag:
+        """Return what the interval rests on, in its box."""
+        if not self.determined:
+            return Tag("not determined", "warned")
+        return Tag("profile" if self.profile is not None else "parabola", "good")
+
+
+@declare.dataclass
+class PosteriorValue:
     """A fitted value with the median and the 95 % interval of its posterior, SI."""
 
     value: FittedParameter
-    median: float
-    low: float
-    high: float
+
+    @declare.computed(declare.word("path of the value", key="field", label="field", column=KEY))
+    def name(self) -> str:
+        """Path of the value."""
+        return self.value.name
+
+    median: float = declare.number(OF_FIELD, "median", column=KEY)
+    low: float = declare.number(OF_FIELD, "low end of its 95 % interval")
+    high: float = declare.number(OF_FIELD, "high end of its 95 % interval")
+
+    @property
+    def given_units(self) -> GivenUnits:
+        """Unit in which the field was typed."""
+        return self.value.given_units
+
+    @declare.phrase("95 % of the posterior", column=KEY)
+    def interval_words(self) -> str:
+        """Return the ends of the interval."""
+        return self.value.field.between(self.low, self.high)
+
+    @declare.phrase("least squares", column=MORE)
+    def fitted_words(self) -> str:
+        """Return the fitted value."""
+        return self.value.field.shown(self.value.value)
+
+    @declare.phrase("95 % of least squares", column=MAIN)
+    def fitted_interval(self) -> str:
+        """Return the ends of its interval by least squares."""
+        return self.value.interval_words
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@declare.dataclass
+class SampledValues:
+    """Values by their posterior, and how that was sampled."""
+
+    parameters: list[PosteriorValue] = declare.rows(PosteriorValue, "median and 95 % interval of each value")
+    posterior: Posterior = declare.part(Posterior, "of the sampling", inline=True)
+
+
+@declare.dataclass
+class MisfitOfRun:
+    """What is left of a measured thing, and the verdict of the fitted run that it is held against."""
+
+    misfit: Misfit = declare.part(Misfit, "what is left", inline=True)
+    verdict: str = declare.word(
+        "what the checks of the fitted run came to that it is held against", label="verdict of the run", column=MAIN
+    )
+
+
+@declare.dataclass
+class MisfitOfAll:
+    """What is left of all that was measured."""
+
+    chi_squared: float = declare.number(RATIO, "sum of squares of the residuals over their noise")
+    residuals: int = declare.count("how many residuals")
+    excess: Excess = declare.part(Excess, "by how much numbers are off beyond their uncertainties")
+    shots: int = declare.count("how many shots")
+    measured: list[MisfitOfRun] = declare.rows(MisfitOfRun, "what is left of each measured thing")
+
+
+@declare.dataclass
+class FittedNumber:
+    """A stated number, and what the fitted case gives of it."""
+
+    number: str = declare.word("name of a stated number")
+    unit: str = declare.word("its SI unit")
+    measured: float = declare.number(OF_NUMBER, "as stated")
+    uncertainty: float = declare.number(OF_NUMBER, "standard uncertainty as stated")
+    computed: float = declare.number(OF_NUMBER, "of the fitted case")
+
+
+@declare.dataclass
 class FitStudy(AskedResult):
     """A fitted case; see `fit`, and `Result` for what it shares with others.
+
+    Beside what documents have:
 
     Attributes
     ----------
@@ -90,18 +234,10 @@ class FitStudy(AskedResult):
         With the fitted values.
     solved : Solved
         The best place, and what the data say of it.
-    parameters : tuple of FittedParameter
-        The values.
     pulses : tuple of (MeasuredPulse, LaidPulse)
         The records, each with the fitted run laid on it.
     computed : tuple of float
         What the fitted case gives of each stated number, SI.
-    separating : tuple of SeparatingNumber
-        Numbers that would tell apart what the data do not, the best first.
-    checks : Checks or None
-        Predictions of what was kept out.
-    tries : tuple of TriedChoice
-        Choices of a field that were fitted, the best first: that of this case.
     posterior : Posterior or None
         Draws of the values, where they were asked for.
     bands : tuple of (ndarray, ndarray)
@@ -109,26 +245,22 @@ class FitStudy(AskedResult):
     """
 
     command: ClassVar[str] = "fit"
+    main_rows: ClassVar[str] = "parameters"
 
     base: Case
     case: Case
     solved: Solved
-    parameters: tuple[FittedParameter, ...]
+
+    @declare.computed(declare.word("name of the case", key="case"))
+    def case_name(self) -> str:
+        """Name of the case."""
+        return self.base.name
+
+    parameters: tuple[FittedParameter, ...] = declare.rows(FittedParameter, "fitted values", headline="each")
     pulses: tuple[tuple[MeasuredPulse, LaidPulse], ...]
     computed: tuple[float, ...]
-    separating: tuple[SeparatingNumber, ...] = ()
-    checks: Checks | None = None
-    tries: tuple[TriedChoice, ...] = ()
-    posterior: Posterior | None = None
-    bands: tuple[tuple[Array, Array], ...] = ()
 
-    @property
-    def title(self) -> str:
-        """What was fitted to what."""
-        count = len(self.solved.problem.measured)
-        return f"{self.base.name or 'case'} fitted to {count} measurement{'s' if count > 1 else ''}"
-
-    @functools.cached_property
+    @declare.computed(declare.history(RATIO, "correlation of the values, a row each"))
     def correlation(self) -> Array:
         """Correlation of the values; NaN of one that is not determined."""
         found = self.solved.estimate
@@ -136,10 +268,80 @@ class FitStudy(AskedResult):
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(found.covariance / np.outer(sizes, sizes))
 
-    @property
+    @declare.computed(
+        declare.word("fields that the data do not determine, those together of which only a combination is")
+    )
     def undetermined(self) -> list[list[str]]:
         """The fields that the data do not determine, those together of which only a combination is."""
-        return [[self.parameters[k].field.path for k in group] for group in self.solved.estimate.groups()]
+        return [[self.parameters[k].name for k in group] for group in self.solved.estimate.groups()]
+
+    @declare.computed(declare.word("what is determined of these, in words"))
+    def combinations(self) -> list[str]:
+        """What is determined of these."""
+        return [combination_words(self, group) for group in self.solved.estimate.groups()]
+
+    separating: tuple[SeparatingNumber, ...] = declare.rows(
+        SeparatingNumber, "numbers that would tell them apart, the best first", default=()
+    )
+
+    @declare.computed(declare.part(MisfitOfAll, "what is left of all that was measured"))
+    def misfit(self) -> MisfitOfAll:
+        """What is left of all that was measured."""
+        found, problem = self.solved.estimate, self.solved.problem
+        measured = [MisfitOfRun(*pair) for pair in zip(self.solved.misfits, self.verdicts_of_measured(), strict=True)]
+        return MisfitOfAll(found.misfit, int(found.residuals.size), problem.excess, problem.shot_count, measured)
+
+    @declare.computed(declare.number(WORST, "largest share", headline="largest RMS residual", in_document=False))
+    def worst_share(self) -> float:
+        """Root mean square residual over the peak, or the number, of what is farthest off."""
+        return max(one.share for one in self.solved.misfits)
+
+    @declare.computed(declare.rows(FittedNumber, "stated numbers", key="numbers"))
+    def fitted_numbers(self) -> list[FittedNumber]:
+        """The stated numbers, each with what the fitted case gives of it."""
+        pairs = zip(self.numbers, self.computed, strict=True)
+        return [FittedNumber(n.called, n.unit or NO_UNIT, n.value, n.uncertainty, found) for n, found in pairs]
+
+    tries: tuple[TriedChoice, ...] = declare.rows(
+        TriedChoice, "by the option try: the choices, and how well each fits", default=()
+    )
+    posterior: Posterior | None = None
+
+    @declare.computed(
+        declare.part(SampledValues, "by the option bayes: the values by their posterior", key="posterior")
+    )
+    def sampled(self) -> SampledValues | None:
+        """The values by their posterior; None where none was sampled."""
+        return None if self.posterior is None else SampledValues(self.posterior_values(), self.posterior)
+
+    checks: Checks | None = declare.part(
+        Checks, "by the option check-on: predictions of what was kept out", default=None
+    )
+    bands: tuple[tuple[Array, Array], ...] = ()
+
+    @declare.computed(declare.word("other values that fit as well, by their paths"))
+    def other_solutions(self) -> list[dict[str, float]]:
+        """Other values that fit as well, by their paths."""
+        return [
+            {one.name: one.field.si(float(at)) for one, at in zip(self.parameters, place, strict=True)}
+            for place in self.solved.others
+        ]
+
+    @declare.computed(declare.count("runs that it took"))
+    def runs(self) -> int:
+        """Runs that it took."""
+        return self.solved.runs
+
+    @declare.computed(declare.word("whether the search was stopped before its end"))
+    def stopped(self) -> bool:
+        """Whether the search was stopped before its end."""
+        return self.solved.stopped
+
+    @property
+    def title(self) -> str:
+        """What was fitted to what."""
+        count = len(self.solved.problem.measured)
+        return f"{self.base.name or 'case'} fitted to {count} measurement{'s' if count > 1 else ''}"
 
     @property
     def numbers(self) -> list[MeasuredNumber]:
@@ -152,104 +354,6 @@ class FitStudy(AskedResult):
         texts = self.verdicts.texts or ("",) * len(experiments)
         return [text for one, text in zip(experiments, texts, strict=True) for _ in one.measured]
 
-    def units(self) -> Mapping[str, str]:
-        """Return the unit of each key of the JSON document."""
-        return {
-            "value": "as the field",
-            "standard_error": "as the field",
-            "low": "as the field",
-            "high": "as the field",
-            "start": "as the field",
-            "reach": "standard errors",
-            "correlation": "1",
-            "size": "standard deviations of the noise",
-            "share": "1",
-            "within": "standard uncertainties",
-            "between": "standard uncertainties",
-            "independent": "1",
-            "shift": "s",
-            "measured": "as the number",
-            "computed": "as the number",
-            "uncertainty": "as the number",
-            "predicted": "as the figure",
-            "bias": "1",
-            "iso18571": "1",
-            "rms": "1",
-            "errors": "1",
-            "median": "as the field",
-            "autocorrelation_time": "1",
-            "accepted": "1",
-            "kept_out": "standard deviations of the noise",
-        }
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        found, excess = self.solved.estimate, self.solved.problem.excess
-        return {
-            "case": self.base.name,
-            "parameters": [
-                {
-                    "field": one.field.path,
-                    "unit": one.field.axis.si_unit or "1",
-                    "value": one.value,
-                    "standard_error": one.standard_error if one.determined else None,
-                    "low": one.low,
-                    "high": one.high,
-                    "start": one.field.value.si,
-                    "bounds": [one.field.low, one.field.high],
-                    "interval": "profile" if one.profile is not None else "quadratic" if one.determined else "bounds",
-                    "reach": float(reach) if one.determined else None,
-                }
-                for one, reach in zip(self.parameters, found.reach, strict=True)
-            ],
-            "correlation": self.correlation.tolist(),
-            "undetermined": self.undetermined,
-            "combinations": [combination_words(self, group) for group in found.groups()],
-            "separating": [one._asdict() for one in self.separating],
-            "misfit": {
-                "chi_squared": found.misfit,
-                "residuals": int(found.residuals.size),
-                "excess": {"within": excess.within, "between": excess.between},
-                "shots": self.solved.problem.shot_count,
-                "measured": [
-                    {**vars(one), "verdict": verdict}
-                    for one, verdict in zip(self.solved.misfits, self.verdicts_of_measured(), strict=True)
-                ],
-            },
-            "numbers": [
-                {
-                    "number": one.called,
-                    "unit": one.unit or "1",
-                    "measured": one.value,
-                    "uncertainty": one.uncertainty,
-                    "computed": computed,
-                }
-                for one, computed in zip(self.numbers, self.computed, strict=True)
-            ],
-            "tries": [vars(one) for one in self.tries],
-            "posterior": None if self.posterior is None else self._posterior_document(self.posterior),
-            "checks": None if self.checks is None else _checks_document(self.checks),
-            "other_solutions": [self._values_at(place) for place in self.solved.others],
-            "runs": self.solved.runs,
-            "stopped": self.solved.stopped,
-        }
-
-    def _posterior_document(self, posterior: Posterior) -> dict[str, Any]:
-        """Return the posterior for the JSON document."""
-        return {
-            "parameters": [
-                {"field": one.value.field.path, "median": one.median, "low": one.low, "high": one.high}
-                for one in self.posterior_values()
-            ],
-            "walkers": WALKERS,
-            "steps": posterior.steps,
-            "autocorrelation_time": posterior.memory if math.isfinite(posterior.memory) else None,
-            "independent_draws": posterior.independent,
-            "accepted": posterior.accepted,
-            "too_short": posterior.too_short,
-            "seed": SEED,
-        }
-
     def posterior_values(self) -> list[PosteriorValue]:
         """Return median and 95 % interval of each value, SI; none where no posterior was sampled."""
         if self.posterior is None:
@@ -260,9 +364,9 @@ class FitStudy(AskedResult):
             for k, one in enumerate(self.parameters)
         ]
 
-    def _values_at(self, place: Array) -> dict[str, float]:
-        fields = [one.field for one in self.parameters]
-        return {field.path: field.si(float(at)) for field, at in zip(fields, place, strict=True)}
+    def columns(self) -> list[Column]:
+        """Return the values, each in the SI unit beside it."""
+        return [one for one in data_columns(self, self.main_rows) if one.name in WRITTEN]
 
     def texts(self) -> dict[str, str]:
         """Return the fitted case, and the JSON document."""
@@ -290,27 +394,6 @@ class FitStudy(AskedResult):
         ]
         return {**tables, "residuals.csv": csv_table(columns, HISTORY_DIGITS)}
 
-    def columns(self) -> list[Column]:
-        """Return the values, each in the SI unit beside it."""
-        return [
-            Column("field", [one.field.path for one in self.parameters]),
-            Column("unit", [one.field.axis.si_unit or "1" for one in self.parameters]),
-            Column("value", [one.value for one in self.parameters]),
-            Column("standard_error", [one.standard_error if one.determined else None for one in self.parameters]),
-            Column("low", [one.low for one in self.parameters]),
-            Column("high", [one.high for one in self.parameters]),
-        ]
-
-    def brief(self) -> dict[str, str]:
-        """Return all columns."""
-        return dict.fromkeys((column.name for column in self.columns()), "")
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the values with their standard errors, and the misfit."""
-        numbers = [(one.field.path, value_words(one)) for one in self.parameters]
-        worst = max(self.solved.misfits, key=lambda one: one.share)
-        return [*numbers, ("largest RMS residual", percent(worst.share, 2))]
-
     def preview(self) -> Curve | None:
         """Return the residual of the first record."""
         if not self.pulses:
@@ -320,40 +403,6 @@ class FitStudy(AskedResult):
         return history_curve(
             laid.time, laid.computed - laid.measured, pulse.unit, SHOWN_IN.get(pulse.unit, pulse.unit), words
         )
-
-
-def _checks_document(checks: Checks) -> dict[str, Any]:
-    """Return the predictions for the JSON document."""
-    return {
-        "inside": checks.inside,
-        "figures": [{**vars(one), "inside": one.inside, "bias": one.bias} for one in checks.figures],
-        "bias": checks.biases(),
-        "iso18571": [
-            {"record": name, "overall": one.rating.overall, "rms": one.rms} for name, one in checks.agreements
-        ],
-    }
-
-
-def value_words(one: FittedParameter) -> str:
-    """Return a value with its standard error, in the unit in which it was typed.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> from strikewave.studies.fit.free_fields import free_fields
-    >>> field = free_fields(load_case("li-ma-2019"), ["machine.engagement=5 mm..12 mm"])[0]
-    >>> value_words(FittedParameter(field, 0.00804, 0.00002, 0.008, 0.00808))
-    '8.04 ± 0.02 mm'
-    """
-    axis = one.field.axis
-    if not one.determined:
-        return f"{axis.shown(one.value):.4g} {axis.unit}".strip() + " (not determined)"
-    error = float(axis.shown(one.standard_error))
-    decimals = min(max(1 - math.floor(math.log10(error)), 0), 12) if error > 0.0 else 6
-    texts = f"{axis.shown(one.value):.{decimals}f}", f"{error:.{decimals}f}"
-    if all("." in text and text.endswith("0") for text in texts):
-        texts = texts[0][:-1].rstrip("."), texts[1][:-1].rstrip(".")
-    return f"{texts[0]} ± {texts[1]} {axis.unit}".strip()
 
 
 def combination_words(study: FitStudy, group: Sequence[int]) -> str:

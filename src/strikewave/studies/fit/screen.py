@@ -13,31 +13,27 @@ from strikewave.base.result import Source
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.faces import columns_of
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.options.shared import Running
 from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
-from strikewave.reporting.terminal import print_rows, progress_bar, tell
+from strikewave.reporting.terminal import print_rows, progress_bar, report_table, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.fit.columns import (
-    CHECK_COLUMNS,
-    CORRELATION_TITLE,
-    PARAMETER_COLUMNS,
-    POSTERIOR_COLUMNS,
+from strikewave.studies.fit.checking import PredictedFigure
+from strikewave.studies.fit.fit_file import load_fit
+from strikewave.studies.fit.report import (
     POSTERIOR_TITLE,
-    RESIDUAL_COLUMNS,
-    TRIED_COLUMNS,
-    correlation_columns,
-    correlation_rows,
+    correlation_table,
     fit_words,
     posterior_words,
     residual_rows,
 )
-from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.request import FitRequest
-from strikewave.studies.fit.result import FitStudy
+from strikewave.studies.fit.result import FitStudy, FittedParameter, MisfitOfRun, PosteriorValue
 from strikewave.studies.fit.study import requested
 from strikewave.studies.fit.targets import parse_targets
+from strikewave.studies.fit.trying import TriedChoice
 from strikewave.studies.resumable import ResumableCommand
 
 MOST_ROWS = 20
@@ -126,20 +122,20 @@ class FitCommand(ResumableCommand[FitStudy]):
 
     def show(self, result: FitStudy) -> None:
         """Print values, correlation and residuals."""
-        print_rows("Fitted values", PARAMETER_COLUMNS, result.parameters)
+        print_rows("Fitted values", columns_of(FittedParameter), result.parameters)
         if len(result.parameters) > 1:
-            print_rows(CORRELATION_TITLE, correlation_columns(result), correlation_rows(result))
+            report_table(correlation_table(result))
         if result.posterior is not None:
-            print_rows(POSTERIOR_TITLE, POSTERIOR_COLUMNS, result.posterior_values())
+            print_rows(POSTERIOR_TITLE, columns_of(PosteriorValue), result.posterior_values())
             tell(posterior_words(result.posterior))
         rows = residual_rows(result)
         if len(rows) > MOST_ROWS:
             tell(f"of {len(rows)} residuals the {MOST_ROWS} largest; the report and fit.json have all")
-        print_rows("Residuals", RESIDUAL_COLUMNS, rows[:MOST_ROWS])
+        print_rows("Residuals", columns_of(MisfitOfRun), rows[:MOST_ROWS])
         if result.tries:
-            print_rows("Choices, the best first", TRIED_COLUMNS, result.tries)
+            print_rows("Choices, the best first", columns_of(TriedChoice), result.tries)
         if result.checks is not None:
-            print_rows("Predictions of what was kept out", CHECK_COLUMNS, result.checks.figures)
+            print_rows("Predictions of what was kept out", columns_of(PredictedFigure), result.checks.figures)
 
     def draw(self, result: FitStudy, folder: Path) -> list[str]:
         """Write page and picture."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
 from strikewave.base.quantities import Value
+from strikewave.base.shock_quantities import RATIO
 from strikewave.cases.case import Case
 from strikewave.studies.fit.batches import each_or_none
 from strikewave.studies.fit.covariance import UNDETERMINED
@@ -26,22 +27,15 @@ SETTINGS, CHANGED = ("machine.speed", "machine.height"), 1.25
 """Settings of which another value may separate fields, and the factor: what most machines can be set to besides."""
 
 
-class SeparatingNumber(NamedTuple):
-    """A number that would separate fields, measured to 1 %.
+@declare.dataclass
+class SeparatingNumber:
+    """A number that would separate fields, measured to 1 %."""
 
-    Attributes
-    ----------
-    group : tuple of str
-        The fields.
-    number : str
-        What would be measured, with the setting where it is another one.
-    errors : tuple of float
-        Standard error of each field then, as a share of the width of its bounds.
-    """
-
-    group: tuple[str, ...]
-    number: str
-    errors: tuple[float, ...]
+    group: tuple[str, ...] = declare.word("fields that are not told apart")
+    number: str = declare.word("number that would tell them apart, with the setting where it is another one")
+    errors: tuple[float, ...] = declare.history(
+        RATIO, "standard error of each field then, as a share of the width of its bounds"
+    )
 
 
 def separating(solved: Solved) -> list[SeparatingNumber]:

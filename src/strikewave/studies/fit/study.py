@@ -291,4 +291,4 @@ def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
     reach = float(found.reach[k]) * error
     low, high = (place - reach, place + reach) if followed is None else followed[:2]
     ends = field.si(max(low, 0.0)), field.si(min(high, 1.0))
-    return FittedParameter(field, value, field.error(value, error), *ends, followed, stair)
+    return FittedParameter(field, value, field.error(value, error), *ends, followed, stair, float(found.reach[k]))

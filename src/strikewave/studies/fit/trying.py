@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, Quantity
 from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import Case
 from strikewave.studies.fit.batches import result_of
 from strikewave.studies.fit.estimation import Search
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
-from strikewave.studies.fit.problem import Problem
+from strikewave.studies.fit.problem import OVER_NOISE, Problem
 from strikewave.studies.fit.solving import Solved
 
 MOST_TRIED = 20
@@ -23,30 +25,37 @@ FEWEST, FOLDS = 3, 10
 them are divided."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class TriedChoice:
-    """A choice of a field, and how well it fits.
+    """A choice of a field, and how well it fits."""
 
-    Attributes
-    ----------
-    choice : str
-        As typed, ``path=value``.
-    misfit : float
-        Root mean square of all residuals over their noise or uncertainty; NaN where it could not be fitted.
-    kept_out : float
-        The same of records that each fit was without (cross-validation), or of the numbers of a setting where there
-        are no records; NaN below `FEWEST` of them.
-    more_than_noise : int
-        Records of which the residual is more than noise.
-    failure : str
-        Why it could not be fitted; empty where it was.
-    """
+    choice: str = declare.word("as typed, path=value", column=KEY)
+    misfit: float = declare.number(
+        Quantity("", "", "residual over noise", digits=3),
+        "root mean square of all residuals over their noise or uncertainty; null where it could not be fitted",
+        default=math.nan,
+        column=MAIN,
+    )
+    kept_out: float = declare.number(
+        OVER_NOISE,
+        "the same of records that each fit was without, or of the numbers of a setting; null where they are too few",
+        label="of records kept out",
+        default=math.nan,
+        column=MAIN,
+    )
+    more_than_noise: int = declare.count("records of which the residual is more than noise", default=0)
+    failure: str = declare.word(
+        "why it could not be fitted; empty where it was",
+        label="could not be fitted",
+        default="",
+        column=MORE,
+        order=1,
+    )
 
-    choice: str
-    misfit: float = math.nan
-    kept_out: float = math.nan
-    more_than_noise: int = 0
-    failure: str = ""
+    @declare.phrase("more than noise", column=MORE)
+    def beyond_noise(self) -> str | None:
+        """Return how many records are more than noise, where it was fitted."""
+        return None if self.failure else str(self.more_than_noise)
 
     @property
     def rank(self) -> tuple[bool, float]:
