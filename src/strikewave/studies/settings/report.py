@@ -9,10 +9,9 @@ from strikewave.reporting.numbers import headed, percent, shown, spelled
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
 from strikewave.reporting.table_columns import page_table
 from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
-from strikewave.studies.settings.columns import LIMIT_COLUMNS, candidate_columns
 from strikewave.studies.settings.figures import settings_figure
 from strikewave.studies.settings.goal import goal_words
-from strikewave.studies.settings.result import SettingsStudy
+from strikewave.studies.settings.result import LIMIT_COLUMNS, SettingsStudy, candidate_columns
 
 MOST_ROWS = 40
 """Candidates in the table: more would not be read; settings.json has all."""

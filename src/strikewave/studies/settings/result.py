@@ -13,11 +13,15 @@ from strikewave.base.result import Source
 from strikewave.base.shock_quantities import FORCE, PULSE_WIDTH, RATIO
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
+from strikewave.reporting.faces import columns_of
+from strikewave.reporting.parts import Tag
 from strikewave.reporting.shown_result import ShownResult
+from strikewave.reporting.table_columns import TableColumn
 from strikewave.specifications.reading import Specification
 from strikewave.studies.settings.answer_files import name_at, other_cases
-from strikewave.studies.settings.candidate import INTERVAL, PEAK, WITHIN, SettingsCandidate
+from strikewave.studies.settings.candidate import INTERVAL, PEAK, WITHIN, Limit, SettingsCandidate
 from strikewave.studies.settings.goal import BlowGoal, SettingsChoices, goal_words, name_of
+from strikewave.studies.settings.search import VARIED
 
 
 @declare.dataclass
@@ -177,3 +181,19 @@ def _without_mass(candidate: SettingsCandidate) -> tuple[float, ...]:
     """Return number of strikers and support of a candidate."""
     values = candidate.case.values()
     return tuple(values[path].si for path in ("machine.strikers", "object.spring", "object.preload", "object.damper"))
+
+
+def candidate_columns(varied: str, table: str = "ranking") -> list[TableColumn[SettingsCandidate]]:
+    """Return the columns of candidates, or of what the "mass" of a striker costs, without what was not varied."""
+    return [column for column in columns_of(SettingsCandidate, table) if column.name not in set(VARIED) - {varied}]
+
+
+def _limit_result(limit: Limit) -> Tag:
+    return Tag("kept", "good") if limit.kept else Tag("broken", "bad") if limit.decides else Tag("warned", "warned")
+
+
+LIMIT_COLUMNS: tuple[TableColumn[Limit], ...] = (
+    *columns_of(Limit),
+    TableColumn("result", _limit_result, words=True),
+)
+"""Limits of a candidate, each in its own unit."""

@@ -22,9 +22,8 @@ from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.candidate import SettingsCandidate
-from strikewave.studies.settings.columns import LIMIT_COLUMNS, candidate_columns
 from strikewave.studies.settings.goal import BlowGoal, SettingsChoices, goal_words, name_of
-from strikewave.studies.settings.result import SettingsStudy, asked_line
+from strikewave.studies.settings.result import LIMIT_COLUMNS, SettingsStudy, asked_line, candidate_columns
 from strikewave.studies.settings.study import design_settings
 
 SHOWN = 6

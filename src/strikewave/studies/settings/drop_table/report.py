@@ -8,10 +8,10 @@ from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells, verdic
 from strikewave.reporting.faces import face_table, text_of
 from strikewave.reporting.parts import Cell, Picture, Section, Table, Tag
 from strikewave.reporting.table_columns import page_table
-from strikewave.studies.settings.columns import LIMIT_COLUMNS
 from strikewave.studies.settings.drop_table.candidate import WITHIN, DropCandidate
 from strikewave.studies.settings.drop_table.figures import drop_figure
 from strikewave.studies.settings.drop_table.study import DropStudy, drop_columns, goal_words
+from strikewave.studies.settings.result import LIMIT_COLUMNS
 
 MOST_ROWS = 60
 """Designs in the tables: more would not be read; settings.json has all."""

@@ -17,7 +17,6 @@ from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
-from strikewave.studies.settings.columns import LIMIT_COLUMNS
 from strikewave.studies.settings.drop_table.candidate import DropGoal
 from strikewave.studies.settings.drop_table.study import (
     DropChoices,
@@ -28,6 +27,7 @@ from strikewave.studies.settings.drop_table.study import (
     goal_words,
     name_of,
 )
+from strikewave.studies.settings.result import LIMIT_COLUMNS
 from strikewave.studies.settings.screen import print_clauses
 
 SHOWN = 8
