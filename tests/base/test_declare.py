@@ -192,6 +192,19 @@ def test_what_is_computed_is_computed_once_and_counts_for_no_equality(body):
         one.size = 5.0
 
 
+def test_what_stands_elsewhere_is_declared_in_a_line():
+    @declare.dataclass
+    class Outer:
+        """A contact with more room."""
+
+        touch: Touch
+        force = declare.computed(declare.number(FORCE, "largest force"))(lambda outer: outer.touch.force)
+
+    assert declare.content(Outer(Touch(1.0, 2.0))) == {"force": 2.0}
+    assert (Outer.force.name, Outer.force.__doc__) == ("force", "largest force")
+    assert "force : computed\n        largest force, N." in Outer.__doc__
+
+
 def test_declared_values_are_pickled():
     touch = Touch(1.0, 2.0)
     assert pickle.loads(pickle.dumps(touch)) == touch

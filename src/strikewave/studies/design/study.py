@@ -301,35 +301,18 @@ class DesignStudy(ResultOfCase):
         """The least margin of each run; infinite where there is no goal, NaN where a run lacks a number."""
         return np.asarray(self.shares.min(axis=1, initial=math.inf))
 
-    @declare.computed(declare.word("run, fast, wave, fem or impact"))
-    def analysis(self) -> str:
-        """What each run is."""
-        return self.plan.analysis
-
-    @declare.computed(declare.rows(StatedGoal, "what must be met"))
-    def goals(self) -> list[StatedGoal]:
-        """What must be met."""
-        return [StatedGoal(one.typed, one.number, one.low, one.high) for one in self.plan.goals]
-
-    @declare.computed(declare.word("objectives as typed"))
-    def objectives(self) -> list[str]:
-        """What shall be small or large."""
-        return [one.typed for one in self.plan.objectives]
-
-    @declare.computed(declare.count("of the search"))
-    def seed(self) -> int:
-        """Seed of the search."""
-        return self.plan.seed
-
-    @declare.computed(declare.count("how many runs", key="runs", headline="runs"))
-    def run_count(self) -> int:
-        """How many runs."""
-        return len(self.rows)
-
-    @declare.computed(declare.count("how many of them failed"))
-    def failed(self) -> int:
-        """How many runs failed."""
-        return sum(map(bool, self.failures))
+    analysis = declare.computed(declare.word("run, fast, wave, fem or impact"))(lambda study: study.plan.analysis)
+    goals = declare.computed(declare.rows(StatedGoal, "what must be met"))(
+        lambda study: [StatedGoal(one.typed, one.number, one.low, one.high) for one in study.plan.goals]
+    )
+    objectives = declare.computed(declare.word("objectives as typed"))(
+        lambda study: [one.typed for one in study.plan.objectives]
+    )
+    seed = declare.computed(declare.count("of the search"))(lambda study: study.plan.seed)
+    run_count = declare.computed(declare.count("how many runs", key="runs", headline="runs"))(
+        lambda study: len(study.rows)
+    )
+    failed = declare.computed(declare.count("how many of them failed"))(lambda study: sum(map(bool, study.failures)))
 
     @declare.computed(
         declare.count(
@@ -340,10 +323,7 @@ class DesignStudy(ResultOfCase):
         """How many runs meet all goals, and fail no check."""
         return int(np.sum((self.margins >= 0.0) & ~self._failed_check))
 
-    @declare.computed(declare.word("whether one does", key="met"))
-    def is_met(self) -> bool:
-        """Whether a setting meets all goals."""
-        return not self.broken
+    is_met = declare.computed(declare.word("whether one does", key="met"))(lambda study: not study.broken)
 
     @declare.computed(declare.rows(ChosenSetting, "the first setting", headline="3", in_document=False))
     def first_setting(self) -> list[ChosenSetting]:
@@ -388,14 +368,11 @@ class DesignStudy(ResultOfCase):
             for one in self.sensitivities
         ]
 
-    @declare.computed(
+    front_runs = declare.computed(
         declare.rows(
             DesignRun, "runs that no other one beats in all objectives, with two or more of these", key="front"
         )
-    )
-    def front_runs(self) -> list[DesignRun]:
-        """The runs of the front."""
-        return [self._run(run) for run in self.front]
+    )(lambda study: [study._run(run) for run in study.front])
 
     @declare.computed(
         declare.part(
@@ -421,19 +398,14 @@ class DesignStudy(ResultOfCase):
         ]
         return GoalConflict([goal.typed for goal in self.conflict.goals], reaches)
 
-    @declare.computed(
+    known_numbers = declare.computed(
         declare.rows(
             KnownNumber, "of a search by surrogate: how well each number is known by the other runs", key="surrogate"
         )
+    )(lambda study: [KnownNumber(study.kept(one.name), *one) for one in study.surrogate])
+    sources = declare.computed(declare.word("sources of the methods"))(
+        lambda study: [citation(key) for key in study.citations]
     )
-    def known_numbers(self) -> list[KnownNumber]:
-        """How well each number is known by the other runs."""
-        return [KnownNumber(self.kept(one.name), *one) for one in self.surrogate]
-
-    @declare.computed(declare.word("sources of the methods"))
-    def sources(self) -> list[str]:
-        """Sources of the methods."""
-        return [citation(key) for key in self.citations]
 
     @declare.computed(declare.rows(GoalAtFirst, "goals at the first setting", in_document=False))
     def goals_at_first(self) -> list[GoalAtFirst]:
@@ -455,15 +427,12 @@ class DesignStudy(ResultOfCase):
             for name in wanted
         ]
 
-    @declare.computed(declare.rows(GoalReach, "goals that exclude each other", in_document=False))
-    def reaches(self) -> list[GoalReach]:
-        """What each of the goals that exclude each other comes to at best while the others are met."""
-        return [] if self.excluding is None else self.excluding.reachable
-
-    @declare.computed(declare.rows(StudyVariable, "what may be chosen", in_document=False))
-    def vary(self) -> tuple[StudyVariable, ...]:
-        """What may be chosen."""
-        return self.plan.variables
+    reaches = declare.computed(declare.rows(GoalReach, "goals that exclude each other", in_document=False))(
+        lambda study: [] if study.excluding is None else study.excluding.reachable
+    )
+    vary = declare.computed(declare.rows(StudyVariable, "what may be chosen", in_document=False))(
+        lambda study: study.plan.variables
+    )
 
     @declare.computed(declare.table("the ranked settings"))
     def rank_table(self) -> list[Column]:

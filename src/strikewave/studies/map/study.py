@@ -205,30 +205,15 @@ class MapStudy(ResultOfCase):
         low, high = HALF_TO_TWICE
         return (low * value.si, high * value.si) if value.provenance == "assumed" else None
 
-    @declare.computed(declare.count("how many cells", headline="cells", in_document=False))
-    def cell_count(self) -> int:
-        """How many machines were run."""
-        return math.prod(self.plan.shape)
-
-    @declare.computed(declare.rows(Axis, "what the axes are of"))
-    def axes(self) -> tuple[Axis, ...]:
-        """What the axes are of."""
-        return self.plan.axes
-
-    @declare.computed(declare.word("names of the regimes, by their codes from 0"))
-    def regimes(self) -> tuple[str, ...]:
-        """Names of the regimes."""
-        return NAMES
-
-    @declare.computed(declare.word("reasons for no result, by their codes from 0"))
-    def reasons(self) -> tuple[str, ...]:
-        """Reasons for no result."""
-        return REASONS
-
-    @declare.computed(declare.number(VARIATION, "largest coefficient of variation of equal blows"))
-    def wanted_cv(self) -> float:
-        """What counts as even."""
-        return self.wanted
+    cell_count = declare.computed(declare.count("how many cells", headline="cells", in_document=False))(
+        lambda study: math.prod(study.plan.shape)
+    )
+    axes = declare.computed(declare.rows(Axis, "what the axes are of"))(lambda study: study.plan.axes)
+    regimes = declare.computed(declare.word("names of the regimes, by their codes from 0"))(lambda study: NAMES)
+    reasons = declare.computed(declare.word("reasons for no result, by their codes from 0"))(lambda study: REASONS)
+    wanted_cv = declare.computed(declare.number(VARIATION, "largest coefficient of variation of equal blows"))(
+        lambda study: study.wanted
+    )
 
     @declare.computed(declare.part(Present, "the case itself", key="present"))
     def present_setting(self) -> Present:
@@ -237,19 +222,12 @@ class MapStudy(ResultOfCase):
         pairs = zip(self.paths, self.here, strict=True)
         return Present({path: SettingOfCase(at, values[path].provenance) for path, at in pairs}, self.present)
 
-    @declare.computed(
+    present_cv = declare.computed(
         declare.number(VARIATION, "its scatter", headline="CV of the peaks of the case", in_document=False)
-    )
-    def present_cv(self) -> float:
-        """Scatter of the peaks of the case."""
-        return self.present["cv"]
-
-    @declare.computed(
+    )(lambda study: study.present["cv"])
+    present_peak = declare.computed(
         declare.number(Quantity("m/s^2", "g"), "its mean peak", headline="mean peak of the case", in_document=False)
-    )
-    def present_peak(self) -> float:
-        """Mean peak of the case."""
-        return self.present["peak"]
+    )(lambda study: study.present["peak"])
 
     @declare.computed(declare.number(SHARE, "share of the cells in each regime"))
     def shares(self) -> dict[str, float]:
@@ -264,21 +242,16 @@ class MapStudy(ResultOfCase):
         codes = self.field("reason").astype(int)
         return {text: int((codes == k).sum()) for k, text in enumerate(REASONS) if k and (codes == k).any()}
 
-    @declare.computed(declare.part(EvenSetting, "nearest setting with equal blows; null where there is none"))
-    def nearest(self) -> EvenSetting | None:
-        """The nearest even setting."""
-        return self.setting
-
-    @declare.computed(
+    nearest = declare.computed(declare.part(EvenSetting, "nearest setting with equal blows; null where there is none"))(
+        lambda study: study.setting
+    )
+    nothing_even = declare.computed(
         declare.word(
             "what is said where there is none",
             headline="settings with equal blows that a full run confirms",
             in_document=False,
         )
-    )
-    def nothing_even(self) -> str | None:
-        """That no setting is even; nothing where one is."""
-        return "none" if self.setting is None else None
+    )(lambda study: "none" if study.setting is None else None)
 
     @declare.computed(declare.rows(ShownSetting, "the nearest setting", headline="each", in_document=False))
     def shown_setting(self) -> list[ShownSetting]:
@@ -286,27 +259,18 @@ class MapStudy(ResultOfCase):
         pairs = zip(self.plan.axes, self.setting.values, strict=True) if self.setting else ()
         return [ShownSetting(axis.path, f"{axis.shown(value):.5g} {axis.unit}".strip()) for axis, value in pairs]
 
-    @declare.computed(declare.number(VARIATION, "scatter there", headline="CV there, by a full run", in_document=False))
-    def nearest_cv(self) -> float | None:
-        """Scatter of the peaks at the nearest setting; None where there is none."""
-        return self.setting.full_run.cv if self.setting else None
-
-    @declare.computed(
+    nearest_cv = declare.computed(
+        declare.number(VARIATION, "scatter there", headline="CV there, by a full run", in_document=False)
+    )(lambda study: study.setting.full_run.cv if study.setting else None)
+    nearest_peak = declare.computed(
         declare.number(Quantity("m/s^2", "g"), "mean peak there", headline="mean peak there", in_document=False)
+    )(lambda study: study.setting.full_run.peak if study.setting else None)
+    refused = declare.computed(declare.rows(Refusal, "nearer settings that a full run did not confirm, and why"))(
+        lambda study: study.refusals
     )
-    def nearest_peak(self) -> float | None:
-        """Mean peak at the nearest setting; None where there is none."""
-        return self.setting.full_run.peak if self.setting else None
-
-    @declare.computed(declare.rows(Refusal, "nearer settings that a full run did not confirm, and why"))
-    def refused(self) -> tuple[Refusal, ...]:
-        """Nearer settings whose full runs disagree."""
-        return self.refusals
-
-    @declare.computed(declare.part(MapCell, "each of them as an array"))
-    def cells(self) -> dict[str, Array]:
-        """All cells: shape (panels, rows, columns)."""
-        return {name: self.field(name) for name in FIELDS}
+    cells = declare.computed(declare.part(MapCell, "each of them as an array"))(
+        lambda study: {name: study.field(name) for name in FIELDS}
+    )
 
     @declare.computed(declare.word("what the checks of each cell came to, by code"))
     def verdict(self) -> Array:
@@ -314,15 +278,12 @@ class MapStudy(ResultOfCase):
         codes = [RUN_STATUSES.index(one) if one in RUN_STATUSES else math.nan for one in self.verdicts.statuses]
         return np.array(codes, dtype=float).reshape(self.plan.shape)
 
-    @declare.computed(declare.word("what the verdict of a cell is, by its code"))
-    def verdict_codes(self) -> tuple[str, ...]:
-        """What a verdict may be."""
-        return RUN_STATUSES
-
-    @declare.computed(declare.rows(StudyVariable, "what was varied", in_document=False))
-    def variables(self) -> tuple[StudyVariable, ...]:
-        """The axes as faces list them."""
-        return self.plan.variables
+    verdict_codes = declare.computed(declare.word("what the verdict of a cell is, by its code"))(
+        lambda study: RUN_STATUSES
+    )
+    variables = declare.computed(declare.rows(StudyVariable, "what was varied", in_document=False))(
+        lambda study: study.plan.variables
+    )
 
     @declare.computed(declare.table("all cells"))
     def cell_table(self) -> list[Column]:

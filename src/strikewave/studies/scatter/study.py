@@ -317,35 +317,20 @@ class ScatterStudy(ResultOfCase):
         """The runs that could be made to their end."""
         return [run for run in self.runs if not run.failure]
 
-    @declare.computed(declare.count("runs that were made to their end", headline="runs", in_document=False))
-    def run_count(self) -> int:
-        """How many runs could be made."""
-        return len(self.completed)
-
-    @declare.computed(declare.count("how many failed"))
-    def failed(self) -> int:
-        """How many runs could not be made."""
-        return len(self.runs) - len(self.completed)
-
-    @declare.computed(declare.count("how many keep no limit, as they failed or missed a blow", key="without_limit"))
-    def unlimited(self) -> int:
-        """How many runs keep no limit."""
-        return sum(self.without_limit)
-
-    @declare.computed(declare.word("what the statistics are, in words"))
-    def statements(self) -> dict[str, str]:
-        """What the numbers of the document are."""
-        return STATEMENTS
-
-    @declare.computed(declare.word("sources of the statistics"))
-    def sources(self) -> list[str]:
-        """Sources of the statistics."""
-        return [citation(key) for key in self.citations]
-
-    @declare.computed(declare.rows(Tolerance, "what was drawn", key="tolerances"))
-    def drawn(self) -> list[Tolerance]:
-        """What was drawn."""
-        return [Tolerance.of_input(one) for one in self.tolerances]
+    run_count = declare.computed(declare.count("runs that were made to their end", headline="runs", in_document=False))(
+        lambda study: len(study.completed)
+    )
+    failed = declare.computed(declare.count("how many failed"))(lambda study: len(study.runs) - len(study.completed))
+    unlimited = declare.computed(
+        declare.count("how many keep no limit, as they failed or missed a blow", key="without_limit")
+    )(lambda study: sum(study.without_limit))
+    statements = declare.computed(declare.word("what the statistics are, in words"))(lambda study: STATEMENTS)
+    sources = declare.computed(declare.word("sources of the statistics"))(
+        lambda study: [citation(key) for key in study.citations]
+    )
+    drawn = declare.computed(declare.rows(Tolerance, "what was drawn", key="tolerances"))(
+        lambda study: [Tolerance.of_input(one) for one in study.tolerances]
+    )
 
     @declare.computed(declare.named(NominalFigure, "figures of the run without scatter"))
     def dynamics_alone(self) -> dict[str, NominalFigure]:
@@ -380,15 +365,12 @@ class ScatterStudy(ResultOfCase):
         """Return the scatter of a figure."""
         return self.figures[name]
 
-    @declare.computed(declare.rows(RunStatistic, "means of the runs, and CV between runs", in_document=False))
-    def means(self) -> list[RunStatistic]:
-        """Means of the runs, and CV between them."""
-        return [one.mean for one in self.figures.values()]
-
-    @declare.computed(declare.rows(RunStatistic, "typical blow of each run, and CV between runs", in_document=False))
-    def typical_blows(self) -> list[RunStatistic]:
-        """Typical blows of the runs, and CV between them."""
-        return [one.typical for one in self.figures.values()]
+    means = declare.computed(declare.rows(RunStatistic, "means of the runs, and CV between runs", in_document=False))(
+        lambda study: [one.mean for one in study.figures.values()]
+    )
+    typical_blows = declare.computed(
+        declare.rows(RunStatistic, "typical blow of each run, and CV between runs", in_document=False)
+    )(lambda study: [one.typical for one in study.figures.values()])
 
     @declare.computed(declare.rows(WithinRow, "scatter within a run", in_document=False))
     def within(self) -> list[WithinRow]:
@@ -438,72 +420,47 @@ class ScatterStudy(ResultOfCase):
                 notices.append(Notice("tolerances-interact", message, shares.sum, 1.0))
         return tuple(notices)
 
-    @declare.computed(declare.named(OddBlows, "blows that are not full", key="kinds", label="kind"))
-    def odd_blows(self) -> dict[str, OddBlows]:
-        """How many blows were missed, double and glancing, and in how many runs."""
-        return {kind: OddBlows(*counts) for kind, counts in self.kinds().items()}
-
-    @declare.computed(declare.part(PeakBand, "peaks of each blow over the runs", key="peaks", quantity=PEAK))
-    def peak_band(self) -> PeakBand:
-        """Percentiles of the peaks of each blow."""
-        return PeakBand(BAND, *self.peaks())
+    odd_blows = declare.computed(declare.named(OddBlows, "blows that are not full", key="kinds", label="kind"))(
+        lambda study: {kind: OddBlows(*counts) for kind, counts in study.kinds().items()}
+    )
+    peak_band = declare.computed(
+        declare.part(PeakBand, "peaks of each blow over the runs", key="peaks", quantity=PEAK)
+    )(lambda study: PeakBand(BAND, *study.peaks()))
 
     @declare.computed(declare.number(Quantity("m", "mm", digits=3), "largest displacement of the object in any run"))
     def largest_displacement(self) -> float:
         """Largest displacement (rearward) of the object after a blow of any run."""
         return max(run.largest_displacement for run in self.completed if math.isfinite(run.largest_displacement))
 
-    @declare.computed(declare.part(FoundShares, "shares of the tolerances", key="shares"))
-    def shares_found(self) -> FoundShares:
-        """How shares were found, and what they are."""
-        return FoundShares(self.plan.shares, self.shares)
-
-    @declare.computed(declare.number(PEAK, "mean peak", headline="mean peak", in_document=False))
-    def mean_peak(self) -> float:
-        """Mean of the mean peaks of the runs."""
-        return self.figures["peak"].mean.mean
-
-    @declare.computed(
+    shares_found = declare.computed(declare.part(FoundShares, "shares of the tolerances", key="shares"))(
+        lambda study: FoundShares(study.plan.shares, study.shares)
+    )
+    mean_peak = declare.computed(declare.number(PEAK, "mean peak", headline="mean peak", in_document=False))(
+        lambda study: study.figures["peak"].mean.mean
+    )
+    typical_peak = declare.computed(
         declare.number(PEAK, "typical peak", headline="peak of the typical blow, mean of the runs", in_document=False)
-    )
-    def typical_peak(self) -> float:
-        """Mean of the typical peaks of the runs."""
-        return self.figures["peak"].typical.mean
-
-    @declare.computed(
+    )(lambda study: study.figures["peak"].typical.mean)
+    cv_between = declare.computed(
         declare.number(VARIATION, "its scatter", headline="CV of that peak from run to run", in_document=False)
-    )
-    def cv_between(self) -> float:
-        """Scatter of the typical peak from run to run."""
-        return self.figures["peak"].typical.cv
-
-    @declare.computed(
+    )(lambda study: study.figures["peak"].typical.cv)
+    cv_within = declare.computed(
         declare.number(VARIATION, "scatter", headline="CV of the peaks within a run, median", in_document=False)
-    )
-    def cv_within(self) -> float:
-        """Scatter of the peaks within a run, median of the runs."""
-        return self.figures["peak"].within.median
+    )(lambda study: study.figures["peak"].within.median)
 
     @declare.phrase("limit", headline="CV of the peaks in 95 % of all runs at most")
     def limit(self) -> str:
         """Say what 95 % of all runs keep."""
         return limit_words(self.figures["peak"].within.limit, "no limit")
 
-    @declare.computed(
+    typical_width = declare.computed(
         declare.number(
             WIDTH, "typical width", headline="width of the typical blow, mean of the runs", in_document=False
         )
-    )
-    def typical_width(self) -> float:
-        """Mean of the typical widths of the runs."""
-        return self.figures["width"].typical.mean
-
-    @declare.computed(
+    )(lambda study: study.figures["width"].typical.mean)
+    mean_interval = declare.computed(
         declare.number(FIGURES["interval"], "interval", headline="interval, mean of the runs", in_document=False)
-    )
-    def mean_interval(self) -> float:
-        """Mean of the mean intervals of the runs."""
-        return self.figures["interval"].mean.mean
+    )(lambda study: study.figures["interval"].mean.mean)
 
     @declare.computed(declare.rows(LargestShare, "the largest share", headline="first", in_document=False))
     def largest_share(self) -> list[LargestShare]:

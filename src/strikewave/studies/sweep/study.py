@@ -209,40 +209,25 @@ class SweepStudy(ResultOfCase):
         """The case, and above it what was asked."""
         return Source("case", self.case.name, self.plan.text, asked=self.asked)
 
-    @declare.computed(declare.word("run, fast, wave, fem or impact"))
-    def analysis(self) -> str:
-        """What each run is."""
-        return self.plan.evaluation.analysis
-
-    @declare.computed(declare.word("grid, latin-hypercube, sobol or tolerances"))
-    def design(self) -> str:
-        """How the runs were chosen."""
-        return self.plan.design
-
-    @declare.computed(declare.word("of the draws; null of a grid"))
-    def seed(self) -> int | None:
-        """Seed of a design that is random."""
-        return None if self.design == GRID else self.plan.seed
-
-    @declare.computed(declare.count("how many runs", key="runs", headline="runs"))
-    def run_count(self) -> int:
-        """How many runs."""
-        return len(self.plan.rows)
-
-    @declare.computed(declare.count("how many of them failed"))
-    def failed(self) -> int:
-        """How many runs failed."""
-        return sum(bool(failure) for failure in self.failures)
-
-    @declare.computed(declare.rows(StudyVariable, "what was varied"))
-    def vary(self) -> tuple[StudyVariable, ...]:
-        """What was varied."""
-        return self.plan.variables
-
-    @declare.computed(declare.word("names of what is kept"))
-    def keep(self) -> list[str]:
-        """Names of numbers and histories that are kept of each run."""
-        return [*self.plan.evaluation.names, *self.plan.evaluation.histories]
+    analysis = declare.computed(declare.word("run, fast, wave, fem or impact"))(
+        lambda study: study.plan.evaluation.analysis
+    )
+    design = declare.computed(declare.word("grid, latin-hypercube, sobol or tolerances"))(
+        lambda study: study.plan.design
+    )
+    seed = declare.computed(declare.word("of the draws; null of a grid"))(
+        lambda study: None if study.design == GRID else study.plan.seed
+    )
+    run_count = declare.computed(declare.count("how many runs", key="runs", headline="runs"))(
+        lambda study: len(study.plan.rows)
+    )
+    failed = declare.computed(declare.count("how many of them failed"))(
+        lambda study: sum(bool(failure) for failure in study.failures)
+    )
+    vary = declare.computed(declare.rows(StudyVariable, "what was varied"))(lambda study: study.plan.variables)
+    keep = declare.computed(declare.word("names of what is kept"))(
+        lambda study: [*study.plan.evaluation.names, *study.plan.evaluation.histories]
+    )
 
     @declare.computed(declare.word("of each run: the setting, SI or words", key="settings"))
     def setting_lists(self) -> dict[str, list[Any]]:
@@ -257,12 +242,9 @@ class SweepStudy(ResultOfCase):
         """The numbers of the runs by their names."""
         return {name: self.number(name) for name in self.plan.evaluation.names}
 
-    @declare.computed(
+    verdict = declare.computed(
         declare.word("what the checks of each run came to: passed, broken with the checks that failed, or failed")
-    )
-    def verdict(self) -> list[str]:
-        """Verdict of each run."""
-        return list(self.verdicts.texts)
+    )(lambda study: list(study.verdicts.texts))
 
     @declare.computed(declare.word("why runs failed, by their numbers from 1", key="failures"))
     def failures_by_run(self) -> dict[str, str]:
