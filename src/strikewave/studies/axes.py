@@ -54,6 +54,10 @@ class Axis:
         """Return values in the unit in which they are shown."""
         return in_unit(value, self.si_unit, shown_unit(self.si_unit, self.unit)) if self.unit else value
 
+    def words(self, value: float, digits: int = 5) -> str:
+        """Return a value with the unit in which it is shown."""
+        return f"{self.shown(value):.{digits}g} {self.shown_unit}".strip()
+
     @property
     def shown_unit(self) -> str:
         """Unit in which `shown` gives them, as print spells it; empty where there is none.

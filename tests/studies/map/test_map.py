@@ -12,6 +12,7 @@ from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Range, ToleranceBand, Value
 from strikewave.machines import StruckObject, blows, run_machine
 from strikewave.machines.fast_train import fast_train
+from strikewave.reporting.shown_units import ShownUnits, showing
 from strikewave.studies.axes import axis_of, case_at
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import (
@@ -24,6 +25,7 @@ from strikewave.studies.map.cells import (
     own_blows,
 )
 from strikewave.studies.map.regimes import IRREGULAR, MISSES, NO_RETURN, UNKNOWN, period_of, regime_of
+from strikewave.studies.map.report import setting_table
 from strikewave.studies.map.return_time import arrivals, bounce_time
 from strikewave.studies.map.study import MapStudy, check_plan, confirmed, in_full, make_map, plan_of
 from strikewave.uncertainty.statistics import variation
@@ -291,6 +293,18 @@ def test_case_that_is_even_is_the_nearest_itself():
     assert study.setting.distance == 0.0
     assert study.setting.values == study.here
     assert study.nearest_case() == study.case
+
+
+def test_settings_are_named_in_the_unit_that_was_chosen():
+    """730 rpm are 76.445 rad/s: number and name change together."""
+    case = load_case("li-ma-2019")
+    study = even_study(
+        case, [axis_of(case, path, None, 2, False) for path in ("machine.speed", "machine.engagement")], {}
+    )
+    assert setting_table(study, "").cells()[0] == ["machine.speed (rpm)", "730"]
+    with showing(ShownUnits.read("rad/s")):
+        assert setting_table(study, "").cells()[0] == ["machine.speed (rad/s)", "76.445"]
+        assert study.plan.axes[0].words(study.here[0]) == "76.445 rad/s"
 
 
 def test_distance_along_an_axis_from_zero_is_measured_by_its_range():

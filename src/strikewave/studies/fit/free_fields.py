@@ -89,7 +89,7 @@ class FreeField:
 
     def shown(self, si: float, digits: int = 5) -> str:
         """Return a value in the unit in which the field was typed, or in the one that was chosen."""
-        return f"{self.axis.shown(si):.{digits}g} {self.axis.shown_unit}".strip()
+        return self.axis.words(si, digits)
 
     def between(self, low: float, high: float) -> str:
         """Return the ends of an interval, as `shown` does."""

@@ -66,7 +66,7 @@ def setting_table(study: MapStudy, caption: str) -> Table:
         settings.append((study.setting.values, study.setting.cell))
         heads.append(f"nearest within {percent(study.wanted)}")
     rows: list[list[Cell]] = [
-        [f"{axis.path} ({axis.unit or '1'})", *(f"{axis.shown(values[k]):.5g}" for values, _ in settings)]
+        [f"{axis.path} ({axis.shown_unit or '1'})", *(f"{axis.shown(values[k]):.5g}" for values, _ in settings)]
         for k, axis in enumerate(study.axes)
     ]
     rows += [[one.head, *(one.text(cell) for _, cell in settings)] for one in columns_of(MapCell)]

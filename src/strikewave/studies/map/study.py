@@ -257,7 +257,7 @@ class MapStudy(ResultOfCase):
     def shown_setting(self) -> list[ShownSetting]:
         """The nearest even setting in words; none where there is none."""
         pairs = zip(self.plan.axes, self.setting.values, strict=True) if self.setting else ()
-        return [ShownSetting(axis.path, f"{axis.shown(value):.5g} {axis.unit}".strip()) for axis, value in pairs]
+        return [ShownSetting(axis.path, axis.words(value)) for axis, value in pairs]
 
     nearest_cv = declare.computed(
         declare.number(VARIATION, "scatter there", headline="CV there, by a full run", in_document=False)
