@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import MAIN, MORE, NO_UNIT, Quantity
-from strikewave.base.shock_quantities import MEASURED_IMPULSE, MICROSECONDS, TOTAL_PEAK
+from strikewave.base.shock_quantities import ENERGY, MASS, MEASURED_IMPULSE, MICROSECONDS, TOTAL_PEAK
 from strikewave.fem.run import FemRun
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 
@@ -44,6 +44,7 @@ MEASURED_VELOCITY = Quantity("m/s", "m/s")
 MEASURED_STRESS = Quantity("Pa", "MPa")
 PLASTIC_STRAIN = Quantity(NO_UNIT, NO_UNIT, digits=3)
 BODY_MASS = Quantity("kg", "kg")
+BALANCE_ERROR = Quantity(NO_UNIT, NO_UNIT, "energy balance error", digits=2)
 """Numbers of measures have significant digits: they go over decades."""
 
 
@@ -55,12 +56,15 @@ class ContactMeasure:
         CONTACT_FORCE,
         "largest mean force of an interval of the histories, of whole bodies (before, of the meshed sector)",
         column=MAIN,
+        tables="blow",
+        headline="contact force",
     )
     at: float = declare.number(MICROSECONDS, "middle of the interval of the peak", key="time", label="at", column=MORE)
     impulse: float = declare.number(
         MEASURED_IMPULSE,
         "size of the impulse over the run, of whole bodies (before, of the meshed sector)",
         column=MAIN,
+        tables="blow",
     )
     begin: float = declare.number(
         MICROSECONDS, "when the force first rises above a tenth of its peak", label="begins", column=MORE
@@ -69,12 +73,29 @@ class ContactMeasure:
 
     @declare.computed(
         declare.number(
-            MICROSECONDS, "from begin to end, all contacts and gaps between them", label="lasts", column=MAIN
+            MICROSECONDS,
+            "from begin to end, all contacts and gaps between them",
+            column=MAIN,
+            tables="blow",
+            headline="contact duration",
         )
     )
     def duration(self) -> float:
         """From first to last tenth of the peak, all contacts and gaps between them, s."""
         return self.end - self.begin
+
+
+@declare.dataclass
+class EnergyExtent:
+    """How large an energy was."""
+
+    largest: float = declare.number(ENERGY, "largest in size over the run", column=MAIN)
+    last: float = declare.number(ENERGY, "at the end of the run", label="at the end", column=MAIN)
+
+    @classmethod
+    def of(cls, history: Array) -> EnergyExtent:
+        """Return that of an energy over time."""
+        return cls(float(history[np.abs(history).argmax()]), float(history[-1]))
 
 
 @dataclass(frozen=True)
@@ -100,7 +121,7 @@ class BalanceMeasure:
 class PartMeasure:
     """The blow that a part took, as one rigid body, and the most that its elements bore."""
 
-    mass: float = declare.number(BODY_MASS, "its mass", column=MORE, tables="parts")
+    mass: float = declare.number(MASS, "its mass", column=MORE, tables="parts")
     direction: tuple[float, float, float] = declare.history(
         NO_UNIT,
         "unit vector along its largest change of velocity, or the axis within 5 degrees of it; the rest is measured "
@@ -110,18 +131,18 @@ class PartMeasure:
         TOTAL_PEAK,
         "largest mean over an interval of the rate of momentum over mass",
         column=MAIN,
-        tables="parts",
+        tables="parts blow",
         headline="rigid-body peak of {name}",
     )
     width: float = declare.number(
         MEASURED_WIDTH,
         "width of that pulse at 10 % of its peak; null where the run ends above it",
         column=MAIN,
-        tables="parts",
+        tables="parts blow",
         headline="width",
     )
     velocity_change: float = declare.number(
-        MEASURED_VELOCITY, "largest change of momentum over mass", column=MAIN, tables="parts"
+        MEASURED_VELOCITY, "largest change of momentum over mass", column=MAIN, tables="parts blow"
     )
     von_mises: float = declare.number(
         MEASURED_STRESS,
@@ -138,6 +159,12 @@ class PartMeasure:
         column=MAIN,
         tables="elements",
     )
+
+    @declare.phrase("along", column=MORE, tables="parts")
+    def along(self) -> str:
+        """Return the components of its direction, or that it does not move."""
+        components = np.round(self.direction, 4) + 0.0
+        return ", ".join(f"{x:.3g}" for x in components) if any(components) else "does not move"
 
 
 def interval_means(gathered: Array, time: Array) -> Array:

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
-from strikewave.base.shock_quantities import ENERGY, LENGTH, RATIO
+from strikewave.base.declare import MORE, NO_UNIT, Quantity
+from strikewave.base.shock_quantities import ENERGY, LENGTH
 from strikewave.fem.contact import Overlap
 from strikewave.fem.mesh import TINY
 
@@ -108,15 +109,26 @@ class FieldFrame:
 class Rest:
     """How bodies came to rest between the blow before and this one."""
 
-    maxima: int = declare.count("maxima of the kinetic energy at which velocities were set to zero, of all bodies")
-    steps: int = declare.count("steps on the way to rest")
-    kinetic_share: float = declare.number(
-        RATIO, "kinetic energy that was left, over the energy in play of the blow before"
+    maxima: int = declare.count(
+        "maxima of the kinetic energy at which velocities were set to zero, of all bodies",
+        label="kinetic-energy maxima of relaxation",
+        column=MORE,
     )
-    plastic_energy: float = declare.number(ENERGY, "plastic work that the way to rest itself did")
+    steps: int = declare.count("steps on the way to rest", label="steps of relaxation", column=MORE)
+    kinetic_share: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, digits=3),
+        "kinetic energy that was left, over the energy in play of the blow before",
+        label="kinetic energy left (share)",
+        column=MORE,
+    )
+    plastic_energy: float = declare.number(
+        ENERGY, "plastic work that the way to rest itself did", label="yield during relaxation", column=MORE
+    )
     added_distance: float = declare.number(
-        LENGTH,
+        Quantity("m", "um", digits=3),
         "by how much what strikes begins farther away than at first, as it would have stood inside what it strikes",
+        label="moved back at the start",
+        column=MORE,
     )
     overlap: float = declare.number(LENGTH, "deepest overlap that is let out without a force")
     plastic_before: float = declare.number(ENERGY, "plastic work of everything before this blow")

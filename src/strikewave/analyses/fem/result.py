@@ -13,15 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.analyses.fem.sectors import Sector, sectors
+from strikewave.analyses.fem.sectors import Sector, blow_of_bodies, sectors
 from strikewave.base import declare
-from strikewave.base.declare import KEY, Quantity
+from strikewave.base.declare import KEY, MAIN, Quantity
 from strikewave.base.result import BALANCE_LIMIT, ELEMENTS_SCHEMA, BalanceCheck, Comparison
-from strikewave.base.shock_quantities import ENERGY, MEASURED_IMPULSE, RATIO, STEP
+from strikewave.base.shock_quantities import ENERGY, MEASURED_IMPULSE, RATIO, RESTITUTION, STEP
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.comparisons import comparisons
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.measures import (
+    BALANCE_ERROR,
     BODY_MASS,
     CONTACT_FORCE,
     ENERGY_LIMIT,
@@ -80,15 +81,17 @@ class TouchedBodies:
 class Energies:
     """Energies of a run."""
 
-    initial: float = declare.number(ENERGY, "energy at the start")
-    kinetic: float = declare.number(ENERGY, "kinetic energy at the end, as the following ones")
-    internal: float = declare.number(ENERGY, "elastic energy and plastic work")
-    plastic: float = declare.number(ENERGY, "plastic work, a part of the internal energy")
-    hourglass: float = declare.number(ENERGY, "energy in the hourglass modes")
-    contact: float = declare.number(ENERGY, "stored in contacts, and lost to friction")
-    viscous: float = declare.number(ENERGY, "lost to bulk viscosity")
+    initial: float = declare.number(ENERGY, "energy at the start", column=MAIN)
+    kinetic: float = declare.number(ENERGY, "kinetic energy at the end, as the following ones", column=MAIN)
+    internal: float = declare.number(ENERGY, "elastic energy and plastic work", column=MAIN)
+    plastic: float = declare.number(ENERGY, "plastic work, a part of the internal energy", column=MAIN)
+    hourglass: float = declare.number(ENERGY, "energy in the hourglass modes", column=MAIN)
+    contact: float = declare.number(ENERGY, "stored in contacts, and lost to friction", column=MAIN)
+    viscous: float = declare.number(ENERGY, "lost to bulk viscosity", column=MAIN)
     external: float = declare.number(
-        ENERGY, "work of gravity and of driven and pressed sides, less what left through non-reflecting ones"
+        ENERGY,
+        "work of gravity and of driven and pressed sides, less what left through non-reflecting ones",
+        column=MAIN,
     )
 
 
@@ -96,7 +99,11 @@ class Energies:
 class BalancedEnergies(Energies):
     """Energies of whole bodies, and how well they balance."""
 
-    error: float = declare.number(RATIO, "energy that the balance misses, as a share of the energy in play")
+    error: float = declare.number(
+        BALANCE_ERROR,
+        "energy that the balance misses, as a share of the energy in play",
+        headline="energy balance error",
+    )
 
 
 @declare.dataclass
@@ -116,6 +123,40 @@ class ElementsBlow:
     energy_error: float = declare.number(RATIO, "energy that the balance of this blow misses, as a share")
     rest: Rest | None = declare.part(Rest, "how the bodies came to rest before it; null before the first")
     stopped: str | None = declare.word("why it ended early; null where it did not")
+
+
+@declare.dataclass
+class ContactOfBlow:
+    """A contact in one of several blows, and the body whose rigid peak stands for it."""
+
+    blow: int = declare.count("number of the blow, from 1", column=KEY, tables="blow")
+    contact: str = declare.word("contact or wall", column=KEY, tables="blow")
+    measure: ContactMeasure | None = declare.part(ContactMeasure, "what it measures; None where nothing touched")
+    restitution: float | None = declare.number(
+        RESTITUTION, "speed of separation over approach", column=MAIN, tables="blow"
+    )
+    body: str = declare.word("group or part that moves first", column=MAIN, tables="blow")
+    pulse: PartMeasure = declare.part(PartMeasure, "the blow that this body took")
+
+
+@declare.dataclass
+class YieldOfBlow:
+    """What yields in one of several blows, and how the bodies came to rest before it."""
+
+    blow: int = declare.count("number of the blow, from 1", column=KEY, tables="yield")
+    plastic_strain: float = declare.number(
+        RATIO, "largest so far; NaN where nothing deforms", label="plastic strain, largest", column=MAIN, tables="yield"
+    )
+    taken: float = declare.number(
+        ENERGY, "plastic work of this blow", label="taken by yield", column=MAIN, tables="yield"
+    )
+    initial: float = declare.number(
+        ENERGY, "energy of everything", label="energy at the start", column=MAIN, tables="yield"
+    )
+    error: float = declare.number(
+        BALANCE_ERROR, "energy that the balance misses, as a share", column=MAIN, tables="yield"
+    )
+    rest: Rest | None = declare.part(Rest, "how the bodies came to rest before it; None before the first")
 
 
 @declare.dataclass
@@ -159,6 +200,19 @@ class FemSolution(CaseResult):
     later: tuple[FemRun, ...] = field(default=(), repr=False)
     modelled: tuple[FemRun, ...] = field(default=(), repr=False)
 
+    @declare.computed(declare.named(TouchedBodies, "strongest contact", in_document=False, headline="first"))
+    def strongest(self) -> dict[str, TouchedBodies]:
+        """The contact of the largest force; none where nothing touched."""
+        found = {name: one for name, one in self.touched.items() if one is not None}
+        most = max(found, key=lambda name: found[name].measure.peak, default="")
+        return {most: found[most]} if found else {}
+
+    @declare.computed(declare.named(PartMeasure, "what moves", in_document=False, headline="first"))
+    def moved(self) -> dict[str, PartMeasure]:
+        """The groups and parts that moved, in the order of `blow_of_bodies`."""
+        bodies = blow_of_bodies(self.model, self.run)
+        return {name: pulse for name, pulse in bodies.items() if pulse.velocity_change > 0.0}
+
     @declare.computed(declare.count("how many elements", headline="elements"))
     def elements(self) -> int:
         """How many elements there are."""
@@ -169,7 +223,7 @@ class FemSolution(CaseResult):
         """How many nodes there are."""
         return len(self.model.mesh.points)
 
-    @declare.computed(declare.count("how many time steps"))
+    @declare.computed(declare.count("how many time steps", headline="steps"))
     def steps(self) -> int:
         """How many time steps there were."""
         return self.run.steps
@@ -203,7 +257,6 @@ class FemSolution(CaseResult):
         declare.number(
             CONTACT_FORCE,
             "largest mean force of any contact over an interval, of whole bodies (before, of the meshed sector)",
-            headline="contact force",
         )
     )
     def contact_force_peak(self) -> float:
@@ -235,12 +288,7 @@ class FemSolution(CaseResult):
         """The first blow that each part and group took."""
         return {**self.blow_of_parts, **self.blow_of_groups}
 
-    @declare.computed(declare.named(BodyBlow, "what moves first", in_document=False, headline="first"))
-    def moved(self) -> dict[str, BodyBlow]:
-        """The parts that moved."""
-        return {name: body for name, body in self.blow_of_parts.items() if body.measure.rigid_peak > 0.0}
-
-    @declare.computed(declare.part(BalancedEnergies, "energies of whole bodies"))
+    @declare.computed(declare.part(BalancedEnergies, "energies of whole bodies", headline="first"))
     def energy(self) -> BalancedEnergies:
         """Energies of whole bodies."""
         return BalancedEnergies(**_energy(self.run), error=self.measured_balance.energy)
@@ -274,6 +322,27 @@ class FemSolution(CaseResult):
     def blow_rows(self) -> list[ElementsBlow]:
         """What each blow came to."""
         return [self.first_blow, *(each.first_blow for each in self.blows[1:])]
+
+    @declare.computed(declare.rows(ContactOfBlow, "forces of each blow", in_document=False))
+    def contacts_of_blows(self) -> list[ContactOfBlow]:
+        """The contacts of each blow."""
+        rows = []
+        for each in self.blows:
+            restitution = blow_measure(each.run, each.model.touching).restitution
+            body = next(iter(blow_of_bodies(each.model, each.run).items()))
+            found = each.contacts.items()
+            rows += [ContactOfBlow(each.run.blow, name, one, restitution[name], *body) for name, one in found]
+        return rows
+
+    @declare.computed(declare.rows(YieldOfBlow, "yield in each blow, and relaxation before it", in_document=False))
+    def yield_of_blows(self) -> list[YieldOfBlow]:
+        """What yields in each blow."""
+        rows = []
+        for each in self.blows:
+            one, error = blow_measure(each.run, each.model.touching), each.measured_balance.energy
+            strain, taken = max(one.plastic_strain.values(), default=math.nan), sum(one.plastic_energy.values())
+            rows.append(YieldOfBlow(one.blow, strain, taken, each.run.initial_energy, error, one.rest))
+        return rows
 
     @functools.cached_property
     def first_blow(self) -> ElementsBlow:

@@ -15,32 +15,30 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.parts import exact_volume
 from strikewave.analyses.fem.report.largest import largest_words
-from strikewave.analyses.fem.result import FemSolution
+from strikewave.analyses.fem.result import Energies, FemSolution
 from strikewave.analyses.fem.run import check_model, first_step, run_model
-from strikewave.analyses.fem.sectors import blow_of_bodies, sectors
+from strikewave.analyses.fem.sectors import sectors
 from strikewave.analyses.fem.unfinished import STATE, FieldFiles, unfinished
+from strikewave.base.declare import declarations
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain, without
 from strikewave.base.percents import percent
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
-from strikewave.fem.blow_measures import blow_measure
 from strikewave.fem.device.devices import Device, device_named
-from strikewave.fem.measures import ContactMeasure
 from strikewave.fem.model import Model
 from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
-from strikewave.fem.run import ENERGIES
 from strikewave.fem.snapshots import SNAPSHOTS
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions, frame_instants
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
-from strikewave.reporting.faces import FaceRow, face_columns, face_rows
-from strikewave.reporting.layout import KEY, MORE, keys, numerals
-from strikewave.reporting.numbers import headed, with_unit
+from strikewave.reporting.faces import columns_of
+from strikewave.reporting.layout import MORE, keys, numerals
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.table_columns import TableColumn
 from strikewave.reporting.terminal import (
     number,
+    print_face,
     print_json,
     print_published,
     print_rows,
@@ -259,30 +257,21 @@ def say_faceted(case: Case, quality: Sequence[PartQuality]) -> None:
 
 def show(solution: FemSolution) -> None:
     """Print parts, contacts and balance."""
-    along: TableColumn[FaceRow] = TableColumn("along", _along, priority=MORE)
-    columns = [*face_columns(solution, "bodies", "parts"), along]
-    print_rows(f"{solution.title}: parts as rigid bodies", columns, face_rows(solution, "bodies"))
-    elements = face_columns(solution, "blow_of_parts", "elements")
-    print_rows("Largest in the elements", elements, face_rows(solution, "blow_of_parts"))
+    print_face(solution, "bodies", f"{solution.title}: parts as rigid bodies", "parts")
+    print_face(solution, "blow_of_parts", "Largest in the elements", "elements")
     if solution.film is not None and (words := largest_words(solution.film, solution.model.mesh)):
         tell(words)
-    if solution.touched:
-        print_rows("Contacts", face_columns(solution, "touched"), face_rows(solution, "touched"))
+    print_face(solution, "touched", "Contacts")
     print_published(solution.comparisons)
     _show_balance(solution)
     if solution.later:
         _show_blows(solution)
 
 
-def _along(row: FaceRow) -> str:
-    return " ".join(f"{x:+.2f}" for x in row.value.measure.direction)
-
-
 def _show_balance(solution: FemSolution) -> None:
-    run = solution.run
-    kinds = [name for name in ENERGIES if run.energy[name].any()]
-    cells = [number(run.initial_energy, "J", "J"), *(number(float(run.energy[name][-1]), "J", "J") for name in kinds)]
-    table("Energy at the end", numerals(*(headed(name, "J", "J") for name in ("initial", *kinds))), [cells])
+    run, columns = solution.run, zip(declarations(Energies), columns_of(Energies), strict=True)
+    there = [column for name, column in columns if name == "initial" or run.energy[name].any()]
+    print_rows("Energy at the end", there, [solution.energy])
     tell("balance: " + ", ".join(check.words for check in solution.balance_checks))
     tell(f"{run.steps} steps of {with_unit(run.step, 's', 'ns', 3)} or more, {run.speed / 1e6:.3g} M element-steps/s")
     tell(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])
@@ -290,27 +279,8 @@ def _show_balance(solution: FemSolution) -> None:
 
 def _show_blows(solution: FemSolution) -> None:
     """Print what each blow came to, and how the bodies came to rest before it."""
-    rows = []
-    for each in solution.blows:
-        blow, touched = blow_measure(each.run, each.model.touching), [x for x in each.contacts.values() if x]
-        most = max(touched, key=lambda x: x.peak, default=None)
-        body, pulse = next(iter(blow_of_bodies(each.model, each.run).items()))
-        back = [x for x in blow.restitution.values() if x is not None]
-        rows.append(
-            [
-                str(blow.blow),
-                *(["-"] * 3 if most is None else _pulse_cells(most)),
-                f"{back[0]:.4f}" if len(back) == 1 else "-",
-                f"{body}: {number(pulse.rigid_peak, 'm/s^2', 'g', 5)}",
-                number(max(blow.plastic_strain.values(), default=math.nan), "1", "1", 3),
-                number(sum(blow.plastic_energy.values()), "J", "J", 3),
-                f"{each.measured_balance.energy:+.1e}",
-            ]
-        )
-    columns = [*numerals("blow", priority=KEY), *numerals("peak (kN)", "impulse (N s)", "lasts (us)")]
-    columns += [*numerals("restitution", priority=MORE), *numerals("rigid peak (g)")]
-    columns += numerals("plastic strain", "yields with (J)", "energy error", priority=MORE)
-    table("Blow after blow", columns, rows)
+    print_face(solution, "contacts_of_blows", "Blow after blow", "blow")
+    print_face(solution, "yield_of_blows", "Yield in each blow", "yield")
     for run in solution.later:
         if run.rest is not None:
             added = run.rest.added_distance
@@ -320,10 +290,6 @@ def _show_blows(solution: FemSolution) -> None:
                 f"{run.rest.kinetic_share:.1e} of the energy left, "
                 f"{with_unit(run.rest.plastic_energy, 'J', 'J', 3)} of yield{away}"
             )
-
-
-def _pulse_cells(found: ContactMeasure) -> list[str]:
-    return [number(found.peak, "N", "kN", 5), number(found.impulse, "N s", "N s"), number(found.duration, "s", "us")]
 
 
 def _show_quality(quality: Sequence[PartQuality], masses: Mapping[str, tuple[float, int]]) -> None:

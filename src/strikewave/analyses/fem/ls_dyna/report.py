@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from strikewave.analyses.fem.ls_dyna.result import EnergyExtent
 from strikewave.base.declare import declarations
 from strikewave.exchange.ls_dyna.comparison import ForcePair, PulseDifferences
 from strikewave.exchange.ls_dyna.folder import ENERGIES, ContactPulse, Extreme
+from strikewave.fem.measures import EnergyExtent
 from strikewave.reporting import chapters
 from strikewave.reporting.faces import columns_of, face_table, text_of
 from strikewave.reporting.numbers import headed, shown, with_unit

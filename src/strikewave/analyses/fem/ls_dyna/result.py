@@ -6,20 +6,12 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN
-from strikewave.base.shock_quantities import ENERGY
+from strikewave.base.declare import KEY
 from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
 from strikewave.exchange.ls_dyna.folder import ContactPulse, EnergyHistory, Extreme, LsDynaContact, pulse_of
+from strikewave.fem.measures import EnergyExtent
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.shown_result import Curve, history_curve
-
-
-@declare.dataclass
-class EnergyExtent:
-    """How large an energy was."""
-
-    largest: float = declare.number(ENERGY, "largest in size over the run", column=MAIN)
-    last: float = declare.number(ENERGY, "at the end of the run", label="end", column=MAIN)
 
 
 @declare.dataclass
@@ -170,6 +162,4 @@ def folder_name(folder: Path) -> str:
 
 
 def _extents(balance: EnergyHistory | None) -> dict[str, EnergyExtent] | None:
-    if balance is None:
-        return None
-    return {name: EnergyExtent(float(v[abs(v).argmax()]), float(v[-1])) for name, v in balance.energy.items()}
+    return None if balance is None else {name: EnergyExtent.of(values) for name, values in balance.energy.items()}

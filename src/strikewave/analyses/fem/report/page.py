@@ -8,29 +8,23 @@ import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from strikewave.analyses.fem.figures import histories
 from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture, view_of
 from strikewave.analyses.fem.report.blows import blows_section
 from strikewave.analyses.fem.report.fields import fields_section
-from strikewave.analyses.fem.sectors import blow_of_bodies, unlike_sectors
+from strikewave.analyses.fem.sectors import unlike_sectors
 from strikewave.fem.blow_measures import still_presses
-from strikewave.fem.measures import (
-    ALIGNED,
-    ContactMeasure,
-    contact_measure,
-    part_measure,
-)
+from strikewave.fem.measures import ALIGNED, EnergyExtent
 from strikewave.fem.quality import UNWARPED, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook, ZerilliArmstrong
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
-from strikewave.reporting.curves import shortened
+from strikewave.reporting.faces import FaceRow, columns_of, face_columns, face_rows, face_table, text_of
 from strikewave.reporting.numbers import listed, percent, shown, shown_heads, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.table_columns import TableColumn, page_table
 from strikewave.signal.pulse import WIDTH_FRACTION
 
 if TYPE_CHECKING:
@@ -82,7 +76,7 @@ def fem_report(solution: FemSolution) -> str:
     solution : FemSolution
         What ran and what it gave; without frames the page has a note of it.
     """
-    tables = [_contact_table(solution.run), _part_table(solution.run)]
+    tables = [_contact_table(solution), face_table(solution, "bodies", caption="Parts, each as one rigid body")]
     sections = [
         _histories(solution.run),
         fields_section(solution),
@@ -97,7 +91,7 @@ def fem_report(solution: FemSolution) -> str:
     summary = chapters.Summary(
         kicker="Report of an explicit finite-element run",
         words=f"{fem_words(solution)} {NO_BAND_OF_ELEMENTS}",
-        numbers=_key_numbers(solution),
+        numbers=solution.highlights(),
         status=_status(solution),
     )
     return chapters.result_page(solution, summary, sections)
@@ -127,21 +121,16 @@ def _failed(solution: FemSolution) -> list[str]:
 
 def fem_words(solution: FemSolution) -> str:
     """Say in words what happened: on the screen and at the head of the report."""
-    run, bodies = solution.run, blow_of_bodies(solution.model, solution.run)
+    run = solution.run
     sentences = [f"The run ended early: {run.stopped}."] if run.stopped else []
-    touched = _touched(run)
-    if touched:
-        name, strongest = max(touched.items(), key=lambda pair: pair[1].peak)
-        sentences.append(
-            f"The contact {name} reaches {with_unit(strongest.peak, 'N', 'kN')}, lasts "
-            f"{with_unit(strongest.duration, 's', 'us', 3)} and carries {with_unit(strongest.impulse, 'N s', 'N s')}."
-        )
-    else:
+    for name, strongest in solution.strongest.items():
+        peak, duration, impulse = (text_of(strongest.measure, what) for what in ("peak", "duration", "impulse"))
+        sentences.append(f"The contact {name} reaches {peak}, lasts {duration} and carries {impulse}.")
+    if not solution.strongest:
         sentences.append("Nothing touched." if run.force else "No contact is in the model.")
     moved = [
-        f"{name} {with_unit(pulse.rigid_peak, 'm/s^2', 'g')} and {with_unit(pulse.velocity_change, 'm/s', 'm/s', 3)}"
-        for name, pulse in bodies.items()
-        if pulse.velocity_change > 0.0
+        f"{name} {text_of(pulse, 'rigid_peak')} and {text_of(pulse, 'velocity_change')}"
+        for name, pulse in solution.moved.items()
     ]
     if moved:
         sentences.append(f"Rigid-body peak and change of velocity: {listed(moved[:MOST_BODIES])}.")
@@ -160,32 +149,6 @@ def _sector_words(solution: FemSolution) -> str:
     unlike = unlike_sectors(solution.model, solution.sectors)
     whole = "masses" if unlike else "masses, forces and energies"
     return f" Meshed is {listed(meshed)}; {whole} are those of whole bodies." if meshed else ""
-
-
-def _touched(run: FemRun) -> dict[str, ContactMeasure]:
-    """Return the measures of the contacts that touched."""
-    measures = {name: contact_measure(run, name) for name in run.force}
-    return {name: measure for name, measure in measures.items() if measure is not None}
-
-
-def _key_numbers(solution: FemSolution) -> list[tuple[str, str]]:
-    run, balance, touched = solution.run, solution.measured_balance, _touched(solution.run)
-    bodies = blow_of_bodies(solution.model, run)
-    numbers: list[tuple[str, str]] = []
-    if touched:
-        strongest = max(touched.values(), key=lambda measure: measure.peak)
-        numbers += [
-            ("contact force, peak", with_unit(strongest.peak, "N", "kN")),
-            ("contact duration", with_unit(strongest.duration, "s", "us", 3)),
-        ]
-    for name, body in list(bodies.items())[:1]:
-        numbers.append((f"rigid-body peak of {shortened(name, 28)}", with_unit(body.rigid_peak, "m/s^2", "g")))
-    return [
-        *numbers,
-        ("energy balance error", f"{balance.energy:+.1e}" if math.isfinite(balance.energy) else _share(balance.energy)),
-        ("elements", f"{run.elements}"),
-        ("steps", f"{run.steps}"),
-    ]
 
 
 def _share(value: float) -> str:
@@ -222,40 +185,14 @@ def _histories(run: FemRun) -> Section:
     return Section("Histories", "", parts)
 
 
-def _contact_table(run: FemRun) -> Table:
-    rows: list[list[Cell]] = []
-    for name in run.force:
-        measure = contact_measure(run, name)
-        if measure is None:
-            rows.append([name, NONE, NONE, NONE, NONE, "never touched"])
-            continue
-        note = "touches at the end" if still_presses(run, name) else NONE
-        peak, impulse = shown(measure.peak, "N", "kN"), shown(measure.impulse, "N s", "N s")
-        values = [peak, shown(measure.at, "s", "us"), impulse, shown(measure.duration, "s", "us")]
-        rows.append([name, *(written(v) for v in values), note])
-    heads = shown_heads("contact", "peak force (kN)", "at (us)", "impulse (N s)", "duration (us)", "note")
-    return Table("Contacts and walls", heads, rows, empty="No contact is in the model.")
+def _contact_table(solution: FemSolution) -> Table:
+    def note(row: FaceRow) -> str | None:
+        if row.value is None:
+            return "never touched"
+        return "touches at the end" if still_presses(solution.run, row.name) else None
 
-
-def _part_table(run: FemRun) -> Table:
-    rows: list[list[Cell]] = []
-    for name in (*run.parts, *run.groups):
-        pulse = part_measure(run, name)
-        direction = ", ".join(f"{v:.3g}" for v in np.round(pulse.direction, 4) + 0.0)
-        width = NONE if math.isnan(pulse.width) else written(shown(pulse.width, "s", "us"))
-        moved = pulse.velocity_change > 0.0
-        peak = written(shown(pulse.rigid_peak, "m/s^2", "g")) if moved else NONE
-        change = written(shown(pulse.velocity_change, "m/s", "m/s")) if moved else NONE
-        mass = written(shown(pulse.mass, "kg", "gram"))
-        row = [name, mass, peak, width, change, direction if moved else "does not move"]
-        rigid = math.isnan(pulse.von_mises)
-        largest = [NONE, NONE]
-        if not rigid:
-            largest = [written(shown(pulse.von_mises, "Pa", "MPa")), written(pulse.plastic_strain)]
-        rows.append([*row, *largest])
-    heads = ("part", "mass (gram)", "rigid peak (g)", "pulse width at 10 % (us)", "velocity change (m/s)", "along")
-    largest_heads = ("von Mises, largest (MPa)", "plastic strain, largest")
-    return Table("Parts, each as one rigid body", shown_heads(*heads, *largest_heads), rows)
+    columns = [*face_columns(solution, "touched"), TableColumn("note", note)]
+    return page_table("Contacts and walls", columns, face_rows(solution, "touched"), "No contact is in the model.")
 
 
 def _what_ran(solution: FemSolution) -> Section:
@@ -416,14 +353,8 @@ def _balances(solution: FemSolution) -> Section:
 
 
 def _energy_table(run: FemRun) -> Table:
-    rows: list[list[Cell]] = [["at the start, all", NONE, written(shown(run.initial_energy, "J", "J"))]]
-    for name in ENERGIES:
-        values = run.energy[name]
-        most = float(values[int(np.argmax(np.abs(values)))])
-        rows.append(
-            [
-                name + (" (within internal)" if name == "plastic" else ""),
-                *(written(shown(value, "J", "J")) for value in (most, float(values[-1]))),
-            ]
-        )
-    return Table("Energies", shown_heads("energy", "largest (J)", "at the end (J)"), rows)
+    called = {name: name + (" (within internal)" if name == "plastic" else "") for name in ENERGIES}
+    columns = columns_of(EnergyExtent)
+    rows = [[called[name], *(one.cell(EnergyExtent.of(run.energy[name])) for one in columns)] for name in ENERGIES]
+    start = ["at the start, all", NONE, columns[-1].cell(EnergyExtent(math.nan, run.initial_energy))]
+    return Table("Energies", ["energy", *(one.head for one in columns)], [start, *rows])
