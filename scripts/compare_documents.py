@@ -93,7 +93,8 @@ def differences(old: object, new: object, renamed: dict[str, str], aside: set[st
         gone = [f"{path}: - {str(value)[:160]}" for value in old if value not in new]
         come = [f"{path}: + {str(value)[:160]}" for value in new if value not in old]
         return [f"{path}: {len(old)} -> {len(new)} entries", *gone[:SHOWN], *come[:SHOWN]]
-    return [] if old == new else [f"{path}: {str(old)[:100]} -> {str(new)[:100]}"]
+    same = old == new or (old != old and new != new)  # what is not a number is so in both
+    return [] if same else [f"{path}: {str(old)[:100]} -> {str(new)[:100]}"]
 
 
 def main() -> int:

@@ -30,10 +30,13 @@ UNSTEADY = tuple(
         (r"\d+(\.\d+)? [MG]B of memory", "MEMORY"),
         (r"\d{4}-\d{2}-\d{2}([T ]\d{2}:\d{2}(:\d{2}(\.\d+)?)?Z?)?", "DATE"),
         (r"strikewave \d+\.\d+\S*", "strikewave VERSION"),
+        (r"(?<![\w.])[0-9a-f]{16}([0-9a-f]{48})?(?![\w.])", "DIGEST"),
         (r"\d+(\.\d+)?(e[+-]?\d+)?[ \u00a0](M )?element-steps(/s| a second| per second)", "RATE"),
     )
 )
-"""Times, dates, versions and rates within texts, and what stands in their place."""
+"""Times, dates, versions, rates and digests of files (compared themselves) in texts, and what stands in their place."""
+PROGRESS = re.compile(r"\w+ \d+ %")
+"""A line that says how far a study is: there are as many as it lasts."""
 TIMEOUT = 1800.0
 """Longest time of a command, s: a run of elements takes minutes of a busy machine."""
 LONGEST_TABLE = 200
@@ -74,7 +77,8 @@ def steadied(text: str, folder: Path) -> list[str]:
     text = text.replace(str(folder), "FOLDER")
     for pattern, word in UNSTEADY:
         text = pattern.sub(word, text)
-    return [line.rstrip() for line in text.replace("\r", "\n").split("\n") if line.strip()]
+    lines = (line.rstrip() for line in text.replace("\r", "\n").split("\n"))
+    return [line for line in lines if line and not PROGRESS.fullmatch(line)]
 
 
 def array_of(values: object) -> object:
