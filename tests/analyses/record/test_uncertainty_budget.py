@@ -147,9 +147,9 @@ def test_spectra_of_two_kinds_are_as_uncertain_as_each_alone(folder):
     """To the bit: they share the records that are changed, and no number."""
     asked = {"uncertainty": folder / "budget.toml", "high": "1 kHz", "per_octave": 2}
     kinds = ["absolute", "pseudo-velocity"]
-    together = sw.shock_spectra(folder / "s0.csv", kinds=kinds, **asked).uncertainties
+    together = sw.shock_spectra(folder / "s0.csv", kinds=kinds, **asked).first.found.uncertainties
     for one, kind in zip(together, kinds, strict=True):
-        [alone] = sw.shock_spectra(folder / "s0.csv", kinds=[kind], **asked).uncertainties
+        [alone] = sw.shock_spectra(folder / "s0.csv", kinds=[kind], **asked).first.found.uncertainties
         assert np.array_equal(one.standard, alone.standard)
         assert [each.name for each in one.contributions] == [each.name for each in alone.contributions]
         both = ([each.standard for each in found.contributions] for found in (one, alone))

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from strikewave.analyses.record.spectrum import (
     LEFT_OUT,
+    ChannelRolling,
+    ChannelSpectra,
     ShockSpectra,
     SpectrumRequest,
     SpectrumResult,
@@ -32,7 +34,6 @@ from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.terminal import say
 from strikewave.signal.srs import (
-    RollingSpectrum,
     Scope,
     Spectrum,
     octaves,
@@ -119,15 +120,9 @@ def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> Spectrum
         say(f"the shock is taken to end with its last blow, at {reading.pulses[-1].end:.6g}\xa0s (--end)")
     shock = _shock(file, reading, wanted, (frequencies, scope), MOST_WINDOWS, several=False)
     return SpectrumResult(
-        file,
+        shock,
         reading,
-        shock.spectra,
-        wanted.side,
         scope,
-        shock.rms,
-        response=shock.response,
-        rolling=shock.rolling,
-        uncertainties=shock.uncertainties,
         budget=wanted.options.budget,
         origin=origin,
         notices=_notices(reading),
@@ -197,14 +192,12 @@ def _several(
         of = "" if len(where) == len(shocks) - len(notices) else f"{named(where)}: "
         notices.append(dataclasses.replace(one, message=f"{of}{one.message}"))
     place = next((k for k, shock in enumerate(shocks) if not shock.left_out), 0)
-    file, reading = readings[place]
+    _, reading = readings[place]
     return SpectrumResult(
-        file,
+        shocks[place],
         reading,
-        shocks[place].spectra,
-        wanted.side,
         _scope(wanted, reading),
-        shocks=shocks,
+        shocks,
         budget=wanted.options.budget,
         bounded_by="" if asked_for else f"{with_unit(rate, 'Hz', 'kHz')} of {Path(slowest[0]).name}",
         notices=tuple(notices),
@@ -226,7 +219,7 @@ def _shock(
     """
     more, kinds, channel = wanted.options, wanted.kinds, reading.channel
     frequencies, scope = over
-    left_out = next((f.message for f in spectrum_findings(reading) if f.severity == "bad" or f.code in LEFT_OUT), "")
+    left_out = next((f.message for f in spectrum_findings(reading) if f.severity == "bad" or f.code in LEFT_OUT), None)
     response, rolling = None, None
     if more.response is not None and not (left_out and several):
         natural = _below(more.response, "--response", channel.sampling_rate)
@@ -239,20 +232,11 @@ def _shock(
     if budget is not None:
         check_amounts(budget, reading)
     known = () if budget is None else uncertainties_of(reading, spectra, wanted.side, scope, budget)
-    return ShockSpectra(
-        file,
-        channel.name,
-        status_of(reading),
-        reading.baseline,
-        [_lowest(one, len(frequencies)) for one in spectra],
-        {kind: rms_of(reading, kind, frequencies, wanted.q, more.initial) for kind in kinds if more.rms},
-        left_out,
-        response,
-        rolling,
-        spectra[0] if wanted.own_range else None,
-        harm_of(reading),
-        known,
-    )
+    common = [_lowest(one, len(frequencies)) for one in spectra]
+    rms = {kind: rms_of(reading, kind, frequencies, wanted.q, more.initial) for kind in kinds if more.rms}
+    found = ChannelSpectra(common, wanted.side, rms or None, response, rolling, known)
+    record = (file, channel.name, status_of(reading), left_out, reading.baseline, found)
+    return ShockSpectra(*record, spectra[0] if wanted.own_range else None, harm_of(reading))
 
 
 def _lowest(one: Spectrum, count: int) -> Spectrum:
@@ -299,7 +283,7 @@ def _sums(wanted: SpectrumRequest, axes: Sequence[ChannelReading], frequencies: 
 
 def _rolling(
     reading: ChannelReading, wanted: SpectrumRequest, frequencies: Any, most: int, file: str
-) -> RollingSpectrum:
+) -> ChannelRolling:
     """Return the rolling spectrum of the first kind, its times in those of the file."""
     channel, rolling = reading.channel, wanted.options.rolling
     assert rolling is not None
@@ -319,7 +303,7 @@ def _rolling(
         raise InputError("--rolling", rolling.word, allowed, "hop further")
     values = channel.values - reading.baseline
     found = rolling_srs(values, channel.step, frequencies, (rolling.window, rolling.hop), wanted.q, wanted.kinds[0])
-    return found._replace(time=found.time + channel.start)
+    return ChannelRolling(wanted.kinds[0], found.time + channel.start, getattr(found, wanted.side), found.frequency)
 
 
 def _notices(reading: ChannelReading) -> tuple[Notice, ...]:

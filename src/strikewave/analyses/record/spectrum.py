@@ -5,42 +5,45 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.analyses.record.rolling_window import Rolling
 from strikewave.base import declare
+from strikewave.base.declare import GivenUnits, Quantity
+from strikewave.base.shock_quantities import FREQUENCY, LENGTH, MICROSECONDS, RATIO, VELOCITY
 from strikewave.records import ChannelReading
-from strikewave.records.budget.spectra import SpectrumUncertainty, spectrum_uncertainty
+from strikewave.records.budget.contributions import Budget
+from strikewave.records.budget.spectra import AS_SPECTRUM, SpectrumUncertainty, spectrum_uncertainty
 from strikewave.records.health_notice import HealthNotice, worst
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.numbers import axis_unit, with_unit
+from strikewave.reporting.faces import shown_columns, text_of
+from strikewave.reporting.numbers import axis_unit, hertz
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.shown_result import Curve
 from strikewave.signal.envelopes import FEWEST, envelope, tolerance_limit
-from strikewave.signal.srs import RollingSpectrum, Scope, Spectrum, all_srs, response_history, rms_spectrum
-
-if TYPE_CHECKING:
-    from strikewave.records.budget.contributions import Budget
-    from strikewave.specifications.judged_spectra import SpectraVerdict
+from strikewave.signal.srs import Scope, Spectrum, all_srs, response_history, rms_spectrum
+from strikewave.specifications.judged_spectra import SpectraVerdict
 
 Array = NDArray[np.float64]
 
-KIND_UNITS = {
-    "absolute": "m/s^2",
-    "displacement": "m",
-    "relative-velocity": "m/s",
-    "pseudo-velocity": "m/s",
-    "equivalent-static": "m/s^2",
+KINDS = {
+    "absolute": Quantity("m/s^2", "g"),
+    "displacement": LENGTH,
+    "relative-velocity": VELOCITY,
+    "pseudo-velocity": VELOCITY,
+    "equivalent-static": Quantity("m/s^2", "g"),
 }
-"""Kinds of spectrum, with their SI unit for an acceleration."""
-SHOWN_UNITS = {kind: {"m/s^2": "g", "m": "mm"}.get(unit, unit) for kind, unit in KIND_UNITS.items()}
-"""The units in which they are shown on the screen."""
+"""Kinds of spectrum, with their units for an acceleration."""
+ACCELERATION = "m/s^2"
+NO_ACCELERATION = f" for a record in {ACCELERATION}"
+"""What follows the name of a kind where the record is no acceleration: its values are in the file's own numbers."""
+AS_CHANNEL = Quantity.of_data("as the channel")
 LEFT_OUT = ("gain-differs",)
 """Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
 
@@ -73,58 +76,168 @@ class SpectrumRequest(NamedTuple):
     own_range: bool = False
 
 
-class OscillatorResponse(NamedTuple):
-    """What one oscillator does while the record lasts, by kind of response."""
+@declare.dataclass
+class OscillatorResponse:
+    """What one oscillator does while the record lasts."""
 
-    frequency: float
-    time: Array
-    histories: Mapping[str, Array]
+    frequency: float = declare.number(FREQUENCY, "its natural frequency")
+    time: Array = declare.history("s", "times of the record")
+    histories: Mapping[str, Array] = declare.history(AS_SPECTRUM, "its response; so for each kind", inline=True)
 
 
-class ShockSpectra(NamedTuple):
-    """The spectra of one channel of a file among several.
+@declare.dataclass
+class ChannelRolling:
+    """Spectra of windows that slide over a channel."""
+
+    kind: str = declare.word("kind of spectrum")
+    time: Array = declare.history("s", "middle of each window")
+    values: Array = declare.history(AS_SPECTRUM, "its spectrum, a row a window")
+    frequency: Array
+
+
+@declare.dataclass
+class ChannelSpectra:
+    """The spectra of a channel, and what else was asked of it.
 
     Attributes
     ----------
-    file, channel, status : str
-        Of what, and whether it is good.
-    zero_line : float
-        Baseline that was taken off.
     spectra : list of Spectrum
         One a kind.
-    rms : mapping
-        Root mean squares by kind, where asked for.
-    left_out : str
-        Why it does not enter the envelope; empty where it does.
-    response : OscillatorResponse or None
-        Of one oscillator, where asked for.
-    rolling : RollingSpectrum or None
-        Of windows that slide over the record, of the first kind, where asked for.
-    judged : Spectrum or None
-        The first kind, up to what the sampling of this record carries, where it is judged.
-    harmed : str
-        Why the spectrum is not to be judged; empty where it may be.
     uncertainties : sequence of SpectrumUncertainty
         Of each kind, where a budget was stated, or a verdict asked for.
     """
 
-    file: str
-    channel: str
-    status: str
-    zero_line: float
     spectra: list[Spectrum]
-    rms: Mapping[str, Array]
-    left_out: str = ""
-    response: OscillatorResponse | None = None
-    rolling: RollingSpectrum | None = None
-    judged: Spectrum | None = None
-    harmed: str = ""
+    side: str
+
+    @declare.computed(declare.history(AS_SPECTRUM, "the spectrum; so for each kind asked for", inline=True))
+    def values(self) -> dict[str, Array]:
+        """The spectra of the side that was asked for, by kind."""
+        return {one.kind: one.side(self.side) for one in self.spectra}
+
+    rms: Mapping[str, Array] | None = declare.word(
+        "root mean squares of the responses, by kind", default=None, optional=True
+    )
+    response: OscillatorResponse | None = declare.part(
+        OscillatorResponse, "what one oscillator does", default=None, optional=True
+    )
+    rolling: ChannelRolling | None = declare.part(
+        ChannelRolling, "the first kind in windows that slide over the record", default=None, optional=True
+    )
     uncertainties: Sequence[SpectrumUncertainty] = ()
+
+    @declare.computed(declare.named(SpectrumUncertainty, "uncertainty of each kind", optional=True))
+    def uncertainty(self) -> dict[str, SpectrumUncertainty] | None:
+        """The uncertainties by kind, at the same frequencies."""
+        pairs = zip(self.spectra, self.uncertainties, strict=False)
+        return {one.kind: each.lowest(len(one.frequency)) for one, each in pairs} or None
+
+
+@declare.dataclass
+class SpectrumRecord:
+    """The record that a spectrum is of."""
+
+    file: str = declare.word("measured file")
+    channel: str = declare.word("channel")
+    status: str = declare.word("good, suspect or bad")
 
     @property
     def name(self) -> str:
         """File and channel."""
         return f"{Path(self.file).name}, {self.channel}"
+
+
+@declare.dataclass
+class ShockSpectra(SpectrumRecord):
+    """The spectra of one channel of a file, as it stands among several.
+
+    Attributes
+    ----------
+    judged : Spectrum or None
+        The first kind, up to what the sampling of this record carries, where it is judged.
+    harmed : str
+        Why the spectrum is not to be judged; empty where it may be.
+    """
+
+    left_out: str | None = declare.word("why it is not in the envelope; null where it is")
+    zero_line: float = declare.number(AS_CHANNEL, "baseline that was taken off")
+    found: ChannelSpectra = declare.part(ChannelSpectra, "its spectra", inline=True)
+    judged: Spectrum | None = None
+    harmed: str = ""
+
+
+@declare.dataclass
+class SpectrumAsked:
+    """What was asked of spectra."""
+
+    q: float | str = declare.number(RATIO, "quality factor of the oscillators; inf without damping")
+    side: str = declare.word("maximax, positive or negative")
+    part: str = declare.word("total, primary (while the shock lasts) or residual")
+
+
+@declare.dataclass
+class SpectraOfOne(SpectrumRecord):
+    """The document of the spectra of one channel."""
+
+    calibration: Mapping[str, Any] = declare.word("what was stated of it, as typed")
+    zero_line: float = declare.number(AS_CHANNEL, "baseline that was taken off")
+    asked: SpectrumAsked = declare.part(SpectrumAsked, "what was asked", inline=True)
+    end: float | None = declare.number(MICROSECONDS, "end of the shock; null where it was not needed")
+    frequency: Array = declare.history(FREQUENCY, "natural frequencies")
+    initial: str = declare.word("how the record begins: rest, shifted or steady")
+    found: ChannelSpectra = declare.part(ChannelSpectra, "its spectra", inline=True)
+
+
+@declare.dataclass
+class CommonSpectra:
+    """What several spectra come to, by kind; a resultant, or the others."""
+
+    resultant: Mapping[str, Array] = declare.word("vector sum of all axes at each frequency, by kind")
+    envelope: Mapping[str, Array] = declare.word("largest of all spectra at each frequency, by kind")
+    p95_50: Mapping[str, Array] = declare.word("tolerance limit P95/50 at each frequency, by kind")
+
+
+@declare.dataclass
+class SpectraOfSeveral:
+    """The document of the spectra of several channels."""
+
+    asked: SpectrumAsked = declare.part(SpectrumAsked, "what was asked", inline=True)
+    initial: str = declare.word("how the records begin: rest, shifted or steady")
+    frequency: Array = declare.history(FREQUENCY, "natural frequencies")
+    spectra: Sequence[ShockSpectra] = declare.rows(ShockSpectra, "spectra of several channels")
+    together: Mapping[str, Mapping[str, Array]] = declare.part(CommonSpectra, "what they come to", inline=True)
+
+
+@declare.dataclass
+class LargestResponse:
+    """Where a spectrum is largest.
+
+    Attributes
+    ----------
+    given_units : mapping
+        Unit of its value.
+    """
+
+    kind: str
+    of: str
+    frequency: float
+    given_units: GivenUnits
+    value: float = declare.number(AS_SPECTRUM, "largest value", headline="largest {name}")
+
+    @property
+    def name(self) -> str:
+        """What is largest, and where."""
+        return f"{self.kind} {self.of}, at {self.place}"
+
+    @property
+    def place(self) -> str:
+        """Frequency as a sentence says it."""
+        return hertz(self.frequency)
+
+    @property
+    def text(self) -> str:
+        """Value as a sentence says it."""
+        return text_of(self, "value", self.given_units)
 
 
 def spectrum_findings(reading: ChannelReading) -> list[HealthNotice]:
@@ -145,71 +258,115 @@ def harm_of(reading: ChannelReading) -> str:
     return ""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class SpectrumResult(measured.AskedResult):
     """Spectra of one channel of a file, or of several; see `Result` for what it shares with others.
 
     Attributes
     ----------
-    file : str
-        The measured file; the first of several.
+    first : ShockSpectra
+        Those of one channel alone; of several the first that is not left out.
     reading : ChannelReading
-        The channel, examined.
-    spectra : list of Spectrum
-        One a kind.
-    side : str
-        maximax, positive or negative.
+        That channel, examined.
     scope : Scope
         Which part of the shock.
-    rms : mapping
-        Root mean squares of the responses by kind, where asked for.
     shocks : sequence of ShockSpectra
         All of several; empty for one.
     resultant : mapping
         Vector sums of all axes by kind, where asked for.
-    response : OscillatorResponse or None
-        Of one oscillator, where asked for of one channel; those of several stand in ``shocks``.
-    rolling : RollingSpectrum or None
-        Of windows that slide over the record, of the first kind, where asked for of one channel.
     bounded_by : str
         Which sampling rate bounds the frequencies that several channels have in common, where they differ in it.
-    verdict : SpectraVerdict or None
-        By a specification, where one was asked for.
-    uncertainties : sequence of SpectrumUncertainty
-        Of each kind of one channel, where a budget was stated, or a verdict asked for.
-    budget : Budget or None
-        By which they were found; without contributions where none was stated.
     """
 
     command: ClassVar[str] = "srs"
+    main_rows: ClassVar[str] = "spectrum_columns"
 
-    file: str
+    first: ShockSpectra
     reading: ChannelReading
-    spectra: list[Spectrum]
-    side: str
     scope: Scope
-    rms: Mapping[str, Array] = field(default_factory=dict)
     shocks: Sequence[ShockSpectra] = ()
     resultant: Mapping[str, Array] = field(default_factory=dict)
-    response: OscillatorResponse | None = None
-    rolling: RollingSpectrum | None = None
     bounded_by: str = ""
-    verdict: SpectraVerdict | None = None
-    uncertainties: Sequence[SpectrumUncertainty] = ()
-    budget: Budget | None = None
+
+    @declare.computed(declare.part(SpectraOfOne, "of one channel", inline=True, optional=True))
+    def of_one(self) -> SpectraOfOne | None:
+        """What the document says of one channel alone."""
+        if self.shocks:
+            return None
+        first, reading, scope = self.first, self.reading, self.scope
+        end = None if scope.end is None else scope.end + reading.channel.start
+        record = (first.file, first.channel, first.status, reading.calibration.stated(), first.zero_line)
+        return SpectraOfOne(*record, self._asked, end, self.frequency, scope.initial, first.found)
+
+    @declare.computed(declare.part(SpectraOfSeveral, "of several channels", inline=True, optional=True))
+    def of_several(self) -> SpectraOfSeveral | None:
+        """What the document says of several channels."""
+        if not self.shocks:
+            return None
+        return SpectraOfSeveral(self._asked, self.scope.initial, self.frequency, self.shocks, self.together)
+
+    verdict: SpectraVerdict | None = declare.part(
+        SpectraVerdict, "the verdict by a specification", key="spec", default=None, optional=True
+    )
+    budget: Budget | None = declare.part(Budget, "budget of the uncertainties", default=None, optional=True)
+
+    @declare.computed(declare.count("how many spectra there are", headline="spectra", in_document=False))
+    def count(self) -> int | None:
+        """How many channels there are, of several."""
+        return len(self.shocks) or None
+
+    @declare.computed(declare.rows(LargestResponse, "largest responses", headline="each", in_document=False))
+    def largest(self) -> list[LargestResponse]:
+        """Where the spectra are largest: of one channel, or of what several come to first."""
+        of, kinds = next(iter(self.together.items()), ("response", self.first.found.values))
+        return self.largest_of(kinds, of)
+
+    @declare.phrase("quality factor", headline="quality factor")
+    def quality(self) -> str:
+        """Return the quality factor in words."""
+        return "undamped" if math.isinf(self.spectra[0].q) else f"{self.spectra[0].q:g}"
+
+    @declare.computed(declare.table("spectra over natural frequency"))
+    def spectrum_columns(self) -> list[Column]:
+        """The spectra, and what several come to before them."""
+        each = [one for shock in self.shocks for one in self.columns_of(shock.found, f" of {shock.name}")]
+        return [*self.main_columns, *each]
 
     @property
     def title(self) -> str:
         """File, channel, and the part of the shock where that is not the whole."""
         part = "" if self.scope.part == "total" else f", {self.scope.part} part"
-        if self.shocks:
-            return f"{self.counted} of {self.origin.name}{part}"
-        return f"{Path(self.file).name}, {self.reading.channel.name}{part}"
+        return f"{f'{self.counted} of {self.origin.name}' if self.shocks else self.first.name}{part}"
 
     @property
     def counted(self) -> str:
         """How many spectra there are."""
         return f"{len(self.shocks)} shock response {'spectra' if len(self.shocks) > 1 else 'spectrum'}"
+
+    @property
+    def spectra(self) -> list[Spectrum]:
+        """Of one channel, one a kind."""
+        return self.first.found.spectra
+
+    @property
+    def side(self) -> str:
+        """Side of the spectra: maximax, positive or negative."""
+        return self.first.found.side
+
+    @property
+    def frequency(self) -> Array:
+        """Natural frequencies."""
+        return np.asarray(self.spectra[0].frequency)
+
+    @property
+    def damping(self) -> str:
+        """Quality factor as a sentence says it."""
+        return self.quality if math.isinf(self.spectra[0].q) else f"Q = {self.quality}"
+
+    @property
+    def is_acceleration(self) -> bool:
+        """Whether the records are accelerations: the spectra have units then."""
+        return self.reading.channel.unit == ACCELERATION
 
     @property
     def used(self) -> list[ShockSpectra]:
@@ -219,35 +376,36 @@ class SpectrumResult(measured.AskedResult):
     @property
     def responses(self) -> list[tuple[ShockSpectra, OscillatorResponse]]:
         """What one oscillator does on each channel, where asked for."""
-        return [(shock, shock.response) for shock in self._all if shock.response is not None]
+        return [(shock, shock.found.response) for shock in self.channels if shock.found.response is not None]
 
     @property
-    def rollings(self) -> list[tuple[ShockSpectra, RollingSpectrum]]:
+    def rollings(self) -> list[tuple[ShockSpectra, ChannelRolling]]:
         """The rolling spectrum of each channel, where asked for."""
-        return [(shock, shock.rolling) for shock in self._all if shock.rolling is not None]
+        return [(shock, shock.found.rolling) for shock in self.channels if shock.found.rolling is not None]
 
     @property
-    def _all(self) -> Sequence[ShockSpectra]:
+    def channels(self) -> Sequence[ShockSpectra]:
         """All channels; one alone, too."""
-        reading = self.reading
-        of = (self.file, reading.channel.name, status_of(reading), reading.baseline, self.spectra, self.rms, "")
-        return self.shocks or (ShockSpectra(*of, self.response, self.rolling, uncertainties=self.uncertainties),)
+        return self.shocks or (self.first,)
+
+    @property
+    def _asked(self) -> SpectrumAsked:
+        one = self.spectra[0]
+        return SpectrumAsked(one.q if math.isfinite(one.q) else "inf", self.side, one.part)
 
     def expanded(self, place: int) -> Array | None:
         """Return the expanded uncertainty of a spectrum of one channel; None where no budget gives one."""
-        if self.shocks or place >= len(self.uncertainties):
-            return None
-        return self.uncertainties[place].lowest(len(self.spectra[place].frequency)).expanded
+        known = self.first.found.uncertainty or {}
+        kind = self.spectra[place].kind
+        return None if self.shocks or kind not in known else known[kind].expanded
 
     @functools.cached_property
     def together(self) -> dict[str, dict[str, Array]]:
         """What several spectra come to, by name and kind: ``resultant``, or ``envelope`` and ``p95_50``."""
         if self.resultant:
             return {"resultant": dict(self.resultant)}
-        rows = {
-            one.kind: [shock.spectra[k].side(self.side) for shock in self.used] for k, one in enumerate(self.spectra)
-        }
-        found = {"envelope": {kind: envelope(of) for kind, of in rows.items() if of}} if self.used else {}
+        rows = {kind: [shock.found.values[kind] for shock in self.used] for kind in self.first.found.values}
+        found = {"envelope": {kind: envelope(of) for kind, of in rows.items()}} if self.used else {}
         if len(self.used) >= FEWEST:
             found["p95_50"] = {kind: tolerance_limit(of) for kind, of in rows.items()}
         return found
@@ -259,109 +417,38 @@ class SpectrumResult(measured.AskedResult):
         shown = self.spectra[0]
         return first or spectra_of_kinds(self.reading, ["pseudo-velocity"], shown.frequency, shown.q, self.scope)[0]
 
-    def units(self) -> dict[str, str]:
-        """Return the unit of each key of the JSON document."""
+    def largest_of(self, kinds: Mapping[str, Array], of: str = "response") -> list[LargestResponse]:
+        """Return where spectra, by kind, are largest."""
+        rows = []
+        for kind, values in kinds.items():
+            place = int(np.nanargmax(values)) if np.any(np.isfinite(values)) else 0
+            units = {AS_SPECTRUM.given_by: self.shown_in(kind)}
+            rows.append(LargestResponse(kind, of, float(self.frequency[place]), units, float(values[place])))
+        return rows
+
+    def shown_in(self, kind: str) -> tuple[str, str]:
+        """Return SI unit and shown unit of a kind; none where the record is no acceleration."""
+        return (KINDS[kind].si, KINDS[kind].usual) if self.is_acceleration else ("", "")
+
+    @property
+    def given_units(self) -> GivenUnits:
+        """The unit of the channel."""
+        unit = self.reading.channel.unit or "the file's own numbers"
+        return {AS_CHANNEL.given_by: (unit, unit)}
+
+    @property
+    def named_units(self) -> Mapping[str, str]:
+        """The unit of each kind."""
         has = self.reading.channel.unit or "the file's own numbers"
-        of = "" if has == "m/s^2" else f" for a record in m/s^2; this one is in {has}"
-        kinds = {spectrum.kind: KIND_UNITS[spectrum.kind] + of for spectrum in self.spectra}
-        more = {"time": "s", "window": "s", "hop": "s"} if self.responses or self.rollings else {}
-        kinds |= {} if self.budget is None else {"standard": "as the spectrum", "expanded": "as the spectrum"}
-        return {"frequency": "Hz", "q": "1", "zero_line": has, **more, **kinds}
-
-    def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head."""
-        first, reading = self.spectra[0], self.reading
-        judged: dict[str, Any] = {} if self.verdict is None else {"spec": declare.content(self.verdict)}
-        judged |= {} if self.budget is None else {"budget": self.budget.document()}
-        if self.shocks:
-            return {**self._several(), **judged}
-        return {
-            "file": self.file,
-            "channel": reading.channel.name,
-            "status": status_of(reading),
-            "calibration": reading.calibration.stated(),
-            "zero_line": reading.baseline,
-            "q": first.q if math.isfinite(first.q) else "inf",
-            "side": self.side,
-            "part": first.part,
-            "end": None if self.scope.end is None else self.scope.end + reading.channel.start,
-            "frequency": first.frequency,
-            "initial": self.scope.initial,
-            **{spectrum.kind: spectrum.side(self.side) for spectrum in self.spectra},
-            **({"rms": dict(self.rms)} if self.rms else {}),
-            **self._over_time(self.response, self.rolling),
-            **self._uncertain(self.uncertainties),
-            **judged,
-        }
-
-    def _several(self) -> dict[str, Any]:
-        """Return what the document of several spectra holds."""
-        first = self.spectra[0]
-        return {
-            "q": first.q if math.isfinite(first.q) else "inf",
-            "side": self.side,
-            "part": first.part,
-            "initial": self.scope.initial,
-            "frequency": first.frequency,
-            "spectra": [
-                {
-                    "file": shock.file,
-                    "channel": shock.channel,
-                    "status": shock.status,
-                    "left_out": shock.left_out or None,
-                    "zero_line": shock.zero_line,
-                    **{one.kind: one.side(self.side) for one in shock.spectra},
-                    **({"rms": dict(shock.rms)} if shock.rms else {}),
-                    **self._over_time(shock.response, shock.rolling),
-                    **self._uncertain(shock.uncertainties),
-                }
-                for shock in self.shocks
-            ],
-            **self.together,
-        }
-
-    def _over_time(self, response: OscillatorResponse | None, rolling: RollingSpectrum | None) -> dict[str, Any]:
-        """Return what the document holds of a response history and a rolling spectrum."""
-        found: dict[str, Any] = {}
-        if response is not None:
-            found["response"] = {"frequency": response.frequency, "time": response.time, **response.histories}
-        if rolling is not None:
-            values = getattr(rolling, self.side)
-            found["rolling"] = {"kind": self.spectra[0].kind, "time": rolling.time, "values": values}
-        return found
-
-    def _uncertain(self, known: Sequence[SpectrumUncertainty]) -> dict[str, Any]:
-        """Return what the document holds of the uncertainty of the spectra of a channel."""
-        pairs = zip(self.spectra, known, strict=False)
-        found = {one.kind: declare.content(each.lowest(len(one.frequency))) for one, each in pairs}
-        return {"uncertainty": found} if found else {}
-
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the quality factor, and the largest value of each spectrum with its frequency."""
-        first = self.spectra[0]
-        numbers = [("Q", "undamped" if math.isinf(first.q) else f"{first.q:g}")]
-        of, whole = next(iter(self.together.items()), ("", {})) if self.shocks else ("", {})
-        for spectrum in self.spectra:
-            values = whole.get(spectrum.kind, spectrum.side(self.side))
-            at = int(np.argmax(values))
-            where = with_unit(float(spectrum.frequency[at]), "Hz", "Hz", 3)
-            numbers.append(
-                (f"{spectrum.kind} {of}".strip(), f"{with_unit(float(values[at]), *self._shown(spectrum))} at {where}")
-            )
-        return numbers
+        of = "" if self.is_acceleration else f"{NO_ACCELERATION}; this one is in {has}"
+        return {kind: KINDS[kind].si + of for kind in self.first.found.values}
 
     def preview(self) -> Curve:
         """Return the first spectrum over the logarithm of natural frequency."""
-        first = self.spectra[0]
-        size, unit = axis_unit(*self._shown(first))
-        words = f"{first.kind} ({unit})" if unit not in ("", "1") else first.kind
-        return Curve(np.log10(first.frequency), first.side(self.side) / size, "log10 of frequency in Hz", words)
-
-    def _shown(self, spectrum: Spectrum) -> tuple[str, str]:
-        """Return SI unit and shown unit of a spectrum; none where the record is no acceleration."""
-        if self.reading.channel.unit != "m/s^2":
-            return "", ""
-        return KIND_UNITS[spectrum.kind], SHOWN_UNITS[spectrum.kind]
+        kind, values = next(iter(self.first.found.values.items()))
+        size, unit = axis_unit(*self.shown_in(kind))
+        words = f"{kind} ({unit})" if unit not in ("", "1") else kind
+        return Curve(np.log10(self.frequency), values / size, "log10 of frequency in Hz", words)
 
     def tables(self) -> dict[str, str]:
         """Return the spectra as CSV text."""
@@ -372,31 +459,23 @@ class SpectrumResult(measured.AskedResult):
             tables["rolling.csv"] = csv_table(self._rolling_columns(), HISTORY_DIGITS)
         return tables
 
-    @property
-    def _of(self) -> str:
-        """What follows the name of a kind where the record is no acceleration."""
-        return "" if self.reading.channel.unit == "m/s^2" else " for a record in m/s^2"
-
     def _response_columns(self) -> list[Column]:
         """Return responses over time, those of several channels under one another."""
         found = self.responses
         columns = self._places([(shock, one.time.size) for shock, one in found])
         columns.append(Column("time", np.concatenate([one.time for _, one in found]), "s"))
-        for kind in found[0][1].histories:
-            values = np.concatenate([one.histories[kind] for _, one in found])
-            columns.append(Column(f"{kind}{self._of}", values, KIND_UNITS[kind]))
-        return columns
+        histories = [one.histories for _, one in found]
+        return columns + [self._column(kind, np.concatenate([one[kind] for one in histories])) for kind in histories[0]]
 
     def _rolling_columns(self) -> list[Column]:
         """Return rolling spectra over time and frequency, those of several channels under one another."""
-        found, kind = self.rollings, self.spectra[0].kind
+        found = self.rollings
         time = [np.repeat(one.time, one.frequency.size) for _, one in found]
-        values = [np.ravel(getattr(one, self.side)) for _, one in found]
         return [
             *self._places([(shock, one.time.size * one.frequency.size) for shock, one in found]),
             Column("time", np.concatenate(time), "s"),
             Column("frequency", np.concatenate([np.tile(one.frequency, one.time.size) for _, one in found]), "Hz"),
-            Column(f"{kind}{self._of}", np.concatenate(values), KIND_UNITS[kind]),
+            self._column(found[0][1].kind, np.concatenate([np.ravel(one.values) for _, one in found])),
         ]
 
     def _places(self, counts: Sequence[tuple[ShockSpectra, int]]) -> list[Column]:
@@ -408,37 +487,39 @@ class SpectrumResult(measured.AskedResult):
             for name in ("file", "channel")
         ]
 
-    def columns(self) -> list[Column]:
-        """Return the spectra over natural frequency."""
-        of = self._of
-        columns = [Column("frequency", self.spectra[0].frequency, "Hz")]
-        for s in () if self.shocks else self.spectra:
-            columns.append(Column(f"{s.kind}{of}", s.side(self.side), KIND_UNITS[s.kind]))
-        for k, s in enumerate(self.spectra):
-            if (expanded := self.expanded(k)) is not None:
-                columns.append(Column(f"{s.kind} expanded uncertainty{of}", expanded, KIND_UNITS[s.kind]))
-        for kind, values in self.rms.items() if not self.shocks else ():
-            columns.append(Column(f"{kind} rms{of}", values, KIND_UNITS[kind]))
-        for name, kinds in self.together.items() if self.shocks else ():
-            for kind, values in kinds.items():
-                columns.append(Column(f"{kind} {name}{of}", values, KIND_UNITS[kind]))
-        for shock in self.shocks:
-            for s in shock.spectra:
-                columns.append(Column(f"{s.kind} of {shock.name}{of}", s.side(self.side), KIND_UNITS[s.kind]))
-            for s, known in zip(shock.spectra, shock.uncertainties, strict=False):
-                name = f"{s.kind} expanded uncertainty of {shock.name}{of}"
-                columns.append(Column(name, known.lowest(len(s.frequency)).expanded, KIND_UNITS[s.kind]))
-            for kind, values in shock.rms.items():
-                columns.append(Column(f"{kind} rms of {shock.name}{of}", values, KIND_UNITS[kind]))
-        return columns
+    def _column(self, kind: str, values: Array, of: str = "") -> Column:
+        """Return a column of a kind, with its units; of records that are no acceleration with what these are for."""
+        si, usual = KINDS[kind].si, KINDS[kind].usual
+        name = f"{kind}{of}" + ("" if self.is_acceleration else NO_ACCELERATION)
+        return Column(name, values, si, shown=usual if self.is_acceleration else si)
 
-    def brief(self) -> dict[str, str]:
-        """Return all columns."""
-        return {"frequency": "Hz"} | {column.name: self._unit(column.name) for column in self.columns()[1:]}
+    @property
+    def main_columns(self) -> list[Column]:
+        """The columns of one channel, or of what several come to."""
+        columns = [Column("frequency", self.frequency, "Hz", shown="Hz")]
+        if not self.shocks:
+            return columns + self.columns_of(self.first.found)
+        together = self.together.items()
+        return columns + [self._column(kind, each, f" {name}") for name, by in together for kind, each in by.items()]
 
-    def _unit(self, name: str) -> str:
-        kind = name.partition(" ")[0]
-        return SHOWN_UNITS[kind] if self.reading.channel.unit == "m/s^2" else KIND_UNITS[kind]
+    def columns_of(self, found: ChannelSpectra, whose: str = "") -> list[Column]:
+        """Return spectra, their expanded uncertainties and root mean squares of a channel as columns."""
+        doubts = [(kind, one.expanded) for kind, one in (found.uncertainty or {}).items()]
+        return [
+            *(self._column(kind, values, whose) for kind, values in found.values.items()),
+            *(self._column(kind, values, f" expanded uncertainty{whose}") for kind, values in doubts),
+            *(self._column(kind, values, f" rms{whose}") for kind, values in (found.rms or {}).items()),
+        ]
+
+    def shown_every(self, step: int, columns: Sequence[Column]) -> tuple[list[str], list[list[str]]]:
+        """Return heads and cells of columns at every so many of the frequencies, as screen and page show them."""
+        kept = []
+        for one in columns:
+            name = one.name.replace("p95_50", "P95/50").replace("expanded uncertainty", "± U")
+            no_unit = {} if self.is_acceleration or one.si == "Hz" else {"si": "", "shown": ""}
+            own = name.replace(NO_ACCELERATION, " (file's own)")
+            kept.append(one._replace(name=own, values=one.values[::step], **no_unit))
+        return shown_columns(kept)
 
 
 def rms_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, initial: str) -> Array:

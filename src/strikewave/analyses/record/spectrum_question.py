@@ -10,7 +10,7 @@ from strikewave.analyses.record.file_spectra import FilesAsked, judged_spectra_o
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.result import name_of
 from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
-from strikewave.analyses.record.spectrum import KIND_UNITS, SpectrumOptions, SpectrumRequest, SpectrumResult
+from strikewave.analyses.record.spectrum import KINDS, SpectrumOptions, SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.options import SpecificationOptions
 from strikewave.base.errors import InputError
 from strikewave.base.units import si_value
@@ -142,7 +142,7 @@ def shock_spectra(
         files = measured.files_of(paths)
         stated = measured.MeasurementOptions.in_python(channels, calibration, rate, time, time_unit, measurement)
         for field, word, choices in (
-            *(("kinds", kind, tuple(KIND_UNITS)) for kind in kinds),
+            *(("kinds", kind, tuple(KINDS)) for kind in kinds),
             *(("side", side, SIDES), ("part", part, PARTS), ("initial", initial, INITIAL)),
         ):
             if word not in choices:

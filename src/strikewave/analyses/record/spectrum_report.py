@@ -5,21 +5,18 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import numpy as np
-
 from strikewave.analyses.record.figures import records
 from strikewave.analyses.record.figures.many_spectra import MOST_NAMES, response_figure, rolling_figure, several_figure
 from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
-from strikewave.analyses.record.spectrum import KIND_UNITS, SHOWN_UNITS, SpectrumResult, spectrum_findings, status_of
+from strikewave.analyses.record.spectrum import SpectrumResult, spectrum_findings, status_of
 from strikewave.analyses.record.tables import squeezed, status_tag
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
 from strikewave.analyses.record.words import named
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import held_words, verdict_tag
-from strikewave.reporting.numbers import headed, hertz, one_in, percent, shown, spelled, with_unit
-from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.numbers import hertz, one_in, percent, spelled, with_unit
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
 from strikewave.signal.envelopes import FEWEST
-from strikewave.signal.srs import Spectrum
 
 MOST_ROWS = 60
 """Frequencies in the table, evenly chosen: spectrum.csv has all."""
@@ -94,10 +91,7 @@ def _report_of_several(result: SpectrumResult) -> str:
             Path(shock.file).name,
             shock.channel,
             status_tag(shock.status),
-            ", ".join(
-                f"{_response(one.kind, float(one.side(result.side)[k]), result)} at {hertz(one.frequency[k])}"
-                for one, k in ((one, _largest(one, result.side)) for one in shock.spectra)
-            ),
+            ", ".join(f"{one.text} at {one.place}" for one in result.largest_of(shock.found.values)),
             shock.left_out or "yes",
         ]
         for shock in result.shocks
@@ -114,19 +108,17 @@ def _report_of_several(result: SpectrumResult) -> str:
         chapters.warnings(result.notices),
         _calibration_section(result),
     ]
-    pairs = [("spectra", str(len(result.shocks))), *result.highlights()]
     tag = Tag(f"{count} of {len(result.shocks)} used", "good" if count == len(result.shocks) else "warned")
     found = result.verdict
     tag = tag if found is None else verdict_tag(found.verdict, found.by_indicative)
-    summary = chapters.Summary("Report of shock response spectra", spectrum_words(result), pairs, tag)
+    summary = chapters.Summary("Report of shock response spectra", spectrum_words(result), result.highlights(), tag)
     return chapters.result_page(result, summary, sections)
 
 
 def several_words(result: SpectrumResult) -> str:
     """Say in words what several spectra come to."""
     first, used = result.spectra[0], result.used
-    q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g}"
-    words = [f"{result.counted} of {result.origin.name}, baselines taken off: {q}."]
+    words = [f"{result.counted} of {result.origin.name}, baselines taken off: {result.damping}."]
     if result.bounded_by:
         highest = hertz(first.frequency[-1])
         words.append(
@@ -134,12 +126,10 @@ def several_words(result: SpectrumResult) -> str:
         )
     names = {"envelope": "envelope", "p95_50": "limit P95/50", "resultant": "resultant"}
     for name, kinds in result.together.items():
-        for kind, values in kinds.items():
-            at = int(np.nanargmax(values)) if np.any(np.isfinite(values)) else 0
-            words.append(
-                f"The {names[name]} of the {kind} response is largest, {_response(kind, float(values[at]), result)}, "
-                f"at {hertz(first.frequency[at])}."
-            )
+        words += [
+            f"The {names[name]} of the {one.kind} response is largest, {one.text}, at {one.place}."
+            for one in result.largest_of(kinds)
+        ]
     one_channel = len({shock.channel for shock in result.shocks}) == 1
     left = [Path(shock.file).name if one_channel else shock.name for shock in result.shocks if shock.left_out]
     if left:
@@ -155,19 +145,16 @@ def spectrum_words(result: SpectrumResult) -> str:
     if result.shocks:
         return judged + several_words(result)
     first, reading = result.spectra[0], result.reading
-    q = "undamped" if math.isinf(first.q) else f"Q = {first.q:g} ({percent(0.5 / first.q)} of critical damping)"
+    critical = "" if math.isinf(first.q) else f" ({percent(0.5 / first.q)} of critical damping)"
     part = "" if first.part == "total" else f", the {first.part} part"
     lowest, highest = hertz(first.frequency[0]), hertz(first.frequency[-1])
     words = [
-        f"Spectra of {reading.channel.name} in {Path(result.file).name}, its baseline taken off: {q}, {result.side}"
-        f"{part}, {len(first.frequency)} natural frequencies from {lowest} to {highest}."
+        f"Spectra of {reading.channel.name} in {Path(result.first.file).name}, its baseline taken off: "
+        f"{result.damping}{critical}, {result.side}{part}, {len(first.frequency)} natural frequencies from {lowest} to "
+        f"{highest}."
     ]
-    words += [
-        f"The {one.kind} response is largest, {_response(one.kind, float(one.side(result.side)[k]), result)}, at "
-        f"{hertz(one.frequency[k])}."
-        for one, k in ((one, _largest(one, result.side)) for one in result.spectra)
-    ]
-    status = status_of(reading)
+    words += [f"The {one.kind} response is largest, {one.text}, at {one.place}." for one in result.largest]
+    status = result.first.status
     bad = [one.message for one in spectrum_findings(reading) if one.severity == status != "good"]
     why = f": {bad[0]}" if bad else ""
     words.append(f"The record is {status}{why}.")
@@ -175,46 +162,15 @@ def spectrum_words(result: SpectrumResult) -> str:
 
 
 def _key_numbers(result: SpectrumResult) -> list[tuple[str, str]]:
-    first = result.spectra[0]
-    pairs = [
-        (
-            f"largest {one.kind} response, at {hertz(one.frequency[k])}",
-            _response(one.kind, float(one.side(result.side)[k]), result),
-        )
-        for one, k in ((one, _largest(one, result.side)) for one in result.spectra)
-    ]
-    if not any(one.kind == "pseudo-velocity" for one in result.spectra):
-        k = _largest(result.velocity, "maximax")
-        value = float(result.velocity.maximax[k])
-        pairs.append(
-            (
-                f"largest pseudo-velocity, at {hertz(result.velocity.frequency[k])}",
-                _response("pseudo-velocity", value, result),
-            )
-        )
-    pairs.append(("quality factor", "undamped" if math.isinf(first.q) else f"{first.q:g}"))
+    pairs = list(result.highlights())
+    if "pseudo-velocity" not in result.first.found.values:
+        [one] = result.largest_of({"pseudo-velocity": result.velocity.maximax})
+        pairs.append((f"largest {one.name}", one.text))
     peaks = [abs(pulse.peak) for pulse in result.reading.pulses]
-    if peaks and _in_si(result):
-        pairs.append(
-            (
-                f"largest peak of the record, {len(peaks)} blow{'s' * (len(peaks) > 1)}",
-                with_unit(max(peaks), "m/s^2", "g"),
-            )
-        )
+    if peaks and result.is_acceleration:
+        label = f"largest peak of the record, {len(peaks)} blow{'s' * (len(peaks) > 1)}"
+        pairs.append((label, with_unit(max(peaks), "m/s^2", "g")))
     return pairs
-
-
-def _in_si(result: SpectrumResult) -> bool:
-    return result.reading.channel.unit == "m/s^2"
-
-
-def _largest(one: Spectrum, side: str) -> int:
-    return int(np.argmax(one.side(side)))
-
-
-def _response(kind: str, value: float, result: SpectrumResult) -> str:
-    """Write a response; without a unit where the record is no acceleration."""
-    return with_unit(value, KIND_UNITS[kind], SHOWN_UNITS[kind]) if _in_si(result) else written(value)
 
 
 def _record_section(result: SpectrumResult) -> Section:
@@ -229,27 +185,11 @@ def _record_section(result: SpectrumResult) -> Section:
 
 def _table_section(result: SpectrumResult) -> Section:
     """List the spectra at some of their frequencies."""
-    frequency = result.spectra[0].frequency
-    step = max(math.ceil(len(frequency) / MOST_ROWS), 1)
-    shown_values = [(one.kind, one.kind, one.side(result.side)) for one in result.spectra]
-    doubts = [(f"± U of {one.kind}", one.kind, result.expanded(k)) for k, one in enumerate(result.spectra)]
-    shown_values += [(name, kind, values) for name, kind, values in doubts if values is not None]
-    shown_values += [(f"RMS of {kind}", kind, values) for kind, values in result.rms.items()]
-    heads = [headed("natural frequency", "Hz", "Hz")]
-    heads += [
-        headed(name, KIND_UNITS[kind], SHOWN_UNITS[kind]) if _in_si(result) else f"{name} (file's own)"
-        for name, kind, _ in shown_values
-    ]
-    rows: list[list[Cell]] = []
-    for k in range(0, len(frequency), step):
-        values = [(kind, float(column[k])) for _, kind, column in shown_values]
-        cells = [
-            written(shown(value, KIND_UNITS[kind], SHOWN_UNITS[kind]) if _in_si(result) else value)
-            for kind, value in values
-        ]
-        rows.append([written(shown(float(frequency[k]), "Hz", "Hz")), *cells])
-    some = f"{one_in(step).capitalize()} of {len(frequency)} frequencies; " if step > 1 else ""
-    return Section("Values", f"{some}spectrum.csv has them all.", [Table(f"Spectra, {result.side}", heads, rows)])
+    count = len(result.frequency)
+    step = max(math.ceil(count / MOST_ROWS), 1)
+    some = f"{one_in(step).capitalize()} of {count} frequencies; " if step > 1 else ""
+    table = Table(f"Spectra, {result.side}", *result.shown_every(step, result.columns()))
+    return Section("Values", f"{some}spectrum.csv has them all.", [table])
 
 
 def _calibration_section(result: SpectrumResult) -> Section:

@@ -40,7 +40,7 @@ def several_figure(result: SpectrumResult, place: int) -> Figure:
     size, label = response_unit(one.kind, result.reading.channel.unit)
     hertz_size, _ = axis_unit("Hz", "Hz")
     drawn = result.used or list(result.shocks)
-    if not any(np.any(shock.spectra[place].maximax > 0.0) for shock in drawn):
+    if not any(np.any(shock.found.spectra[place].maximax > 0.0) for shock in drawn):
         say(axes, "there is no shock response spectrum to draw")
         return figure
     few = len(drawn) <= MOST_NAMES
@@ -52,7 +52,7 @@ def several_figure(result: SpectrumResult, place: int) -> Figure:
     for k, shock in enumerate(drawn):
         name = plain(shock.name) if few else f"each of {len(drawn)}" if k == 0 else "_"
         draw(
-            shock.spectra[place].side(result.side), color=_COLOURS[k] if few else GREY, linewidth=0.9,
+            shock.found.values[one.kind], color=_COLOURS[k] if few else GREY, linewidth=0.9,
             alpha=1.0 if few else 0.6, label=name,
         )  # fmt: skip
     for name, kinds in result.together.items():
@@ -70,7 +70,7 @@ def rolling_figure(result: SpectrumResult) -> Figure:
     from matplotlib.colors import LogNorm
 
     drawn, side, one = result.rollings[:MOST_NAMES], result.side, result.spectra[0]
-    values = [np.asarray(getattr(rolling, side)) for _, rolling in drawn]
+    values = [rolling.values for _, rolling in drawn]
     top = max(float(np.max(each)) for each in values)
     figure = _stacked(len(drawn))
     if not top > 0.0:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult, harm_of
+from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.base.errors import InputError
 from strikewave.records.budget.contributions import Budget
@@ -90,24 +90,17 @@ class SpectraJudge:
             unit = result.reading.channel.unit or "no known unit"
             raise InputError("--spec", unit, "records of an acceleration", "state the unit, such as --unit g")
         limits, side = self.specification.spectrum_limits(), result.side
-        rows = [
-            (one.name, one.file, one.channel, one.judged or one.spectra[0], one.uncertainties, one.harmed)
-            for one in result.shocks
-        ]
-        if not rows:
-            reading = result.reading
-            name = reading.channel.name
-            rows = [(result.title, result.file, name, result.spectra[0], result.uncertainties, harm_of(reading))]
         spectra = []
-        for name, file, channel, one, known, harmed in rows:
+        for shock in result.channels:
+            one, known = shock.judged or shock.found.spectra[0], shock.found.uncertainties
             frequency = np.asarray(one.frequency, dtype=np.float64)
             short = frequency[-1] < limits.frequency[-1] * 2.0 ** (-1.0 / limits.per_octave)
             lacks = f"its sampling rate carries natural frequencies up to {frequency[-1]:.4g}\xa0Hz" if short else ""
             inside = frequency <= limits.frequency[-1] * (1.0 + 1e-9)
             values = (frequency[inside], one.side(side)[inside])
             share = known[0].expanded[inside] / values[1] if known else math.nan
-            found = judge_spectrum(*values, limits, share, self.asked.rule, self.asked.strict, harmed or lacks)
-            spectra.append(JudgedSpectrum(name, file, channel, *values, found))
+            found = judge_spectrum(*values, limits, share, self.asked.rule, self.asked.strict, shock.harmed or lacks)
+            spectra.append(JudgedSpectrum(shock.name, shock.file, shock.channel, *values, found))
         verdict = SpectraVerdict(self.specification, limits, self.asked, tuple(spectra))
         notices = verdict_notices(self.specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)
         return dataclasses.replace(result, verdict=verdict, notices=(*result.notices, *notices))

@@ -29,7 +29,7 @@ def four_axes(result: SpectrumResult) -> dict[str, Any]:
     """
     unit = result.reading.channel.unit
     is_acceleration = unit == "m/s^2"
-    shocks = [(shock.name, shock.spectra[0]) for shock in result.used or result.shocks]
+    shocks = [(shock.name, shock.found.spectra[0]) for shock in result.used or result.shocks]
     drawn = (shocks or [(result.title, result.spectra[0])])[:MOST_CURVES]
     frequency = drawn[0][1].frequency
     sizes = [np.maximum(spectrum.positive, spectrum.negative) for _, spectrum in drawn]
