@@ -46,7 +46,6 @@ class PassBand:
         label="within 10 % up to",
         column=MAIN,
         tables="screen page",
-        headline="amplitude within 10 % up to, first",
     )
     half_power: float = declare.number(
         BANDWIDTH,

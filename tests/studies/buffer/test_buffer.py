@@ -37,7 +37,6 @@ from strikewave.studies.buffer.mounting_site import (
     reading_of,
     usual_materials,
 )
-from strikewave.studies.buffer.report import _bandwidth
 from strikewave.studies.buffer.study import design_buffer
 from strikewave.studies.engine.pools import GivenPool
 from strikewave.studies.engine.store import RunStore
@@ -633,6 +632,9 @@ def test_a_blow_that_a_case_cannot_have_is_refused_before_it_runs(monkeypatch):
             blows_of(case, choose_sensor(case, "buffered"), blow)
 
 
-def test_a_band_without_an_end_is_said_as_such():
-    assert _bandwidth(12.3e3) == "12.3 kHz"
-    assert _bandwidth(math.inf) == "200 kHz and beyond"
+def test_a_band_without_an_end_is_said_as_such(study):
+    first = study.candidates[0]
+    for within, said in ((12.3e3, "12.3 kHz"), (math.inf, "200 kHz and beyond")):
+        one = dataclasses.replace(first, band=dataclasses.replace(first.band, within_10=within))
+        found = dataclasses.replace(study, candidates=(one, *study.candidates[1:]))
+        assert dict(found.highlights())["amplitude within 10 % up to, first"] == said

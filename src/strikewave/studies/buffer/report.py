@@ -6,10 +6,9 @@ import math
 
 from strikewave.reporting import chapters
 from strikewave.reporting.faces import columns_of, part_tables, text_of
-from strikewave.reporting.numbers import hertz, percent, with_unit
+from strikewave.reporting.numbers import percent, with_unit
 from strikewave.reporting.parts import Picture, Section, Tag
 from strikewave.reporting.table_columns import page_table
-from strikewave.sensors.mounting import RESOLVED
 from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, StackGasket, distinct
 from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
 from strikewave.studies.buffer.result import MARKED, BufferStudy, stack_columns
@@ -54,7 +53,7 @@ def buffer_words(study: BufferStudy) -> str:
         f"{study.keeping} stacks keep the reading of {study.motion.name} within {limit}; directly "
         f"on the surface {study.site.table.name} would read {_peak(study.direct)}.",
         f"{study.order[0].upper()}{study.order[1:]}: {first.name}, {_peak(first)}, amplitudes within 10 % up to "
-        f"{_bandwidth(first.band.within_10)}.",
+        f"{study.bandwidth}.",
     ]
     if study.verdicts.words:
         words.insert(0, f"{study.verdicts.sentence[:-1]}: the blow is that of this run.")
@@ -64,11 +63,6 @@ def buffer_words(study: BufferStudy) -> str:
         words.append(f"Whatever the moduli of its gaskets, {study.robust.name} keeps it, with {_peak(study.robust)}.")
     words.append("The motion of the surface is given: the back-effect of the sensor on the structure is not modelled.")
     return " ".join(words)
-
-
-def _bandwidth(within_10: float) -> str:
-    """Return the frequency, Hz, up to which amplitudes pass; it is sought up to `RESOLVED`."""
-    return hertz(within_10) if math.isfinite(within_10) else f"{hertz(RESOLVED)} and beyond"
 
 
 def _peak(candidate: BufferCandidate) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, ClassVar
 
@@ -19,11 +20,13 @@ from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, csv_table
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.measured_files import UNKNOWN
+from strikewave.reporting.numbers import hertz
 from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.sensors import Reading
 from strikewave.sensors.bandwidth import BANDWIDTH
 from strikewave.sensors.channel import SensorChannel, sensor_sources
+from strikewave.sensors.mounting import RESOLVED
 from strikewave.studies.buffer.candidate import CUT_OFF, BufferCandidate, BufferGoal, carries
 from strikewave.studies.buffer.moduli import spread
 from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, MountingSite, case_with, reading_of, table_with
@@ -152,6 +155,18 @@ class BufferStudy(ShownResult):
     def stacks(self) -> list[BufferCandidate]:
         """All stacks, the best first; last, without a place, the present buffer."""
         return [*self.candidates, *([] if self.present is None else [self.present])]
+
+    @declare.computed(
+        declare.word(
+            "up to where the first one passes amplitudes",
+            headline="amplitude within 10 % up to, first",
+            in_document=False,
+        )
+    )
+    def bandwidth(self) -> str:
+        """Frequency up to which the first stack passes amplitudes within 10 %; it is sought up to `RESOLVED`."""
+        within_10 = self.candidates[0].band.within_10
+        return hertz(within_10) if math.isfinite(within_10) else f"{hertz(RESOLVED)} and beyond"
 
     @declare.computed(
         declare.number(

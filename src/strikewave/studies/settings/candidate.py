@@ -163,7 +163,7 @@ class BlowKinds:
     """How many blows there were, and of what kind."""
 
     wanted: int = declare.count("how many blows were wanted")
-    kinds: tuple[str, ...] = declare.history("", "full, glancing, double or missed, of each blow")
+    kinds: tuple[str, ...] = declare.word("full, glancing, double or missed, of each blow")
     touched_again: int = declare.count("blows that the striker touched again on its way back")
 
     @declare.computed(declare.word("blows that are not as they should be, in words"))
