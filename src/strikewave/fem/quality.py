@@ -7,12 +7,14 @@ right angles, 0 or less where the corner is flat or turned inside out (Knupp 200
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.shock_quantities import LENGTH, STEP
 from strikewave.fem.mesh import FACES, Array, Index, Mesh, volumes
 from strikewave.fem.sections import HEXAHEDRON_EDGES
 
@@ -35,48 +37,52 @@ AT_ONCE = 50_000
 UNWARPED = 1e-9
 """Warpage below which a face counts as flat, rad (chosen: flat faces of built-in meshes have 0, warped ones 0.1;
 numbers of rounding would only distract)."""
+SHAPE = Quantity(NO_UNIT, NO_UNIT, decimals=3, digits=0)
 NAMED = 5
 """Elements named of each kind of fault: enough to see where, few enough for a screen."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class PartQuality:
-    """How good the mesh of a part is.
+    """How good the mesh of a part is."""
 
-    Attributes
-    ----------
-    part : str
-    elements, nodes : int
-    volume : float
-        m^3.
-    shortest_edge, longest_edge : float
-        m.
-    aspect_ratio : float
-        Largest of the longest over the shortest edge of an element.
-    scaled_jacobian : float
-        Smallest of all corners, at most 1.
-    warpage : float
-        Largest of the angles between the two triangles of a face, over its two diagonals, rad; 0 where it is flat.
-    worst : int
-        Element with the smallest scaled Jacobian, counted within the part.
-    worst_at : tuple of float
-        Its centre, m.
-    step : float or None
-        Shortest edge over wave speed, s; None without a wave speed. A guide: the solver's own bound is tighter.
-    """
+    part: str = declare.word("name of the part", column=KEY, in_document=False)
+    elements: int = declare.count("how many elements", column=MAIN)
+    nodes: int = declare.count("how many nodes", column=MORE)
+    volume: float = declare.number(Quantity("m^3", "m^3"), "volume of the mesh")
+    shortest_edge: float = declare.number(LENGTH, "shortest edge", column=MAIN)
+    longest_edge: float = declare.number(LENGTH, "longest edge", column=MORE)
+    aspect_ratio: float = declare.number(
+        SHAPE, "largest of the longest over the shortest edge of an element", column=MAIN
+    )
+    scaled_jacobian: float = declare.number(
+        SHAPE, "smallest of all corners, at most 1", label="scaled Jacobian", column=MAIN
+    )
+    warpage: float = declare.number(
+        Quantity("rad", "rad"),
+        "largest of the angles between the two triangles of a face, over its two diagonals; 0 where it is flat",
+    )
+    worst: int = declare.count("element with the smallest scaled Jacobian, counted within the part")
+    worst_at: tuple[float, float, float] = declare.history("m", "its centre")
+    step: float | None = declare.number(
+        STEP,
+        "shortest edge over wave speed; None without a wave speed. A guide: the solver's own bound is tighter",
+        default=None,
+        in_document=False,
+    )
 
-    part: str
-    elements: int
-    nodes: int
-    volume: float
-    shortest_edge: float
-    longest_edge: float
-    aspect_ratio: float
-    scaled_jacobian: float
-    warpage: float
-    worst: int
-    worst_at: tuple[float, float, float]
-    step: float | None = None
+    @declare.computed(
+        declare.number(
+            Quantity("rad", "deg", "warpage", digits=3),
+            "the same without rounding",
+            column=MAIN,
+            order=1,
+            in_document=False,
+        )
+    )
+    def shown_warpage(self) -> float:
+        """Warpage, 0 where it is rounding."""
+        return self.warpage if self.warpage >= UNWARPED else 0.0
 
 
 def quality_report(mesh: Mesh, wave_speeds: Mapping[str, float] | None = None) -> tuple[PartQuality, ...]:

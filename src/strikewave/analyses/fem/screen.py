@@ -6,7 +6,7 @@ import contextlib
 import dataclasses
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,25 +19,25 @@ from strikewave.analyses.fem.result import Energies, FemSolution
 from strikewave.analyses.fem.run import check_model, first_step, run_model
 from strikewave.analyses.fem.sectors import sectors
 from strikewave.analyses.fem.unfinished import STATE, FieldFiles, unfinished
-from strikewave.base.declare import declarations
+from strikewave.base import declare
+from strikewave.base.declare import MORE, declarations
 from strikewave.base.errors import InputError
-from strikewave.base.json_document import head, plain, without
+from strikewave.base.json_document import head, plain
 from strikewave.base.percents import percent
+from strikewave.base.shock_quantities import MASS
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.fem.device.devices import Device, device_named
 from strikewave.fem.model import Model
-from strikewave.fem.quality import UNWARPED, PartQuality, quality_report
+from strikewave.fem.quality import PartQuality, quality_report
 from strikewave.fem.snapshots import SNAPSHOTS
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions, frame_instants
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.faces import columns_of
-from strikewave.reporting.layout import MORE, keys, numerals
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
-    number,
     print_face,
     print_json,
     print_published,
@@ -45,7 +45,6 @@ from strikewave.reporting.terminal import (
     progress_bar,
     say,
     show_notices,
-    table,
     tell,
 )
 
@@ -97,7 +96,11 @@ def check_element_case(case: Case, json: bool, threads: int = 1) -> int:
     check_model(model)
     show_notices(tuple(model_notices(case, model)))
     masses = _masses(case, model, quality)
-    print_json(_check_document(case, model, quality, masses)) if json else _show_quality(quality, masses)
+    parts = [CheckedPart(row, math.prod(masses[row.part]), masses[row.part][0]) for row in quality]
+    if json:
+        print_json(_check_document(case, model, parts))
+    else:
+        print_rows("Mesh", columns_of(CheckedPart), parts)
     return 0
 
 
@@ -292,39 +295,19 @@ def _show_blows(solution: FemSolution) -> None:
             )
 
 
-def _show_quality(quality: Sequence[PartQuality], masses: Mapping[str, tuple[float, int]]) -> None:
-    """Print the quality of the mesh by part, with the masses of the bodies."""
-    rows = [
-        [
-            row.part,
-            str(row.elements),
-            str(row.nodes),
-            number(math.prod(masses[row.part]), "kg", "kg"),
-            number(row.shortest_edge, "m", "mm"),
-            number(row.longest_edge, "m", "mm"),
-            f"{row.aspect_ratio:.2f}",
-            f"{row.scaled_jacobian:.3f}",
-            number(row.warpage if row.warpage >= UNWARPED else 0.0, "rad", "deg", 3),
-        ]
-        for row in quality
-    ]
-    columns = [*keys("part"), *numerals("elements"), *numerals("nodes", "mass (kg)", priority=MORE)]
-    columns += [*numerals("shortest edge (mm)"), *numerals("longest (mm)", priority=MORE)]
-    columns += numerals("aspect ratio", "scaled Jacobian", "warpage (deg)")
-    table("Mesh", columns, rows)
+@declare.dataclass
+class CheckedPart:
+    """A part whose mesh was checked, and its masses."""
+
+    quality: PartQuality = declare.part(PartQuality, "how good its mesh is", inline=True)
+    mass: float = declare.number(MASS, "of the whole body", column=MORE)
+    model_mass: float = declare.number(MASS, "of what is meshed")
 
 
-def _check_document(
-    case: Case, model: Model, quality: Sequence[PartQuality], masses: Mapping[str, tuple[float, int]]
-) -> dict[str, Any]:
+def _check_document(case: Case, model: Model, parts: Sequence[CheckedPart]) -> dict[str, Any]:
     """Return the JSON document of a model that was checked."""
-    units = {"volume": "m^3", "shortest_edge": "m", "longest_edge": "m", "warpage": "rad", "worst_at": "m", "step": "s"}
-    units |= {"mass": "kg", "model_mass": "kg"}
     counted = {"elements": len(model.mesh.hexahedra), "nodes": len(model.mesh.points), "step": first_step(model)}
-    rows = {
-        row.part: without(dataclasses.asdict(row), "part", "step")
-        | {"mass": math.prod(masses[row.part]), "model_mass": masses[row.part][0]}
-        for row in quality
-    }
+    rows = {one.quality.part: declare.content(one) for one in parts}
     notices = [notice.document() for notice in model_notices(case, model)]
+    units = {**declare.units(CheckedPart), "step": "s"}
     return plain({**head(units, notices), "case": case.name, **counted, "parts": rows})

@@ -15,15 +15,15 @@ from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.sectors import unlike_sectors
 from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.measures import ALIGNED, EnergyExtent
-from strikewave.fem.quality import UNWARPED, quality_report
+from strikewave.fem.quality import PartQuality, quality_report
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook, ZerilliArmstrong
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.faces import FaceRow, columns_of, face_columns, face_rows, face_table, text_of
-from strikewave.reporting.numbers import listed, percent, shown, shown_heads, with_unit
-from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.numbers import listed, percent, with_unit
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
 from strikewave.reporting.table_columns import TableColumn, page_table
 from strikewave.signal.pulse import WIDTH_FRACTION
 
@@ -308,23 +308,8 @@ def _metres(place: Sequence[float]) -> str:
 
 
 def _quality_table(model: Model) -> Table:
-    speeds = {name: solid.wave_speed for name, solid in model.solids.items()}
-    rows: list[list[Cell]] = [
-        [
-            quality.part,
-            str(quality.nodes),
-            written(shown(quality.shortest_edge, "m", "mm"), 3),
-            written(shown(quality.longest_edge, "m", "mm"), 3),
-            written(quality.aspect_ratio, 3),
-            written(quality.scaled_jacobian, 3),
-            written(math.degrees(quality.warpage) if quality.warpage >= UNWARPED else 0.0, 2),
-        ]
-        for quality in quality_report(model.mesh, speeds)
-    ]
-    heads = shown_heads("part", "nodes", "shortest edge (mm)", "longest edge (mm)", "worst aspect ratio")
-    heads += ["worst scaled Jacobian", "worst warpage (°)"]
-    caption = "Quality of the mesh; the scaled Jacobian is 1 for right angles and 0 for a flat corner"
-    return Table(caption, heads, rows)
+    caption = "Quality of the mesh, worst values; the scaled Jacobian is 1 for right angles and 0 for a flat corner"
+    return page_table(caption, columns_of(PartQuality), quality_report(model.mesh))
 
 
 def _energy_words(solution: FemSolution) -> str:
