@@ -54,7 +54,7 @@ def test_planted_excesses_are_found_and_weights_by_them_are_those_of_the_best_es
             place = np.linalg.lstsq(rows, weights * measured)[0]
             excess = excess_of(design @ place - measured, groups, 3)
         found.append(excess)
-    sizes = np.sqrt(np.mean(np.square([one[:2] for one in found]), axis=0))
+    sizes = np.sqrt(np.mean(np.square([(one.within, one.between) for one in found]), axis=0))
     assert sizes == pytest.approx([within, between], rel=0.1)
     weights = 1.0 / np.array([found[0].weight(int(one)) for one in count])
     whole = found[0].within ** 2 * np.eye(groups.size) + found[0].between ** 2 * np.equal.outer(groups, groups)

@@ -79,20 +79,13 @@ class PairOfFigures:
         shares = [u / v for u, v in ((self.a_uncertainty, self.a), (self.b_uncertainty, self.b)) if math.isfinite(u)]
         return abs(self.b / self.a) * math.hypot(*shares)
 
-    @declare.phrase("figure", column=KEY)
-    def head(self) -> str:
-        """Return the figure and its unit."""
-        return headed(self.name, *self.units)
-
-    @declare.phrase("A", column=MAIN)
-    def a_words(self) -> str | None:
-        """Return the figure of A, with its expanded uncertainty where a budget gives one."""
-        return self._words(self.a, self.a_uncertainty if self.budgeted[0] else 0.0)
-
-    @declare.phrase("B", column=MAIN)
-    def b_words(self) -> str | None:
-        """Return the figure of B, as that of A."""
-        return self._words(self.b, self.b_uncertainty if self.budgeted[1] else 0.0)
+    head = declare.phrase("figure", column=KEY)(lambda pair: headed(pair.name, *pair.units))
+    a_words = declare.phrase("A", column=MAIN)(
+        lambda pair: pair._words(pair.a, pair.a_uncertainty if pair.budgeted[0] else 0.0)
+    )
+    b_words = declare.phrase("B", column=MAIN)(
+        lambda pair: pair._words(pair.b, pair.b_uncertainty if pair.budgeted[1] else 0.0)
+    )
 
     def _words(self, value: float, doubt: float) -> str | None:
         if math.isnan(value):

@@ -79,21 +79,15 @@ class ComparedCurve:
     troubles: Mapping[str, str] = field(default_factory=dict)
     notices: tuple[Notice, ...] = ()
     verdict: str = ""
-
-    @declare.computed(declare.number(Quantity("Hz", "kHz", "sampling rate"), "samples a second", column=MAIN))
-    def sampling_rate(self) -> float:
-        """Samples a second."""
-        return 1.0 / self.history.step
-
-    @declare.computed(declare.count("how many samples", column=MAIN, in_document=False))
-    def samples(self) -> int:
-        """How many samples."""
-        return self.history.values.size
-
-    @declare.computed(declare.number(OF_NOISE, "standard deviation of a sample", column=MAIN))
-    def noise(self) -> float:
-        """Standard deviation of a sample."""
-        return self.history.noise
+    sampling_rate = declare.computed(
+        declare.number(Quantity("Hz", "kHz", "sampling rate"), "samples a second", column=MAIN)
+    )(lambda curve: 1.0 / curve.history.step)
+    samples = declare.computed(declare.count("how many samples", column=MAIN, in_document=False))(
+        lambda curve: curve.history.values.size
+    )
+    noise = declare.computed(declare.number(OF_NOISE, "standard deviation of a sample", column=MAIN))(
+        lambda curve: curve.history.noise
+    )
 
     @property
     def sign(self) -> float:

@@ -16,7 +16,7 @@ from strikewave.base.result import FAILED, Notice
 from strikewave.base.units import parse_quantity, typed_number
 from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import NO_DOUBT, axis_unit, doubted
-from strikewave.reporting.parts import Tag, written
+from strikewave.reporting.parts import written
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
 
 RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
@@ -61,11 +61,7 @@ class Judged:
     margin: float = declare.number(NOT_MEASURED, "distance to the limit, below 0 beyond it")
     verdict: str = declare.word("pass, fail or cannot-tell")
     doubt: float = 0.0
-
-    @declare.phrase("verdict", column=MAIN)
-    def tag(self) -> Tag:
-        """Return the verdict in its box."""
-        return tag_of(self.verdict)
+    tag = declare.phrase("verdict", column=MAIN)(lambda one: tag_of(one.verdict))
 
     @declare.phrase("value ± U", column=MAIN)
     def value_words(self) -> str | None:
@@ -75,15 +71,8 @@ class Judged:
         size, name = axis_unit("s", "us") if self.unit == "s" else (0.01, self.unit)
         return f"{' ± '.join(doubted(self.value / size, self.doubt / size))} {name}"
 
-    @declare.phrase("margin", column=MORE)
-    def margin_words(self) -> str | None:
-        """Return the distance to the limit."""
-        return self._words(self.margin)
-
-    @declare.phrase("of", column=MORE)
-    def of(self) -> str:
-        """Return what the metric is."""
-        return METRICS[self.limit.metric][1]
+    margin_words = declare.phrase("margin", column=MORE)(lambda one: one._words(one.margin))
+    of = declare.phrase("of", column=MORE)(lambda one: METRICS[one.limit.metric][1])
 
     @property
     def unit(self) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,11 +54,9 @@ class LargestRatio:
 
     ratio: float = declare.number(LEVEL, "largest ratio of the shock response spectra")
     frequency: float = declare.number(FREQUENCY, "natural frequency of that")
-
-    @declare.phrase("largest ratio of shock response spectra", column=MAIN, tables=TOGETHER)
-    def words(self) -> str:
-        """Return both in words."""
-        return f"{self.ratio:+.2f} dB at {with_unit(self.frequency, 'Hz', 'kHz', 3)}"
+    words = declare.phrase("largest ratio of shock response spectra", column=MAIN, tables=TOGETHER)(
+        lambda one: f"{one.ratio:+.2f} dB at {with_unit(one.frequency, 'Hz', 'kHz', 3)}"
+    )
 
 
 @declare.dataclass
@@ -113,11 +111,9 @@ class CorridorShare:
 
     share: float = declare.number(RATIO, "of a campaign: share of the samples within its corridor")
     deviations: float = declare.number(NOT_MEASURED, "how wide that is in deviations")
-
-    @declare.phrase("within the corridor", column=MAIN, tables=TOGETHER)
-    def words(self) -> str:
-        """Return both in words."""
-        return f"{percent(self.share, 1)}, ± {self.deviations:g} standard deviations"
+    words = declare.phrase("within the corridor", column=MAIN, tables=TOGETHER)(
+        lambda one: f"{percent(one.share, 1)}, ± {one.deviations:g} standard deviations"
+    )
 
 
 @declare.dataclass
@@ -131,26 +127,12 @@ class BandedFigure:
     high: float = declare.number(NOT_MEASURED, "high end of the band")
     inside: bool = declare.word("whether it lies within")
     units: tuple[str, str]
-
-    @declare.phrase("figure", column=KEY)
-    def called(self) -> str:
-        """Return which figure it is."""
-        return f"{NAMES[self.figure]} of {self.of}"
-
-    @declare.phrase("value", column=MAIN)
-    def size_words(self) -> str:
-        """Return its size."""
-        return with_unit(abs(self.value), *self.units)
-
-    @declare.phrase("band", column=MAIN)
-    def band_words(self) -> str:
-        """Return the ends of the band."""
-        return band_text(Band(self.low, self.high, 0.0), *self.units)
-
-    @declare.phrase("lies", column=MAIN)
-    def place(self) -> Tag:
-        """Return where it lies."""
-        return Tag("inside", "good") if self.inside else Tag("outside", "warned")
+    called = declare.phrase("figure", column=KEY)(lambda one: f"{NAMES[one.figure]} of {one.of}")
+    size_words = declare.phrase("value", column=MAIN)(lambda one: with_unit(abs(one.value), *one.units))
+    band_words = declare.phrase("band", column=MAIN)(lambda one: band_text(Band(one.low, one.high, 0.0), *one.units))
+    place = declare.phrase("lies", column=MAIN)(
+        lambda one: Tag("inside", "good") if one.inside else Tag("outside", "warned")
+    )
 
 
 @declare.dataclass
@@ -197,7 +179,6 @@ class CompareResult(AskedResult):
     command: ClassVar[str] = "compare"
     is_history: ClassVar[bool] = True
     main_rows: ClassVar[str] = "histories"
-
     a: ComparedCurve = declare.part(ComparedCurve, "the reference")
     b: ComparedCurve = declare.part(ComparedCurve, "what is held against it")
     agreement: CurveAgreement
@@ -231,22 +212,15 @@ class CompareResult(AskedResult):
         """Units of where a specification begins, and of the uncertainty of the shift."""
         return {"start": "s", "uncertainty": "s"}
 
-    @declare.computed(declare.named(ComparedCurve, "histories", label="history", in_document=False))
-    def sides(self) -> dict[str, ComparedCurve]:
-        """Both histories by what they are called."""
-        return {"A": self.a, "B": self.b}
-
-    @declare.computed(declare.word("what both are of, such as acceleration"))
-    def quantity(self) -> str:
-        """What both are of."""
-        return QUANTITIES.get(self.unit, "value")
-
-    @declare.computed(
-        declare.word("low-pass that both went through", key="filter", column=MAIN, tables=TOGETHER, order=1)
+    sides = declare.computed(declare.named(ComparedCurve, "histories", label="history", in_document=False))(
+        lambda one: {"A": one.a, "B": one.b}
     )
-    def low_pass_on_both(self) -> str | None:
-        """The low-pass that both went through."""
-        return None if self.low_pass is None else str(self.low_pass)
+    quantity = declare.computed(declare.word("what both are of, such as acceleration"))(
+        lambda one: QUANTITIES.get(one.unit, "value")
+    )
+    low_pass_on_both = declare.computed(
+        declare.word("low-pass that both went through", key="filter", column=MAIN, tables=TOGETHER, order=1)
+    )(lambda one: None if one.low_pass is None else str(one.low_pass))
 
     @declare.phrase("rating", headline="ISO/TS 18571")
     def rating_words(self) -> str:
@@ -254,10 +228,9 @@ class CompareResult(AskedResult):
         rating = self.agreement.rating
         return f"{rating.overall:.3f} ({rating.grade})"
 
-    @declare.computed(declare.rows(PairOfFigures, "largest pulse", in_document=False, headline="each"))
-    def pairs(self) -> list[PairOfFigures]:
-        """The figures of both."""
-        return list(self.figures.values())
+    pairs = declare.computed(declare.rows(PairOfFigures, "largest pulse", in_document=False, headline="each"))(
+        lambda one: list(one.figures.values())
+    )
 
     @declare.computed(declare.part(ComparisonMetrics, "how well both agree"))
     def metrics(self) -> ComparisonMetrics:
@@ -277,15 +250,10 @@ class CompareResult(AskedResult):
             band=self.in_bands,
         )
 
-    @declare.phrase("shift", headline="shift")
-    def shift_words(self) -> str:
-        """Return the shift of B with its uncertainty."""
-        return self.metrics.shift.words
-
-    @declare.computed(declare.history(MICROSECONDS, "[begin, end] in which they are judged"))
-    def interval(self) -> tuple[float, float]:
-        """Begin and end of what is judged."""
-        return self.agreement.interval
+    shift_words = declare.phrase("shift", headline="shift")(lambda one: one.metrics.shift.words)
+    interval = declare.computed(declare.history(MICROSECONDS, "[begin, end] in which they are judged"))(
+        lambda one: one.agreement.interval
+    )
 
     @declare.phrase("interval in which they are judged", column=MAIN, tables=TOGETHER)
     def interval_words(self) -> str:
@@ -295,26 +263,18 @@ class CompareResult(AskedResult):
         ends = f"{written(shown(begin, 's', usual), 6)} to {written(shown(end, 's', usual), 6)}"
         return f"{ends} {axis_unit('s', usual)[1]} ({with_unit(end - begin, 's', usual)})"
 
-    @declare.computed(
+    above_nyquist = declare.computed(
         declare.number(RATIO, "share of the RMS of the finer history above half the sampling rate of the other")
-    )
-    def above_nyquist(self) -> float:
-        """What the coarser history cannot hold of the finer one."""
-        return self.agreement.lost
-
+    )(lambda one: one.agreement.lost)
     judged: Sequence[Judged] = declare.rows(Judged, "limits", key="limits", default=())
     specified: SpecificationVerdict | None = None
     budget: Budget | None = None
-
-    @declare.computed(declare.word("the budget", key="budget"))
-    def budget_document(self) -> dict[str, Any] | None:
-        """The budget of the uncertainties, for documents."""
-        return None if self.budget is None else self.budget.document()
-
-    @declare.computed(declare.word("the verdict by a specification", key="spec"))
-    def specification_document(self) -> dict[str, Any] | None:
-        """The verdict by a specification, for documents."""
-        return None if self.specified is None else self.specified.document()
+    budget_document = declare.computed(declare.word("the budget", key="budget"))(
+        lambda one: None if one.budget is None else one.budget.document()
+    )
+    specification_document = declare.computed(declare.word("the verdict by a specification", key="spec"))(
+        lambda one: None if one.specified is None else one.specified.document()
+    )
 
     @declare.computed(declare.word("the worst of specification and limits; null without any"))
     def verdict(self) -> str | None:
@@ -322,10 +282,9 @@ class CompareResult(AskedResult):
         verdicts = [one for one in (verdict_of(self.judged), self.specified and self.specified.verdict) if one]
         return together(verdicts) if verdicts else None
 
-    @declare.computed(declare.part(CurveAgreement, "both over the common time", quantity=OF_FILES))
-    def history(self) -> CurveAgreement:
-        """Both histories over the common time, for documents."""
-        return self.agreement
+    history = declare.computed(declare.part(CurveAgreement, "both over the common time", quantity=OF_FILES))(
+        lambda one: one.agreement
+    )
 
     @declare.computed(declare.table("both over the common time"))
     def histories(self) -> list[Column]:

@@ -78,10 +78,9 @@ class PredictedFigure:
         """By how much the prediction is above, as a share of what was measured."""
         return self.predicted / self.measured - 1.0
 
-    @declare.phrase("band holds it", column=MAIN)
-    def held(self) -> Tag:
-        """Return whether the band holds it."""
-        return Tag("inside", "good") if self.inside else Tag("outside", "warned")
+    held = declare.phrase("band holds it", column=MAIN)(
+        lambda one: Tag("inside", "good") if one.inside else Tag("outside", "warned")
+    )
 
 
 @declare.dataclass

@@ -69,22 +69,14 @@ class Posterior:
     """
 
     draws: Array
-
-    @declare.computed(declare.count("chains that move together"))
-    def walkers(self) -> int:
-        """Chains that move together."""
-        return WALKERS
-
+    walkers = declare.computed(declare.count("chains that move together"))(lambda one: WALKERS)
     steps: int = declare.count("steps of each chain")
     memory: float = declare.number(
         RATIO, "longest autocorrelation time of any field, steps", key="autocorrelation_time"
     )
-
-    @declare.computed(declare.number(NOT_MEASURED, "independent draws, about", key="independent_draws"))
-    def independent(self) -> float:
-        """Independent draws, about."""
-        return WALKERS * self.steps / self.memory
-
+    independent = declare.computed(declare.number(NOT_MEASURED, "independent draws, about", key="independent_draws"))(
+        lambda one: WALKERS * one.steps / one.memory
+    )
     accepted: float = declare.number(RATIO, "share of moves that were accepted")
     runs: int
     stopped: bool = False
@@ -94,10 +86,7 @@ class Posterior:
         """Whether chains are too short to be trusted."""
         return not (self.steps >= LONG * self.memory and self.independent >= ENOUGH)
 
-    @declare.computed(declare.count("seed of the chains"))
-    def seed(self) -> int:
-        """Seed of the chains."""
-        return SEED
+    seed = declare.computed(declare.count("seed of the chains"))(lambda one: SEED)
 
     def quantiles(self, share: float) -> Array:
         """Return the place below which a share of the draws lies, of each field."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quantity
 from strikewave.base.shock_quantities import RATIO
 from strikewave.cases.case import Case
 from strikewave.reporting.parts import Tag
@@ -33,6 +33,8 @@ Array = NDArray[np.float64]
 AS_STATED = Excess()
 """Of numbers that are off by no more than their uncertainties."""
 OVER_NOISE = Quantity.of_data("standard deviations of the noise", digits=3)
+NO_MORE_UNIT: GivenUnits = {OVER_NOISE.given_by: (NO_UNIT, NO_UNIT)}
+"""Of rows with a number over its noise, whose head says what it is over."""
 FAINT_SLOPE = 1e-4
 """Slope of a record along a direction, over the largest, from which on its own best values follow the residual."""
 
@@ -74,12 +76,9 @@ class Misfit:
         order=-1,
     )
     independent: float = declare.number(RATIO, "independent samples that the residual has")
-
-    @declare.computed(declare.count("independent samples, whole ones", column=MORE, in_document=False))
-    def independent_samples(self) -> int:
-        """Whole independent samples of the residual."""
-        return math.floor(self.independent)
-
+    independent_samples = declare.computed(
+        declare.count("independent samples, whole ones", column=MORE, in_document=False)
+    )(lambda one: math.floor(one.independent))
     more_than_noise: bool = declare.word("whether noise alone leaves so much once in a thousand times at most")
     is_number: bool = declare.word("whether it is a stated number, not a record", default=False)
     noise_known: bool = declare.word(

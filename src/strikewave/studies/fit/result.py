@@ -27,7 +27,7 @@ from strikewave.studies.fit.excess import Excess
 from strikewave.studies.fit.free_fields import FreeField
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.posterior import Posterior
-from strikewave.studies.fit.problem import Misfit
+from strikewave.studies.fit.problem import NO_MORE_UNIT, Misfit
 from strikewave.studies.fit.separating import SeparatingNumber
 from strikewave.studies.fit.solving import Solved
 from strikewave.studies.fit.trying import TriedChoice
@@ -63,47 +63,28 @@ class FittedParameter:
     """
 
     field: FreeField
-
-    @declare.computed(declare.word("path of the value", key="field", label="field", column=KEY))
-    def name(self) -> str:
-        """Path of the value."""
-        return self.field.path
-
-    @declare.computed(declare.word("its SI unit"))
-    def unit(self) -> str:
-        """Its SI unit."""
-        return self.field.axis.si_unit or NO_UNIT
-
+    name = declare.computed(declare.word("path of the value", key="field", label="field", column=KEY))(
+        lambda one: one.field.path
+    )
+    unit = declare.computed(declare.word("its SI unit"))(lambda one: one.field.axis.si_unit or NO_UNIT)
     value: float = declare.number(OF_FIELD, "fitted value")
     standard_error: float
-
-    @declare.computed(declare.number(OF_FIELD, "of it; null where the data do not determine it", key="standard_error"))
-    def known_error(self) -> float | None:
-        """Standard error, where the data determine the value."""
-        return self.standard_error if self.determined else None
-
+    known_error = declare.computed(
+        declare.number(OF_FIELD, "of it; null where the data do not determine it", key="standard_error")
+    )(lambda one: one.standard_error if one.determined else None)
     low: float = declare.number(OF_FIELD, "low end of its 95 % interval")
     high: float = declare.number(OF_FIELD, "high end of its 95 % interval")
     profile: ProfileEnds | None = None
     stair: float = 0.0
-
-    @declare.computed(declare.number(OF_FIELD, "value of the case", label="began at", column=MORE, order=1))
-    def start(self) -> float:
-        """Value of the case."""
-        return self.field.value.si
-
-    @declare.computed(declare.history(OF_FIELD, "[low, high] within which it was sought"))
-    def bounds(self) -> tuple[float, float]:
-        """Ends within which it was sought."""
-        return self.field.low, self.field.high
-
-    @declare.computed(
-        declare.word("what the interval rests on: quadratic, profile, or bounds where it is not determined")
+    start = declare.computed(declare.number(OF_FIELD, "value of the case", label="began at", column=MORE, order=1))(
+        lambda one: one.field.value.si
     )
-    def interval(self) -> str:
-        """What the interval rests on."""
-        return "profile" if self.profile is not None else "quadratic" if self.determined else "bounds"
-
+    bounds = declare.computed(declare.history(OF_FIELD, "[low, high] within which it was sought"))(
+        lambda one: (one.field.low, one.field.high)
+    )
+    interval = declare.computed(
+        declare.word("what the interval rests on: quadratic, profile, or bounds where it is not determined")
+    )(lambda one: "profile" if one.profile is not None else "quadratic" if one.determined else "bounds")
     reach: float | None = declare.number(
         Quantity.of_data("standard errors"), "standard errors that 95 % lie within, to either side", default=None
     )
@@ -131,10 +112,9 @@ class FittedParameter:
             texts = texts[0][:-1].rstrip("."), texts[1][:-1].rstrip(".")
         return f"{texts[0]} ± {texts[1]} {unit}".strip()
 
-    @declare.phrase("95 % interval", column=MAIN)
-    def interval_words(self) -> str:
-        """Return the ends of the interval."""
-        return self.field.between(self.low, self.high) + ("" if self.determined else " (bounds)")
+    interval_words = declare.phrase("95 % interval", column=MAIN)(
+        lambda one: one.field.between(one.low, one.high) + ("" if one.determined else " (bounds)")
+    )
 
     @declare.phrase("interval from", column=MORE)
     def state(self) -> Tag:
@@ -149,12 +129,9 @@ class PosteriorValue:
     """A fitted value with the median and the 95 % interval of its posterior, SI."""
 
     value: FittedParameter
-
-    @declare.computed(declare.word("path of the value", key="field", label="field", column=KEY))
-    def name(self) -> str:
-        """Path of the value."""
-        return self.value.name
-
+    name = declare.computed(declare.word("path of the value", key="field", label="field", column=KEY))(
+        lambda one: one.value.name
+    )
     median: float = declare.number(OF_FIELD, "median", column=KEY)
     low: float = declare.number(OF_FIELD, "low end of its 95 % interval")
     high: float = declare.number(OF_FIELD, "high end of its 95 % interval")
@@ -164,20 +141,11 @@ class PosteriorValue:
         """Unit in which the field was typed."""
         return self.value.given_units
 
-    @declare.phrase("95 % of the posterior", column=KEY)
-    def interval_words(self) -> str:
-        """Return the ends of the interval."""
-        return self.value.field.between(self.low, self.high)
-
-    @declare.phrase("least squares", column=MORE)
-    def fitted_words(self) -> str:
-        """Return the fitted value."""
-        return self.value.field.shown(self.value.value)
-
-    @declare.phrase("95 % of least squares", column=MAIN)
-    def fitted_interval(self) -> str:
-        """Return the ends of its interval by least squares."""
-        return self.value.interval_words
+    interval_words = declare.phrase("95 % of the posterior", column=KEY)(
+        lambda one: one.value.field.between(one.low, one.high)
+    )
+    fitted_words = declare.phrase("least squares", column=MORE)(lambda one: one.value.field.shown(one.value.value))
+    fitted_interval = declare.phrase("95 % of least squares", column=MAIN)(lambda one: one.value.interval_words)
 
 
 @declare.dataclass
@@ -191,6 +159,8 @@ class SampledValues:
 @declare.dataclass
 class MisfitOfRun:
     """What is left of a measured thing, and the verdict of the fitted run that it is held against."""
+
+    given_units: ClassVar[GivenUnits] = NO_MORE_UNIT
 
     misfit: Misfit = declare.part(Misfit, "what is left", inline=True)
     verdict: str = declare.word(
@@ -250,12 +220,7 @@ class FitStudy(AskedResult):
     base: Case
     case: Case
     solved: Solved
-
-    @declare.computed(declare.word("name of the case", key="case"))
-    def case_name(self) -> str:
-        """Name of the case."""
-        return self.base.name
-
+    case_name = declare.computed(declare.word("name of the case", key="case"))(lambda one: one.base.name)
     parameters: tuple[FittedParameter, ...] = declare.rows(FittedParameter, "fitted values", headline="each")
     pulses: tuple[tuple[MeasuredPulse, LaidPulse], ...]
     computed: tuple[float, ...]
@@ -306,14 +271,9 @@ class FitStudy(AskedResult):
         TriedChoice, "by the option try: the choices, and how well each fits", default=()
     )
     posterior: Posterior | None = None
-
-    @declare.computed(
+    sampled = declare.computed(
         declare.part(SampledValues, "by the option bayes: the values by their posterior", key="posterior")
-    )
-    def sampled(self) -> SampledValues | None:
-        """The values by their posterior; None where none was sampled."""
-        return None if self.posterior is None else SampledValues(self.posterior_values(), self.posterior)
-
+    )(lambda one: None if one.posterior is None else SampledValues(one.posterior_values(), one.posterior))
     checks: Checks | None = declare.part(
         Checks, "by the option check-on: predictions of what was kept out", default=None
     )
@@ -327,15 +287,10 @@ class FitStudy(AskedResult):
             for place in self.solved.others
         ]
 
-    @declare.computed(declare.count("runs that it took"))
-    def runs(self) -> int:
-        """Runs that it took."""
-        return self.solved.runs
-
-    @declare.computed(declare.word("whether the search was stopped before its end"))
-    def stopped(self) -> bool:
-        """Whether the search was stopped before its end."""
-        return self.solved.stopped
+    runs = declare.computed(declare.count("runs that it took"))(lambda one: one.solved.runs)
+    stopped = declare.computed(declare.word("whether the search was stopped before its end"))(
+        lambda one: one.solved.stopped
+    )
 
     @property
     def title(self) -> str:

@@ -5,17 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import ClassVar
 
 import numpy as np
 
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN, MORE, Quantity
+from strikewave.base.declare import KEY, MAIN, MORE, GivenUnits, Quantity
 from strikewave.base.errors import InputError, nearest
 from strikewave.cases.case import Case
 from strikewave.studies.fit.batches import result_of
 from strikewave.studies.fit.estimation import Search
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
-from strikewave.studies.fit.problem import OVER_NOISE, Problem
+from strikewave.studies.fit.problem import NO_MORE_UNIT, OVER_NOISE, Problem
 from strikewave.studies.fit.solving import Solved
 
 MOST_TRIED = 20
@@ -28,6 +29,8 @@ them are divided."""
 @declare.dataclass
 class TriedChoice:
     """A choice of a field, and how well it fits."""
+
+    given_units: ClassVar[GivenUnits] = NO_MORE_UNIT
 
     choice: str = declare.word("as typed, path=value", column=KEY)
     misfit: float = declare.number(
@@ -51,11 +54,9 @@ class TriedChoice:
         column=MORE,
         order=1,
     )
-
-    @declare.phrase("more than noise", column=MORE)
-    def beyond_noise(self) -> str | None:
-        """Return how many records are more than noise, where it was fitted."""
-        return None if self.failure else str(self.more_than_noise)
+    beyond_noise = declare.phrase("more than noise", column=MORE)(
+        lambda one: None if one.failure else str(one.more_than_noise)
+    )
 
     @property
     def rank(self) -> tuple[bool, float]:
