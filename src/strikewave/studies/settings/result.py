@@ -38,7 +38,7 @@ class SettingsGoal:
 
 
 @declare.dataclass
-class LeftOut:
+class StrikersLeftOut:
     """A number of strikers that was not run."""
 
     strikers: int = declare.count("number of strikers that was not run")
@@ -118,10 +118,10 @@ class SettingsStudy(ShownResult):
     )
     left_out: dict[int, str]
 
-    @declare.computed(declare.rows(LeftOut, "numbers of strikers that were not run, and why", key="left_out"))
-    def not_run(self) -> list[LeftOut]:
+    @declare.computed(declare.rows(StrikersLeftOut, "numbers of strikers that were not run, and why", key="left_out"))
+    def not_run(self) -> list[StrikersLeftOut]:
         """The numbers of strikers that were not run."""
-        return [LeftOut(strikers, why) for strikers, why in self.left_out.items()]
+        return [StrikersLeftOut(strikers, why) for strikers, why in self.left_out.items()]
 
     failed: tuple[str, ...] = declare.word("why settings gave no result")
     asked: str = ""
