@@ -69,11 +69,7 @@ class Component:
     role: str = declare.word(
         "spectrum, or compensation: it brings the motion to rest", label="for", default="spectrum", column=MAIN, order=1
     )
-
-    @declare.phrase("half-sines", column=MAIN)
-    def half_sine_count(self) -> str | None:
-        """Return how many half-sines a wavelet has."""
-        return str(self.half_sines) if self.half_sines else None
+    half_sine_count = declare.phrase("half-sines", column=MAIN)(lambda one: str(one.half_sines or "") or None)
 
     def at(self, time: ArrayLike) -> Array:
         """Return it at times, s.
@@ -148,31 +144,20 @@ class SynthesizedMotion:
         histories = (self.acceleration, self.velocity, self.displacement)
         return MotionPeaks(*(float(np.max(np.abs(one))) for one in histories))
 
-    @declare.computed(declare.part(MotionEnd, "values at the end"))
-    def end(self) -> MotionEnd:
-        """Velocity and displacement at the end."""
-        return MotionEnd(float(self.velocity[-1]), float(self.displacement[-1]))
+    end = declare.computed(declare.part(MotionEnd, "values at the end"))(
+        lambda motion: MotionEnd(float(motion.velocity[-1]), float(motion.displacement[-1]))
+    )
 
     @declare.computed(declare.number(VELOCITY, "what is left", headline="velocity at the end", in_document=False))
     def left(self) -> float:
         """Velocity at the end without what rounding makes of nothing."""
         return self.end.velocity if abs(self.end.velocity) > ROUNDING * self.peak.velocity else 0.0
 
-    @declare.computed(declare.number(MILLISECONDS, "length of the motion", headline="duration"))
-    def duration(self) -> float:
-        """From the first to the last sample, s."""
-        return (self.acceleration.size - 1) * self.step
-
-    @declare.computed(declare.number(FREQUENCY, "samples a second"))
-    def rate(self) -> float:
-        """Samples a second."""
-        return 1.0 / self.step
-
-    @declare.computed(declare.count("how many samples"))
-    def samples(self) -> int:
-        """How many samples it has."""
-        return self.acceleration.size
-
+    duration = declare.computed(declare.number(MILLISECONDS, "length of the motion", headline="duration"))(
+        lambda motion: (motion.acceleration.size - 1) * motion.step
+    )
+    rate = declare.computed(declare.number(FREQUENCY, "samples a second"))(lambda motion: 1.0 / motion.step)
+    samples = declare.computed(declare.count("how many samples"))(lambda motion: motion.acceleration.size)
     distance: float = declare.number(DECIBELS, "largest distance of its spectrum to the one asked for")
     steps: int = declare.count("steps of the iteration")
 

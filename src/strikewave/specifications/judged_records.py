@@ -96,23 +96,15 @@ class Asked:
     directions: Sequence[StatedDirection] = ()
     cross_axis: Sequence[str] = ()
     told: tuple[str, ...] = (RECORD,)
-
-    @declare.computed(declare.word("stated expanded uncertainty (k = 2), as a share", key="uncertainty"))
-    def share(self) -> float | None:
-        """Expanded uncertainty of the acceleration, k = 2, where one share was stated for all; 0 for no budget."""
-        return 0.0 if self.budget is None else self.budget.share
-
-    @declare.computed(
-        declare.word("what the stated uncertainty holds of, such as noise, calibration", key="uncertainty_holds")
+    share = declare.computed(declare.word("stated expanded uncertainty (k = 2), as a share", key="uncertainty"))(
+        lambda one: 0.0 if one.budget is None else one.budget.share
     )
-    def holds(self) -> tuple[str, ...]:
-        """Names of the contributions that uncertainties hold."""
-        return self.told if self.budget is None else self.budget.names
-
-    @declare.computed(declare.word("what nobody stated an uncertainty of", key="uncertainty_not_stated"))
-    def not_stated(self) -> tuple[str, ...]:
-        """What is not stated of the channel."""
-        return (self.budget or Budget(())).not_stated if self.holds else ()
+    holds = declare.computed(
+        declare.word("what the stated uncertainty holds of, such as noise, calibration", key="uncertainty_holds")
+    )(lambda one: one.told if one.budget is None else one.budget.names)
+    not_stated = declare.computed(declare.word("what nobody stated an uncertainty of", key="uncertainty_not_stated"))(
+        lambda one: (one.budget or Budget(())).not_stated if one.holds else ()
+    )
 
     def direction_of(self, path: str, channel: Iterable[str]) -> str:
         """Return the direction of the shocks of a channel; empty where none is stated. The last that fits counts.

@@ -163,12 +163,7 @@ class Clause:
     value: float = declare.word("what was found")
     low: float
     high: float
-
-    @declare.computed(declare.word("[low, high]; null where there is none"))
-    def limit(self) -> tuple[float, float]:
-        """Its limits."""
-        return self.low, self.high
-
+    limit = declare.computed(declare.word("[low, high]; null where there is none"))(lambda one: (one.low, one.high))
     margin: float = declare.word("distance to the nearer limit, below 0 where it fails")
     uncertainty: float = declare.word("expanded uncertainty of the value, k = 2")
     verdict: str = declare.word("pass, fail, cannot-tell or not-judged")

@@ -62,11 +62,9 @@ class Specification:
     condition: ConditionTable | None
     text: str
     path: str = ""
-
-    @declare.computed(declare.word("its condition; null where it has one severity", key="condition"))
-    def condition_name(self) -> str | None:
-        """Name of the condition."""
-        return None if self.condition is None else self.condition.name
+    condition_name = declare.computed(declare.word("its condition; null where it has one severity", key="condition"))(
+        lambda one: one.condition and one.condition.name
+    )
 
     @property
     def asked(self) -> str:
@@ -289,10 +287,7 @@ class Specification:
             frequency, level, status, table.q.si, table.kind, table.side, table.per_octave.si, bands, share, above
         )
 
-    @declare.computed(declare.word("which edition of the standard"))
-    def edition(self) -> str:
-        """Edition of the standard."""
-        return self.file.edition
+    edition = declare.computed(declare.word("which edition of the standard"))(lambda one: one.file.edition)
 
     def document(self) -> dict[str, Any]:
         """Return what identifies it, for a JSON document."""

@@ -310,10 +310,9 @@ class SpectrumResult(measured.AskedResult):
     )
     budget: Budget | None = declare.part(Budget, "budget of the uncertainties", default=None, optional=True)
 
-    @declare.computed(declare.count("how many spectra there are", headline="spectra", in_document=False))
-    def count(self) -> int | None:
-        """How many channels there are, of several."""
-        return len(self.shocks) or None
+    count = declare.computed(declare.count("how many of several", headline="spectra", in_document=False))(
+        lambda result: len(result.shocks) or None
+    )
 
     @declare.computed(declare.rows(LargestResponse, "largest responses", headline="each", in_document=False))
     def largest(self) -> list[LargestResponse]:
@@ -321,10 +320,9 @@ class SpectrumResult(measured.AskedResult):
         of, kinds = next(iter(self.together.items()), ("response", self.first.found.values))
         return self.largest_of(kinds, of)
 
-    @declare.phrase("quality factor", headline="quality factor")
-    def quality(self) -> str:
-        """Return the quality factor in words."""
-        return "undamped" if math.isinf(self.spectra[0].q) else f"{self.spectra[0].q:g}"
+    quality = declare.phrase("quality factor", headline="quality factor")(
+        lambda result: "undamped" if math.isinf(result.spectra[0].q) else f"{result.spectra[0].q:g}"
+    )
 
     @declare.computed(declare.table("spectra over natural frequency"))
     def spectrum_columns(self) -> list[Column]:

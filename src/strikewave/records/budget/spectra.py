@@ -52,12 +52,9 @@ class SpectrumUncertainty:
     """The uncertainty of a spectrum, or of several, a row each; NaN where noise and baseline are not known."""
 
     standard: Array = declare.history(AS_SPECTRUM, "standard uncertainty at each frequency")
-
-    @declare.computed(declare.history(AS_SPECTRUM, "expanded uncertainty at each frequency"))
-    def expanded(self) -> Array:
-        """Expanded uncertainty, k = 2."""
-        return COVERAGE * self.standard
-
+    expanded = declare.computed(declare.history(AS_SPECTRUM, "expanded uncertainty at each frequency"))(
+        lambda one: COVERAGE * one.standard
+    )
     coverage: float = declare.number(RATIO, "coverage factor of that", default=COVERAGE)
     contributions: Sequence[SpectrumPart] = declare.rows(SpectrumPart, "what contributes", default=())
 

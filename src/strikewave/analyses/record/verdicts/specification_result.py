@@ -36,11 +36,7 @@ class SpecificationNumber:
     status: str = declare.word("how it is known", column=MAIN, is_tag=True)
     source: str = declare.word("from whom", column=MORE)
     note: str = declare.word("what is said of it")
-
-    @declare.phrase("note", column=MORE + 1)
-    def said(self) -> str | None:
-        """Note on it."""
-        return self.note or None
+    said = declare.phrase("note", column=MORE + 1)(lambda one: one.note or None)
 
 
 @declare.dataclass
@@ -99,10 +95,9 @@ class SpecificationResult(measured.AskedResult):
         """What is asked too, and not judged by a record."""
         return [DemandRow(one.text, one.status or self.stated.status) for one in self.specification.file.demand]
 
-    @declare.computed(declare.rows(AskedRow, "what it asks of a shock", in_document=False))
-    def asked(self) -> list[AskedRow]:
-        """What it asks, as clauses without a value."""
-        return asked_rows(self.specification)
+    asked = declare.computed(declare.rows(AskedRow, "what it asks of a shock", in_document=False))(
+        lambda result: asked_rows(result.specification)
+    )
 
     @declare.computed(declare.rows(StatusCount, "numbers by status", in_document=False, headline="each"))
     def counts(self) -> list[StatusCount]:

@@ -51,11 +51,9 @@ class ListedSpecification:
     kind: str = declare.word("what it asks of, such as half-sine, spectrum", column=MAIN)
     conditions: list[str] = declare.word("names of its conditions", column=MAIN)
     numbers: dict[str, int] = declare.word("how many numbers of each status")
-
-    @declare.phrase("numbers", column=MAIN)
-    def counted(self) -> str:
-        """How many numbers of each status."""
-        return ", ".join(f"{number} {status}" for status, number in self.numbers.items())
+    counted = declare.phrase("numbers", column=MAIN)(
+        lambda one: ", ".join(f"{number} {status}" for status, number in one.numbers.items())
+    )
 
 
 @declare.dataclass
