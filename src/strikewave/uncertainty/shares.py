@@ -78,7 +78,7 @@ class Share:
         declare.word(
             "whether it is distinct from 0 (95 %)",
             key="distinct_from_0",
-            label="significant",
+            label="significant (95 %)",
             is_tag=True,
             column=MAIN,
             tables="alone sobol",

@@ -129,7 +129,7 @@ class Present:
 
 
 @declare.dataclass
-class ShownSetting:
+class NearestSetting:
     """A value of the nearest setting with equal blows, as it is shown."""
 
     name: str = declare.word("path of the setting")
@@ -253,11 +253,11 @@ class MapStudy(ResultOfCase):
         )
     )(lambda study: "none" if study.setting is None else None)
 
-    @declare.computed(declare.rows(ShownSetting, "the nearest setting", headline="each", in_document=False))
-    def shown_setting(self) -> list[ShownSetting]:
+    @declare.computed(declare.rows(NearestSetting, "the nearest setting", headline="each", in_document=False))
+    def shown_setting(self) -> list[NearestSetting]:
         """The nearest even setting in words; none where there is none."""
         pairs = zip(self.plan.axes, self.setting.values, strict=True) if self.setting else ()
-        return [ShownSetting(axis.path, axis.words(value)) for axis, value in pairs]
+        return [NearestSetting(axis.path, axis.words(value)) for axis, value in pairs]
 
     nearest_cv = declare.computed(
         declare.number(VARIATION, "scatter there", headline="CV there, by a full run", in_document=False)
