@@ -95,6 +95,7 @@ def test_numbers_that_are_missed_and_values_at_a_bound_are_named(studied):
     assert study.parameters[0].high == 900e3
     (row,) = residual_rows(study)
     assert row.misfit.share == pytest.approx(share, rel=1e-4)
+    assert study.tables()["parameters.csv"].splitlines()[0] == "field,unit,value,standard_error,low,high"
     assert "1 of 1 numbers are missed by more than 2 times their uncertainty" in fit_words(study)
 
 

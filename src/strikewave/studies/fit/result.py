@@ -321,7 +321,7 @@ class FitStudy(AskedResult):
 
     def columns(self) -> list[Column]:
         """Return the values, each in the SI unit beside it."""
-        return [one for one in data_columns(self, self.main_rows) if one.name in WRITTEN]
+        return [one._replace(si="") for one in data_columns(self, self.main_rows) if one.name in WRITTEN]
 
     def texts(self) -> dict[str, str]:
         """Return the fitted case, and the JSON document."""
