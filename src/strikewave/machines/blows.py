@@ -61,7 +61,9 @@ class Blow:
     Theory of both velocity changes: :eq:`machine-velocity-change`.
     """
 
-    index: int = declare.count("number of the blow, from 1", label="#", column=KEY, tables="blows contact sliding")
+    index: int = declare.count(
+        "number of the blow, from 1", label="#", column=KEY, tables="blows contact sliding waves"
+    )
     kind: str = declare.word(
         "full, glancing (approach below half the nominal speed of a drive), double (a second group of contacts, more "
         "than a pulse width later, carries a tenth of the impulse) or missed",
@@ -151,7 +153,7 @@ class Blow:
         "object that falls, in the fall, so that gravity is in no figure of its pulse",
         band="rigid_peak",
         column=MAIN,
-        tables="blows",
+        tables="blows waves",
         headline="first peak",
     )
     width: float = declare.number(

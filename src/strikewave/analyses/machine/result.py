@@ -151,6 +151,15 @@ class SensedBlow:
 
 
 @declare.dataclass
+class SensorOfBlow:
+    """What a sensor reads of a blow."""
+
+    blow: int = declare.count("number of the blow, from 1", column=KEY)
+    name: str = declare.word("the sensor", label="sensor", column=KEY)
+    pulse: SensorPulse = declare.part(SensorPulse, "what it reads")
+
+
+@declare.dataclass
 class Solution(CaseResult):
     """What a run gave; see `Result` for what it shares with others.
 
@@ -243,6 +252,22 @@ class Solution(CaseResult):
     def sensed_blows(self) -> list[SensedBlow]:
         """The blows, with what sensors read of each."""
         return [SensedBlow(row.blow, row.reading.sensors) for row in self.read_blows]
+
+    @declare.computed(
+        declare.rows(ReadBlow, "blows that waves were followed of", band="first typical", in_document=False)
+    )
+    def wave_blows(self) -> list[ReadBlow]:
+        """The blows with what taps show; none where the object is no stack."""
+        return [row for row, seen in zip(self.read_blows, self.readings, strict=True) if seen and self.waves]
+
+    @declare.computed(declare.rows(SensorOfBlow, "sensor readings", band="sensor.{name}", in_document=False))
+    def sensor_rows(self) -> list[SensorOfBlow]:
+        """What each sensor reads of each blow."""
+        return [
+            SensorOfBlow(row.blow.index, name, pulse)
+            for row in self.read_blows
+            for name, pulse in row.reading.sensors.items()
+        ]
 
     @declare.computed(declare.rows(Phase, "phases of the test", key="phases"))
     def phase_rows(self) -> list[Phase]:

@@ -22,21 +22,18 @@ from strikewave.cases.case import Case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.written_case import dump_case
-from strikewave.reporting.bands import bands_of
 from strikewave.reporting.faces import columns_of
-from strikewave.reporting.layout import KEY, numerals
-from strikewave.reporting.numbers import headed, with_unit
+from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
-    number,
     print_bands,
+    print_face,
     print_fits,
     print_losses,
     print_published,
     print_rows,
     progress_bar,
-    table,
     tell,
 )
 
@@ -147,26 +144,12 @@ def _print_struck(solution: Solution, which: str, title: str) -> None:
 
 def _print_waves(solution: Solution) -> None:
     """Print what taps and sensors show of each blow, and the insertion loss of the buffers."""
-    read_blows = [(blow, reading) for blow, reading in zip(solution.blows, solution.readings, strict=True) if reading]
-    names = [sensor.name for sensor in solution.case.sensor]
-    if not read_blows or not (solution.waves or names):
+    if not (solution.wave_blows or solution.sensor_rows):
         return
-    band = read_blows[0][1].bandwidth
-    stated = "" if band is None else f", total and wave at {with_unit(band, 'Hz', 'kHz', 3)}"
-    rows, bands = [], solution.band
-    rigid = bands_of(bands, "rigid_peak")
-    for blow, reading in read_blows:
-        peaks = [blow.rigid_peak, reading.total_peak, reading.wave_peak] if solution.waves else [blow.rigid_peak]
-        cells = [number(peak, "m/s^2", "g", 5, rigid) for peak in peaks]
-        for name in names:
-            pulse = reading.sensors[name]
-            peak = number(pulse.peak, "m/s^2", "g", 5, bands_of(bands, f"{name} peak"))
-            cells.append(peak + (" clipped" if pulse.clipped else ""))
-        rows.append([str(blow.index), *cells])
-    kinds = ("rigid", "total", "wave") if solution.waves else ("rigid",)
-    peaks_of = [headed(name, "m/s^2", "g") for name in (*kinds, *(f"sensor {name}" for name in names))]
-    title = f"Peak accelerations, route {solution.case.solver.route}{stated}"
-    table(title, [*numerals("#", priority=KEY), *numerals(*peaks_of)], rows)
+    for row in solution.wave_blows[:1]:
+        stated = f"total and wave at {with_unit(row.reading.bandwidth, 'Hz', 'kHz', 3)}"
+        print_face(solution, "wave_blows", f"Peak accelerations, route {solution.route}, {stated}", "waves")
+    print_face(solution, "sensor_rows", "What the sensors read")
     setup = solution.waves
     if setup is not None:
         tell(

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
+from strikewave.base.declare import MORE
 from strikewave.base.shock_quantities import FREQUENCY, TOTAL_PEAK
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow, window_ends
 from strikewave.machines.machine import Machine
@@ -55,9 +56,21 @@ class BlowReading:
     """What taps and sensors show of one blow; None where the object is no stack."""
 
     total_peak: float | None = declare.number(
-        TOTAL_PEAK, "of a struck stack: peak of the acceleration at the first tap, at the bandwidth"
+        TOTAL_PEAK,
+        "of a struck stack: peak of the acceleration at the first tap, at the bandwidth",
+        label="total",
+        band="rigid_peak",
+        column=MORE + 1,
+        tables="waves",
     )
-    wave_peak: float | None = declare.number(TOTAL_PEAK, "of a struck stack: the same less that of the rigid body")
+    wave_peak: float | None = declare.number(
+        TOTAL_PEAK,
+        "of a struck stack: the same less that of the rigid body",
+        label="wave",
+        band="rigid_peak",
+        column=MORE + 1,
+        tables="waves",
+    )
     bandwidth: float | None = declare.number(FREQUENCY, "of a struck stack: low-pass by which both peaks are quoted")
     sensors: dict[str, SensorPulse] = declare.named(SensorPulse, "what each sensor reads, by its name")
 

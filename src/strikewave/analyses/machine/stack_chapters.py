@@ -6,11 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.reporting.banded_numbers import fixed_within
-from strikewave.reporting.bands import bands_of
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed, heads, with_unit
-from strikewave.reporting.parts import Cell, Part, Picture, Section, Table, Tag
+from strikewave.reporting.faces import face_table
+from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.parts import Part, Picture, Section
 from strikewave.reporting.stack_chapters import (
     PEAK_WORDS,
     field_pictures,
@@ -28,8 +27,6 @@ if TYPE_CHECKING:
 
 
 _SINCE_TOUCH = "time after first touch"
-_PEAKS = [(name, "m/s^2", "g", 0) for name in ("rigid", "total", "wave")]
-_PULSE = [("peak", "m/s^2", "g", 0), ("pulse width at 10 %", "s", "us", 1)]
 
 
 def struck_field(solution: Solution) -> WaveField | None:
@@ -68,17 +65,10 @@ def stack_section(solution: Solution) -> list[Section]:
     route = solution.case.solver.route
     band = "" if reading.bandwidth is None else f" at a bandwidth of {with_unit(reading.bandwidth, 'Hz', 'kHz', 3)}"
     refused = reading.total_peak is None
-    rows: list[list[Cell]] = []
-    rigid = bands_of(solution.band, "rigid_peak")
-    for k in struck:
-        blow, seen = solution.blows[k], solution.readings[k]
-        assert seen is not None
-        numbers = (blow.rigid_peak, seen.total_peak, seen.wave_peak)
-        rows.append([str(blow.index), *(fixed_within(number, rigid, "m/s^2", "g", 0) for number in numbers)])
     text = f"{PEAK_WORDS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
     if refused:
         text += " No peak of total and wave is quoted: see the warning on the rise."
-    table = Table("Rigid, total and wave acceleration", ["blow", *heads(_PEAKS)], rows)
+    table = face_table(solution, "wave_blows", "waves", "Rigid, total and wave acceleration")
     parts: list[Part] = []
     time = data["pulse_time"].values
     until = _settled(data["tap_force"].values[first])
@@ -153,15 +143,6 @@ def sensor_section(solution: Solution) -> list[Section]:
 
     channels, data = build_channels(solution.case), solution.arrays
     struck = [k for k, reading in enumerate(solution.readings) if reading is not None]
-    rows: list[list[Cell]] = []
-    for k in struck:
-        seen = solution.readings[k]
-        assert seen is not None
-        for name, pulse in seen.sensors.items():
-            clipped = Tag("clipped", "bad") if pulse.clipped else Tag("no")
-            width = fixed(pulse.width, "s", "us", 1)
-            peak = fixed_within(pulse.peak, bands_of(solution.band, f"{name} peak"), "m/s^2", "g", 0)
-            rows.append([str(solution.blows[k].index), name, peak, width, clipped])
     curves = []
     for k, channel in enumerate(channels):
         values, start = data[f"reading_{k + 1}"], float(data[f"reading_{k + 1}_start"].values[struck[0]])
@@ -171,5 +152,5 @@ def sensor_section(solution: Solution) -> list[Section]:
         )
     index = solution.blows[struck[0]].index
     picture = traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH)
-    table = Table("Sensor readings", ["blow", "sensor", *heads(_PULSE), "clipped"], rows)
+    table = face_table(solution, "sensor_rows")
     return [sensor_part(channels, picture, table)]
