@@ -326,6 +326,22 @@ def test_the_screen_prints_rows_as_the_page_has_them(result, capsys):
     assert not capsys.readouterr().out
 
 
+def test_rows_of_faces_alone_are_made_anew_in_the_units_shown():
+    @declare.dataclass
+    class Said(Planted):
+        """A result with rows whose words say numbers."""
+
+        @declare.computed(declare.rows(Ranged, "said", in_document=False))
+        def said(self):
+            """A row whose name says the planted number."""
+            return [Ranged(faces.amount(PEAK, self.planted), None)]
+
+    said = Said((), 1000.0 * G)
+    with showing(ShownUnits.read("m/s^2")):
+        assert faces.face_table(said, "said").cells()[0][0] == "9807 m/s²"
+    assert faces.face_table(said, "said").cells()[0][0] == "1000 g"
+
+
 @declare.dataclass
 class Sampled:
     """A mean and a share with what is known of them."""

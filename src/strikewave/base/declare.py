@@ -200,7 +200,7 @@ def named(of: type, meaning: str, *, default: Any = dataclasses.MISSING, **rest:
 class ComputedField(Generic[T]):
     """A value that a declared class computes when it is asked for, with its declaration; it is remembered.
 
-    Words that no document holds are not: they may say numbers in units that are chosen later.
+    Words and rows that no document holds are not: they may say numbers in units that are chosen later.
     """
 
     def __init__(self, declaration: Declaration, function: Callable[[Any], T]) -> None:
@@ -220,7 +220,7 @@ class ComputedField(Generic[T]):
         if instance is None:
             return self
         value, told = self.function(instance), self.declaration
-        if told.kind == "word" and not told.in_document:
+        if told.kind in ("word", "rows") and not told.in_document:
             return value
         return vars(instance).setdefault(self.name, value)  # found there before this descriptor, as of cached_property
 

@@ -374,30 +374,13 @@ class DesignStudy(ResultOfCase):
         )
     )(lambda study: [study._run(run) for run in study.front])
 
-    @declare.computed(
+    excluding = declare.computed(
         declare.part(
             GoalConflict,
             "where nothing meets all: goals that exclude each other, and what each comes to under the others",
             key="conflict",
         )
-    )
-    def excluding(self) -> GoalConflict | None:
-        """Goals that exclude each other; None where all can be met."""
-        if self.conflict is None:
-            return None
-        reaches = [
-            GoalReach(
-                self.kept(one.goal.number),
-                one.goal.typed,
-                one.value,
-                one.lacks,
-                self._run(one.run),
-                self.at(self.rows[one.run]),
-            )
-            for one in self.conflict.reaches
-        ]
-        return GoalConflict([goal.typed for goal in self.conflict.goals], reaches)
-
+    )(lambda study: study.conflict and GoalConflict([goal.typed for goal in study.conflict.goals], study.reaches))
     known_numbers = declare.computed(
         declare.rows(
             KnownNumber, "of a search by surrogate: how well each number is known by the other runs", key="surrogate"
@@ -427,9 +410,21 @@ class DesignStudy(ResultOfCase):
             for name in wanted
         ]
 
-    reaches = declare.computed(declare.rows(GoalReach, "goals that exclude each other", in_document=False))(
-        lambda study: [] if study.excluding is None else study.excluding.reachable
-    )
+    @declare.computed(declare.rows(GoalReach, "goals that exclude each other", in_document=False))
+    def reaches(self) -> list[GoalReach]:
+        """What each of the goals that exclude each other comes to at best while the others are met."""
+        return [
+            GoalReach(
+                self.kept(one.goal.number),
+                one.goal.typed,
+                one.value,
+                one.lacks,
+                self._run(one.run),
+                self.at(self.rows[one.run]),
+            )
+            for one in (self.conflict.reaches if self.conflict else ())
+        ]
+
     vary = declare.computed(declare.rows(StudyVariable, "what may be chosen", in_document=False))(
         lambda study: study.plan.variables
     )

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from strikewave.base.percents import percent
+from strikewave.base.shock_quantities import VARIATION
+from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, mark_runs, quiet, sheet_title
 from strikewave.studies.scatter.study import ScatterStudy
@@ -59,8 +60,8 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
     typical = study.figure("peak").within
     alone = study.nominal_run.variation("peak")
     title = (
-        f"Peak of the rigid-body acceleration. CV within a run: {percent(typical.median, 2)}, dynamics "
-        f"alone {percent(alone, 2)}"
+        f"Peak of the rigid-body acceleration. CV within a run: {amount(VARIATION, typical.median)}, dynamics "
+        f"alone {amount(VARIATION, alone)}"
     )
     title += f"; {missed} runs with missed blows" if missed else ""
     quiet(axes, title, "blow", headed("peak", "m/s^2", "g"))

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from strikewave.base.declare import declarations
 from strikewave.base.result import RUN_BROKEN, RUN_FAILED, RUN_PASSED, Verdicts, status_of
 from strikewave.cases.case import Case
 from strikewave.studies.design.figures import drawn_numbers
@@ -14,6 +15,7 @@ from strikewave.studies.design.study import DesignStudy
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.fit.result import FitStudy
+from strikewave.studies.map.cells import MapCell
 from strikewave.studies.map.study import MapStudy
 from strikewave.studies.settings.result import SettingsStudy
 from strikewave.studies.sweep.study import SweepStudy
@@ -200,7 +202,9 @@ def _map_chart(study: MapStudy, link: Linker) -> PickedChart:
                 cells.append([i, j, _short(cv[j, i]), len(links)])
                 links.append(link.of({x.path: str(x.typed(of_x)), y.path: str(y.typed(of_y)), **further}))
     columns, rows = ([f"{float(axis.shown(value)):.3g}" for value in axis.values] for axis in (x, y))
-    options = heat_chart("Scatter of the peaks (CV)", x.label, y.label, columns, rows, cells, "%", signed=False)
+    options = heat_chart(
+        declarations(MapCell)["cv"].quantity.label, x.label, y.label, columns, rows, cells, "%", signed=False
+    )
     return PickedChart(options, links)
 
 
