@@ -18,6 +18,7 @@ from strikewave.analyses.machine.words import (
 )
 from strikewave.reporting.banded_numbers import with_band
 from strikewave.reporting.chapters import balance_table, layer_steps
+from strikewave.reporting.faces import face_table
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
 from strikewave.reporting.table_columns import page_table
@@ -207,8 +208,6 @@ def _marked(solution: Solution) -> bool:
 def checks(solution: Solution) -> Section:
     """List balances, masses and phases."""
     masses: list[list[Cell]] = [[name, mass] for name, mass in solution.masses.items()]
-    phases: list[list[Cell]] = [[name, f"{time:.6f}"] for name, time in solution.phases]
-    begun = solution.case.time_zero
     return Section(
         "Balances, masses and phases",
         "Energy: what the balance of work and losses misses, over the energy that flowed. Momentum: impulse of all "
@@ -217,6 +216,8 @@ def checks(solution: Solution) -> Section:
             balance_table(solution.balance_checks),
             Table("Masses", ["body", "mass (kg)"], masses, empty="No mass is listed."),
             *launch_tables(solution),
-            Table(f"Phases, from {begun}", ["phase", "begins (s)"], phases, empty="No phase is listed."),
+            face_table(
+                solution, "phase_rows", caption=f"Phases, from {solution.case.time_zero}", empty="No phase is listed."
+            ),
         ],
     )

@@ -129,8 +129,8 @@ class MachineLaunch:
 class Phase:
     """A phase of a test."""
 
-    name: str = declare.word("phase of the test, such as feed", column=KEY)
-    time: float = declare.number(Quantity("s", "ms"), "when it begins", column=MAIN)
+    name: str = declare.word("phase of the test, such as feed", label="phase", column=KEY)
+    time: float = declare.number(Quantity("s", "s", "begins", 6, 0), "when it begins", column=MAIN)
 
 
 @declare.dataclass
