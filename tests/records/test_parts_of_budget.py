@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.base import declare
 from strikewave.base.errors import InputError
 from strikewave.records.budget import blows, contributions, propagation, spectra
 from strikewave.records.budget.blows import BlowUncertainty, BudgetLine, FigureUncertainty, ReadOff
@@ -194,7 +195,7 @@ def test_a_budget_adds_what_it_states_in_amounts():
 
 def test_a_budget_in_a_document_has_what_is_stated_and_what_the_record_tells():
     one = Contribution("offset", "zero", 3.0, "rectangular", False, "measured", "us", "3 m/s^2")
-    document = Budget((one, Contribution("clock", "c", 0.5)), "a title", "a.toml").document()
+    document = declare.content(Budget((one, Contribution("clock", "c", 0.5)), "a title", "a.toml"))
     first, second, stated, bare = document["contributions"]
     assert [(row["name"], row["kind"]) for row in (first, second)] == [
         ("noise and baseline", "record"),
@@ -207,7 +208,7 @@ def test_a_budget_in_a_document_has_what_is_stated_and_what_the_record_tells():
     assert (bare["standard"], bare["status"], bare["source"]) == (0.5, None, None)
     assert (document["title"], document["file"]) == ("a title", "a.toml")
     assert len(document["not_stated"]) == len(contributions.TOPICS) - 2
-    assert [Budget(()).document()[key] for key in ("title", "file")] == [None, None]
+    assert [declare.content(Budget(()))[key] for key in ("title", "file")] == [None, None]
 
 
 # Blows

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +74,14 @@ FINEST_FILTERED = 1.0 / 200.0
 """Share of the duration between samples on which a filter is tried on the ideal pulse, where the record is coarser."""
 
 
+SHARE = declare.word("stated expanded uncertainty (k = 2), as a share", key="uncertainty")
+HOLDS = declare.word("what the stated uncertainty holds of, such as noise, calibration", key="uncertainty_holds")
+NOT_STATED = declare.word("what nobody stated an uncertainty of", key="uncertainty_not_stated")
+VERDICT = declare.word("pass, fail or cannot-tell")
+BY_INDICATIVE = declare.word("whether it rests on a limit from memory", key="by_indicative_limits")
+"""What verdicts on records, spectra and histories say alike."""
+
+
 @declare.dataclass
 class Asked:
     """How records are judged.
@@ -96,15 +104,9 @@ class Asked:
     directions: Sequence[StatedDirection] = ()
     cross_axis: Sequence[str] = ()
     told: tuple[str, ...] = (RECORD,)
-    share = declare.computed(declare.word("stated expanded uncertainty (k = 2), as a share", key="uncertainty"))(
-        lambda one: 0.0 if one.budget is None else one.budget.share
-    )
-    holds = declare.computed(
-        declare.word("what the stated uncertainty holds of, such as noise, calibration", key="uncertainty_holds")
-    )(lambda one: one.told if one.budget is None else one.budget.names)
-    not_stated = declare.computed(declare.word("what nobody stated an uncertainty of", key="uncertainty_not_stated"))(
-        lambda one: (one.budget or Budget(())).not_stated if one.holds else ()
-    )
+    share = declare.computed(SHARE)(lambda one: 0.0 if one.budget is None else one.budget.share)
+    holds = declare.computed(HOLDS)(lambda one: one.told if one.budget is None else one.budget.names)
+    not_stated = declare.computed(NOT_STATED)(lambda one: (one.budget or Budget(())).not_stated if one.holds else ())
 
     def direction_of(self, path: str, channel: Iterable[str]) -> str:
         """Return the direction of the shocks of a channel; empty where none is stated. The last that fits counts.
@@ -144,11 +146,6 @@ class ShockRow:
     start: float = declare.number(MICROSECONDS, "where the ideal pulse begins")
     verdict: str = declare.word("verdict on this shock")
     clauses: tuple[Clause, ...] = declare.rows(Clause, "its clauses")
-
-
-VERDICT = declare.word("pass, fail or cannot-tell")
-BY_INDICATIVE = declare.word("whether it rests on a limit from memory", key="by_indicative_limits")
-"""What verdicts on records and on spectra say alike."""
 
 
 @declare.dataclass
@@ -211,10 +208,6 @@ class RecordsVerdict:
             for one in self.shocks
         ]
 
-    def document(self) -> dict[str, Any]:
-        """Return the entry of the JSON document, in SI."""
-        return declare.content(self)
-
 
 def rests_on_indicative(clauses: Sequence[Clause], verdict: str) -> bool:
     """Tell whether a verdict rests on an indicative limit: a pass on any of them, a fail where all that fail are.
@@ -230,11 +223,6 @@ def rests_on_indicative(clauses: Sequence[Clause], verdict: str) -> bool:
     if verdict == PASS:
         return any(clause.status == INDICATIVE for clause in used)
     return verdict == FAIL and bool(used) and all(clause.status == INDICATIVE for clause in used)
-
-
-def clause_document(clause: Clause) -> dict[str, Any]:
-    """Return the row of a clause; a limit that there is none of is null."""
-    return declare.content(clause)
 
 
 def judge_records(

@@ -289,10 +289,6 @@ class Specification:
 
     edition = declare.computed(declare.word("which edition of the standard"))(lambda one: one.file.edition)
 
-    def document(self) -> dict[str, Any]:
-        """Return what identifies it, for a JSON document."""
-        return declare.content(self)
-
 
 def specification_names() -> list[str]:
     """Return the names of the built-in specifications.

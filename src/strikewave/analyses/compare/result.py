@@ -267,13 +267,9 @@ class CompareResult(AskedResult):
         declare.number(RATIO, "share of the RMS of the finer history above half the sampling rate of the other")
     )(lambda one: one.agreement.lost)
     judged: Sequence[Judged] = declare.rows(Judged, "limits", key="limits", default=())
-    specified: SpecificationVerdict | None = None
-    budget: Budget | None = None
-    budget_document = declare.computed(declare.word("the budget", key="budget"))(
-        lambda one: None if one.budget is None else one.budget.document()
-    )
-    specification_document = declare.computed(declare.word("the verdict by a specification", key="spec"))(
-        lambda one: None if one.specified is None else one.specified.document()
+    budget: Budget | None = declare.part(Budget, "the budget", default=None)
+    specified: SpecificationVerdict | None = declare.part(
+        SpecificationVerdict, "the verdict by a specification", key="spec", default=None
     )
 
     @declare.computed(declare.word("the worst of specification and limits; null without any"))

@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.base import declare
 from strikewave.base.result import FAILED, WARNING, Notice
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.clause_words import clause_words, decision_words
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, Rule
-from strikewave.specifications.judged_records import Asked, clause_document, filter_leaves, rests_on_indicative
+from strikewave.specifications.judged_records import (
+    BY_INDICATIVE,
+    HOLDS,
+    NOT_STATED,
+    SHARE,
+    VERDICT,
+    Asked,
+    filter_leaves,
+    rests_on_indicative,
+)
 from strikewave.specifications.judging import (
     Clause,
     MeasuredFigure,
@@ -35,42 +44,35 @@ BESIDE = (0.5, 1.0)
 """Durations before and after an ideal pulse without a band over which it is compared."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class SpecificationVerdict:
     """The verdict of a specification on a history.
 
     Attributes
     ----------
-    specification : Specification
-        What it is judged by.
     limits : PulseLimits
         What that asks of a shock.
     found : ShockVerdict
         Clauses and place of the band.
-    rule : str
-        How uncertainty enters.
     budget : Budget or None
         By which it was found.
     measured : bool
         Whether the history was: of a simulation no uncertainty is known.
     """
 
-    specification: Specification
+    specification: Specification = declare.part(Specification, "what it is judged by", inline=True)
     limits: PulseLimits
     found: ShockVerdict
-    rule: Rule = "simple"
+    rule: Rule = declare.word("simple, or guarded by the expanded uncertainty", key="decision", default="simple")
     budget: Budget | None = None
     measured: bool = True
-
-    @property
-    def verdict(self) -> str:
-        """Of all clauses together."""
-        return self.found.verdict
-
-    @property
-    def by_indicative(self) -> bool:
-        """Whether it rests on a limit that is from memory."""
-        return rests_on_indicative(self.found.clauses, self.verdict)
+    share = declare.computed(SHARE)(lambda one: one.asked.share)
+    holds = declare.computed(HOLDS)(lambda one: one.asked.holds if one.measured else ())
+    not_stated = declare.computed(NOT_STATED)(lambda one: one.asked.not_stated if one.measured else ())
+    verdict = declare.computed(VERDICT)(lambda one: one.found.verdict)
+    by_indicative = declare.computed(BY_INDICATIVE)(lambda one: rests_on_indicative(one.found.clauses, one.verdict))
+    start = declare.computed(declare.number(MICROSECONDS, "where the ideal pulse begins"))(lambda one: one.found.start)
+    clauses = declare.computed(declare.rows(Clause, "its clauses"))(lambda one: one.found.clauses)
 
     @property
     def asked(self) -> Asked:
@@ -80,22 +82,7 @@ class SpecificationVerdict:
     @property
     def decision(self) -> str:
         """By which rule it was judged, and what its uncertainty holds, in words."""
-        asked = self.asked
-        return decision_words(self.rule, *((asked.holds, asked.not_stated) if self.measured else ((), ())))
-
-    def document(self) -> dict[str, Any]:
-        """Return the entry of the JSON document, in SI."""
-        return {
-            **self.specification.document(),
-            "decision": self.rule,
-            "uncertainty": self.asked.share,
-            "uncertainty_holds": list(self.asked.holds if self.measured else ()),
-            "uncertainty_not_stated": list(self.asked.not_stated if self.measured else ()),
-            "verdict": self.verdict,
-            "by_indicative_limits": self.by_indicative,
-            "start": self.found.start,
-            "clauses": [clause_document(clause) for clause in self.found.clauses],
-        }
+        return decision_words(self.rule, self.holds, self.not_stated)
 
 
 def specified_curve(option: str, word: str) -> tuple[ComparedCurve, Specification]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,10 +90,6 @@ class FigureUncertainty:
     def by_law(self) -> float:
         """The standard uncertainty by the law of propagation."""
         return math.sqrt(math.fsum(one.standard**2 for one in self.contributions if math.isfinite(one.standard)))
-
-    def document(self) -> dict[str, Any]:
-        """Return the entry of a JSON document, in the unit of the figure."""
-        return declare.content(self)
 
 
 @dataclass(frozen=True)

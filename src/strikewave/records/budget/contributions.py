@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -166,10 +166,6 @@ class Budget:
             for one in self.contributions
         ]
         return [BudgetEntry(RECORD, "record"), BudgetEntry(SAMPLING, "record"), *stated]
-
-    def document(self) -> dict[str, Any]:
-        """Return the entry of a JSON document: what is stated, and what is not."""
-        return declare.content(self)
 
     @property
     def amount(self) -> float:
