@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.curve import FEWEST, OF_FILES, ComparedCurve
 from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
-from strikewave.base.declare import KEY, MAIN, NOT_MEASURED, Quantity
+from strikewave.base.declare import KEY, MAIN, NOT_MEASURED
 from strikewave.base.errors import InputError
-from strikewave.base.shock_quantities import RATIO
+from strikewave.base.shock_quantities import OF_FIGURE, RATIO
 from strikewave.reporting.numbers import headed, percent, shown
 from strikewave.reporting.parts import written
 from strikewave.signal.alignment import EvenHistory, Shift, are_opposite, by_correlation, by_onset, by_peak
@@ -39,7 +39,6 @@ LOST = 0.01
 """Share of the RMS of one history above half the sampling rate of the other from which on it is reported."""
 LEAST_SHOWN = 5e-5
 """Uncertainty of a difference from which on it is shown: 0.01 % rounded."""
-OF_FIGURE = Quantity.of_data("as the figure")
 
 
 @declare.dataclass

@@ -17,7 +17,7 @@ from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
 from strikewave.base.result import Band
-from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, RATIO
+from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, RATIO, SCORE, SHARE
 from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.banded_numbers import band_text
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -41,8 +41,7 @@ DECIMALS, MOST_DECIMALS = 4, 6
 """Of a shift: without an uncertainty, and at most."""
 NAMES = {"peak": "peak", "width": "pulse width at 10 %", "velocity_change": "velocity change", "impulse": "impulse"}
 TOGETHER = "of-both"
-SCORE = Quantity(NO_UNIT, NO_UNIT, decimals=3, digits=0)
-RMS = Quantity(NO_UNIT, "%", METRICS["rms"][1], 2, 0)
+RMS = SHARE._replace(label=METRICS["rms"][1])
 CORRELATION = Quantity(NO_UNIT, NO_UNIT, METRICS["correlation"][1], 5, 0)
 LEVEL = Quantity("dB", "dB")
 OF_INTEGRAL = Quantity.of_data("of the integral")

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.agreement import OF_FIGURE, CurveAgreement, agreement
+from strikewave.analyses.compare.agreement import CurveAgreement, agreement
 from strikewave.analyses.compare.curve import FIGURES, SHOWN_IN, ComparedCurve
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
-from strikewave.base.shock_quantities import RATIO
+from strikewave.base.shock_quantities import OF_FIGURE, RATIO, SCORE
 from strikewave.reporting.numbers import shown, with_unit
 from strikewave.reporting.parts import Tag, written
 from strikewave.signal.pulse import Pulse
@@ -88,9 +88,7 @@ class PulseAgreement:
     """How well the prediction of a whole pulse agrees with the record."""
 
     record: str = declare.word("what was measured", column=KEY)
-    overall: float = declare.number(
-        Quantity(NO_UNIT, NO_UNIT, decimals=3, digits=0), "overall score of ISO/TS 18571", column=MAIN
-    )
+    overall: float = declare.number(SCORE, "overall score of ISO/TS 18571", column=MAIN)
     grade: str = declare.word("its grade in words", column=MAIN, in_document=False)
     rms: float = declare.number(
         Quantity(NO_UNIT, "%", "RMS difference", 1, 0),

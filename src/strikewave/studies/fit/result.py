@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quantity
-from strikewave.base.shock_quantities import RATIO
+from strikewave.base.shock_quantities import RATIO, SHARE
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -41,7 +41,6 @@ WHOLE_POWER = 5e-3
 WRITTEN = ("field", "unit", "value", "standard_error", "low", "high")
 """Columns of parameters.csv."""
 OF_FIELD = Quantity.of_data("as the field", digits=5)
-WORST = Quantity(NO_UNIT, "%", decimals=2, digits=0)
 
 
 @declare.dataclass
@@ -256,7 +255,7 @@ class FitStudy(AskedResult):
         measured = [MisfitOfRun(*pair) for pair in zip(self.solved.misfits, self.verdicts_of_measured(), strict=True)]
         return MisfitOfAll(found.misfit, int(found.residuals.size), problem.excess, problem.shot_count, measured)
 
-    @declare.computed(declare.number(WORST, "largest share", headline="largest RMS residual", in_document=False))
+    @declare.computed(declare.number(SHARE, "largest share", headline="largest RMS residual", in_document=False))
     def worst_share(self) -> float:
         """Root mean square residual over the peak, or the number, of what is farthest off."""
         return max(one.share for one in self.solved.misfits)
