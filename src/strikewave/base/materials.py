@@ -39,10 +39,9 @@ class Material:
     loss_factor: float | None = declare.number(Quantity(NO_UNIT, NO_UNIT), "loss factor", column=MORE, default=None)
     from_memory: tuple[str, ...] = declare.word("which of them were seen in no text", default=())
 
-    @declare.computed(declare.number(Quantity("m/s", "m/s"), "speed of a wave in a thin bar", column=MAIN))
-    def bar_speed(self) -> float:
-        """Speed of a longitudinal wave in a thin bar, c0 = sqrt(E/rho)."""
-        return math.sqrt(self.youngs_modulus / self.density)
+    bar_speed = declare.computed(declare.number(Quantity("m/s", "m/s"), "speed of a wave in a thin bar", column=MAIN))(
+        lambda one: math.sqrt(one.youngs_modulus / one.density)
+    )
 
     @property
     def impedance(self) -> float:

@@ -173,12 +173,9 @@ class BaseMotion:
         """Peak of the surface: of a record that of its blow, else the value of largest magnitude."""
         return self.largest_sample if self.recorded is None else self.recorded.peak
 
-    @declare.computed(
+    largest_sample = declare.computed(
         declare.number(SURFACE, "largest value of the surface: of a record with its noise, of which its peak is free")
-    )
-    def largest_sample(self) -> float:
-        """Value of largest magnitude: of a record with its noise, which every stack passes on."""
-        return largest(self.acceleration)
+    )(lambda one: largest(one.acceleration))
 
     @declare.computed(
         declare.number(
@@ -204,10 +201,9 @@ class BaseMotion:
             return self.recorded.width
         return pulse_width(self.acceleration, self.step) if self.rigid_width is None else self.rigid_width
 
-    @declare.computed(declare.number(MICROSECONDS, "length of the history"))
-    def duration(self) -> float:
-        """Time from the first sample to the last."""
-        return self.step * (self.acceleration.size - 1)
+    duration = declare.computed(declare.number(MICROSECONDS, "length of the history"))(
+        lambda one: one.step * (one.acceleration.size - 1)
+    )
 
     rigid_width: float | None = None
     recorded: RecordedPulse | None = field(default=None, repr=False)

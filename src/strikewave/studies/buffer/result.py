@@ -89,42 +89,28 @@ class BufferStudy(ShownResult):
     blows: Blows
     goal: BufferGoal
 
-    @declare.computed(declare.number(Quantity("m/s^2", "g"), "largest allowed reading", headline="limit"))
-    def limit(self) -> float:
-        """The largest allowed reading."""
-        return self.goal.limit
-
-    @declare.computed(declare.word("what ranks the stacks that keep it: bandwidth, peak or robust"))
-    def rank(self) -> str:
-        """What ranks them."""
-        return self.goal.rank
+    limit = declare.computed(declare.number(Quantity("m/s^2", "g"), "largest allowed reading", headline="limit"))(
+        lambda one: one.goal.limit
+    )
+    rank = declare.computed(declare.word("what ranks the stacks that keep it: bandwidth, peak or robust"))(
+        lambda one: one.goal.rank
+    )
 
     @declare.computed(declare.word("how many stacks keep it", headline="stacks that keep the limit", in_document=False))
     def keeping(self) -> str:
         """How many of the stacks keep the limit."""
         return f"{sum(candidate.keeps for candidate in self.candidates)} of {len(self.candidates)}"
 
-    @declare.computed(declare.word("whether one keeps it"))
-    def kept(self) -> bool:
-        """Whether a stack keeps the limit."""
-        return not self.broken
-
-    @declare.computed(
+    kept = declare.computed(declare.word("whether one keeps it"))(lambda one: not one.broken)
+    robust_name = declare.computed(
         declare.word("the first stack that keeps it with all moduli within their spread; null for none", key="robust")
+    )(lambda one: None if one.robust is None else one.robust.name)
+    back_effect = declare.computed(declare.word("what the sensor does to the motion of the surface, in words"))(
+        lambda one: "none: the motion of the surface is given, the sensor does not load it back"
     )
-    def robust_name(self) -> str | None:
-        """Name of the first robust stack."""
-        return None if self.robust is None else self.robust.name
-
-    @declare.computed(declare.word("what the sensor does to the motion of the surface, in words"))
-    def back_effect(self) -> str:
-        """What is not computed."""
-        return "none: the motion of the surface is given, the sensor does not load it back"
-
-    @declare.computed(declare.word("sources of the models"))
-    def sources(self) -> list[str]:
-        """The sources of sensor and gaskets."""
-        return [citation(key) for key in (*sensor_sources([self.first_channel]), "gent-lindley-1959")]
+    sources = declare.computed(declare.word("sources of the models"))(
+        lambda one: [citation(key) for key in (*sensor_sources([one.first_channel]), "gent-lindley-1959")]
+    )
 
     @declare.computed(declare.named(GasketMaterial, "materials of the gaskets"))
     def materials(self) -> dict[str, GasketMaterial]:
@@ -139,10 +125,9 @@ class BufferStudy(ShownResult):
         held = sensor.resonance, sensor.quality, sensor.range, site.channel.recorder.sampling_rate
         return BufferedSensor(site.table.name, site.mass, site.area, *held)
 
-    @declare.computed(declare.part(BaseMotion, "the blow", key="blow", label="blow"))
-    def motion(self) -> BaseMotion:
-        """The blow that the stacks are designed for."""
-        return self.blows.motion
+    motion = declare.computed(declare.part(BaseMotion, "the blow", key="blow", label="blow"))(
+        lambda one: one.blows.motion
+    )
 
     present: BufferCandidate | None = declare.part(
         BufferCandidate, "the buffer that the case has now; null without one"
@@ -150,11 +135,9 @@ class BufferStudy(ShownResult):
     candidates: tuple[BufferCandidate, ...] = declare.rows(
         BufferCandidate, "the stacks, the best first", headline="first"
     )
-
-    @declare.computed(declare.rows(BufferCandidate, "all of them, and the present one last", in_document=False))
-    def stacks(self) -> list[BufferCandidate]:
-        """All stacks, the best first; last, without a place, the present buffer."""
-        return [*self.candidates, *([] if self.present is None else [self.present])]
+    stacks = declare.computed(
+        declare.rows(BufferCandidate, "all of them, and the present one last", in_document=False)
+    )(lambda one: [*one.candidates, *([] if one.present is None else [one.present])])
 
     @declare.computed(
         declare.word(
@@ -168,14 +151,11 @@ class BufferStudy(ShownResult):
         within_10 = self.candidates[0].band.within_10
         return hertz(within_10) if math.isfinite(within_10) else f"{hertz(RESOLVED)} and beyond"
 
-    @declare.computed(
+    direct_peak = declare.computed(
         declare.number(
             Quantity("m/s^2", "g"), "without any gasket", headline="reading without gaskets", in_document=False
         )
-    )
-    def direct_peak(self) -> float:
-        """What the sensor reads without gaskets."""
-        return self.direct.true_peak
+    )(lambda one: one.direct.true_peak)
 
     case: Case | None = None
     origin: Source | None = None

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from statistics import median
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -124,10 +125,7 @@ class Limit:
     unit: str = declare.word("SI unit of both")
     decides: bool = declare.word("whether it decides, or is only warned of", default=True)
 
-    @declare.computed(declare.word("whether it is kept"))
-    def kept(self) -> bool:
-        """Whether the value is at most the limit."""
-        return bool(self.value <= self.limit)
+    kept = declare.computed(declare.word("whether it is kept"))(lambda one: bool(one.value <= one.limit))
 
     @property
     def given_units(self) -> declare.GivenUnits:
@@ -222,17 +220,12 @@ class FirstGuess:
 
 
 def _of_case(
-    name: str, path: str, quantity: Quantity, tables: str = "ranking", column: int | None = MORE + 1, headline: str = ""
+    path: str, quantity: Quantity, tables: str = "ranking", **shown: Any
 ) -> declare.ComputedField[float | None]:
     """Declare a value of the case of a candidate, which documents have only where it was chosen."""
-
-    def value(one: SettingsCandidate) -> float | None:
-        found = one.case.values().get(path)
-        return None if found is None else found.si
-
-    value.__name__ = name
-    shown = {"column": column, "tables": tables, "headline": headline, "in_document": False}
-    return declare.computed(declare.number(quantity, f"{path} of its case", key=path, **shown))(value)
+    shown = {"column": MORE + 1, **shown, "tables": tables, "in_document": False}
+    declared = declare.computed(declare.number(quantity, f"{path} of its case", key=path, **shown))
+    return declared(lambda one: getattr(one.case.values().get(path), "si", None))
 
 
 @declare.dataclass
@@ -289,25 +282,24 @@ class SettingsCandidate:
         ]
         return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
 
-    @declare.computed(declare.count("how many strikers", column=MAIN, tables="ranking", headline="strikers"))
-    def strikers(self) -> int:
-        """How many strikers."""
-        return round(self.case.values()["machine.strikers"].si)
-
-    speed = _of_case("speed", "machine.speed", Quantity("rad/s", "rpm", "speed"), column=MAIN, headline="speed")
-    mass = _of_case("mass", "striker.mass", Quantity("kg", "kg", "striker"), "ranking mass")
-    engagement = _of_case(
-        "engagement", "machine.engagement", Quantity("m", "mm", "engagement"), "ranking mass", MAIN, "engagement"
+    strikers = declare.computed(declare.count("how many strikers", column=MAIN, tables="ranking", headline="strikers"))(
+        lambda one: round(one.case.values()["machine.strikers"].si)
     )
-    frame = _of_case("frame", "object.frame_stiffness", STIFFNESS._replace(label="frame"), "ranking mass", MAIN)
-    mount = _of_case("mount", "striker.mount_stiffness", STIFFNESS._replace(label="mount"), "ranking mass", MAIN)
-    spring = _of_case("spring", "object.spring", Quantity("N/m", "kN/m", "spring", digits=3))
-    preload = _of_case("preload", "object.preload", Quantity("N", "N", "preload", digits=3))
-    damper = _of_case("damper", "object.damper", Quantity("N s/m", "N s/m", "damper", digits=3))
-    frame_damping = _of_case("frame_damping", "object.frame_damping", DAMPING, column=None)
-    mount_damping = _of_case("mount_damping", "striker.mount_damping", DAMPING, column=None)
-    stroke_time = _of_case("stroke_time", "feed.stroke_time", MILLISECONDS, column=None)
-    retract_time = _of_case("retract_time", "feed.retract_time", MILLISECONDS, column=None)
+
+    speed = _of_case("machine.speed", Quantity("rad/s", "rpm", "speed"), column=MAIN, headline="speed")
+    mass = _of_case("striker.mass", Quantity("kg", "kg", "striker"), "ranking mass")
+    engagement = _of_case(
+        "machine.engagement", Quantity("m", "mm", "engagement"), "ranking mass", column=MAIN, headline="engagement"
+    )
+    frame = _of_case("object.frame_stiffness", STIFFNESS._replace(label="frame"), "ranking mass", column=MAIN)
+    mount = _of_case("striker.mount_stiffness", STIFFNESS._replace(label="mount"), "ranking mass", column=MAIN)
+    spring = _of_case("object.spring", Quantity("N/m", "kN/m", "spring", digits=3))
+    preload = _of_case("object.preload", Quantity("N", "N", "preload", digits=3))
+    damper = _of_case("object.damper", Quantity("N s/m", "N s/m", "damper", digits=3))
+    frame_damping = _of_case("object.frame_damping", DAMPING, column=None)
+    mount_damping = _of_case("striker.mount_damping", DAMPING, column=None)
+    stroke_time = _of_case("feed.stroke_time", MILLISECONDS, column=None)
+    retract_time = _of_case("feed.retract_time", MILLISECONDS, column=None)
 
     @declare.computed(declare.named(ChosenValue, "what was chosen"))
     def settings(self) -> dict[str, ChosenValue]:
@@ -343,11 +335,9 @@ class SettingsCandidate:
         order=1,
         default="",
     )
-
-    @declare.computed(declare.word("of the specification on all blows that struck", key="verdict", optional=True))
-    def judged_or_none(self) -> str | None:
-        """Verdict of the specification; None without one."""
-        return self.judged or None
+    judged_or_none = declare.computed(
+        declare.word("of the specification on all blows that struck", key="verdict", optional=True)
+    )(lambda one: one.judged or None)
 
     @declare.computed(
         declare.rows(Clause, "clauses of the specification, each by the blow that it judges worst", optional=True)

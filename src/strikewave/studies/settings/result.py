@@ -83,30 +83,21 @@ class SettingsStudy(ShownResult):
             goal.interval, goal.peak, goal.width, goal.stop_limit, WITHIN, goal.disc.name, self.choice.vary
         )
 
-    @declare.computed(declare.part(Specification, "what the blows are judged by", key="spec", optional=True))
-    def specification(self) -> Specification | None:
-        """The specification; None without one."""
-        return self.goal.specification
-
-    @declare.computed(declare.word("case that gives what is not chosen", key="from"))
-    def case_name(self) -> str:
-        """Name of the case."""
-        return self.case.name
-
-    @declare.computed(declare.word("what typical and variation mean, in words"))
-    def typical(self) -> str:
-        """What is typical."""
-        return "median of the later full blows; variation: standard deviation (n - 1) over mean of all"
-
-    @declare.computed(declare.word("sources of the models"))
-    def sources(self) -> list[str]:
-        """The sources, as they are cited."""
-        return [citation(key) for key in self.citations]
-
-    @declare.computed(declare.word("whether the best one meets the goal and keeps all limits"))
-    def met(self) -> bool:
-        """Whether a setting meets the goal."""
-        return not self.broken
+    specification = declare.computed(
+        declare.part(Specification, "what the blows are judged by", key="spec", optional=True)
+    )(lambda one: one.goal.specification)
+    case_name = declare.computed(declare.word("case that gives what is not chosen", key="from"))(
+        lambda one: one.case.name
+    )
+    typical = declare.computed(declare.word("what typical and variation mean, in words"))(
+        lambda one: "median of the later full blows; variation: standard deviation (n - 1) over mean of all"
+    )
+    sources = declare.computed(declare.word("sources of the models"))(
+        lambda one: [citation(key) for key in one.citations]
+    )
+    met = declare.computed(declare.word("whether the best one meets the goal and keeps all limits"))(
+        lambda one: not one.broken
+    )
 
     @declare.computed(declare.part(SettingsCandidate, "the first that meets the goal; null where none does"))
     def best(self) -> SettingsCandidate | None:
@@ -118,10 +109,9 @@ class SettingsStudy(ShownResult):
     )
     left_out: dict[int, str]
 
-    @declare.computed(declare.rows(StrikersLeftOut, "numbers of strikers that were not run, and why", key="left_out"))
-    def not_run(self) -> list[StrikersLeftOut]:
-        """The numbers of strikers that were not run."""
-        return [StrikersLeftOut(strikers, why) for strikers, why in self.left_out.items()]
+    not_run = declare.computed(
+        declare.rows(StrikersLeftOut, "numbers of strikers that were not run, and why", key="left_out")
+    )(lambda one: [StrikersLeftOut(strikers, why) for strikers, why in one.left_out.items()])
 
     failed: tuple[str, ...] = declare.word("why settings gave no result")
     asked: str = ""

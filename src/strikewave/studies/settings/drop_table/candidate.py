@@ -160,22 +160,17 @@ class DropCandidate:
         reasons += [f"{', '.join(failed)} not passed"] if failed else []
         return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
 
-    @declare.computed(declare.word("of the specification", key="verdict", label="verdict", column=MORE, order=1))
-    def judged(self) -> str:
-        """Verdict of the specification."""
-        return self.verdict.verdict
-
-    @declare.computed(
+    judged = declare.computed(
+        declare.word("of the specification", key="verdict", label="verdict", column=MORE, order=1)
+    )(lambda one: one.verdict.verdict)
+    margin = declare.computed(
         declare.number(
             Quantity(NO_UNIT, "%", decimals=0, digits=0),
             "least margin of its clauses, as a share of half their tolerance",
             column=MORE,
             order=1,
         )
-    )
-    def margin(self) -> float:
-        """Least margin of the clauses as a share of half their tolerance."""
-        return self.verdict.least_margin(self.goal.limits)
+    )(lambda one: one.verdict.least_margin(one.goal.limits))
 
     @declare.computed(
         declare.number(
@@ -194,15 +189,12 @@ class DropCandidate:
 
     programmer: Programmer = declare.part(Programmer, "its programmer", inline=True)
 
-    @declare.computed(declare.number(LENGTH, "drop height", column=MAIN, headline="drop height"))
-    def height(self) -> float:
-        """Drop height."""
-        return float(self.case.values()["machine.height"].si)
-
-    @declare.computed(declare.number(MASS, "mass of the table with its load", label="table", column=MORE))
-    def table_mass(self) -> float:
-        """Mass of the table with its load."""
-        return float(self.case.values()["object.mass"].si)
+    height = declare.computed(declare.number(LENGTH, "drop height", column=MAIN, headline="drop height"))(
+        lambda one: float(one.case.values()["machine.height"].si)
+    )
+    table_mass = declare.computed(declare.number(MASS, "mass of the table with its load", label="table", column=MORE))(
+        lambda one: float(one.case.values()["object.mass"].si)
+    )
 
     diameter: float | None = declare.number(LENGTH, "of the pad; null of a programmer without one", column=MAIN)
 
@@ -219,10 +211,9 @@ class DropCandidate:
         values = self.case.values()
         return float(values["contact.reference_force"].si / values["contact.reference_depth"].si)
 
-    @declare.computed(declare.number(REBOUND, "its coefficient of restitution in the full run", column=MAIN))
-    def restitution(self) -> float:
-        """Coefficient of restitution of the programmer in the full run."""
-        return self.reading.blow.restitution
+    restitution = declare.computed(
+        declare.number(REBOUND, "its coefficient of restitution in the full run", column=MAIN)
+    )(lambda one: one.reading.blow.restitution)
 
     @declare.computed(declare.named(StatedChoice, "what was chosen"))
     def settings(self) -> dict[str, StatedChoice]:
@@ -256,25 +247,19 @@ class DropCandidate:
     goal: DropGoal
     verdict: ShockVerdict
 
-    @declare.computed(declare.rows(Clause, "clauses of the specification"))
-    def clauses(self) -> tuple[Clause, ...]:
-        """The clauses of the specification."""
-        return self.verdict.clauses
+    clauses = declare.computed(declare.rows(Clause, "clauses of the specification"))(lambda one: one.verdict.clauses)
 
     limits: tuple[Limit, ...] = declare.rows(Limit, "its limits")
     estimate: FirstEstimate = declare.part(FirstEstimate, "closed form with which the search began")
     runs: int = declare.count("runs that it took")
 
-    @declare.computed(
+    run_verdict = declare.computed(
         declare.word(
             "what the checks of its full run came to: passed, or broken with the checks that failed",
             column=MORE,
             order=2,
         )
-    )
-    def run_verdict(self) -> str:
-        """What the checks of its full run came to."""
-        return self.reading.verdict
+    )(lambda one: one.reading.verdict)
 
     halt: str = ""
 

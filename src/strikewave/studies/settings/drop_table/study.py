@@ -117,10 +117,9 @@ class DropStudy(ShownResult):
         """How many of the designs meet the specification."""
         return f"{sum(candidate.meets for candidate in self.candidates)} of {len(self.candidates)}"
 
-    @declare.computed(declare.part(Specification, "what pulses are judged by", key="spec"))
-    def specification(self) -> Specification:
-        """The specification."""
-        return self.goal.specification
+    specification = declare.computed(declare.part(Specification, "what pulses are judged by", key="spec"))(
+        lambda one: one.goal.specification
+    )
 
     @declare.computed(declare.part(WantedPulse, "what the pulse shall be", key="goal"))
     def wanted(self) -> WantedPulse:
@@ -129,20 +128,13 @@ class DropStudy(ShownResult):
         ideal = pulse.shape, pulse.peak, pulse.duration, goal.width, goal.limits.level, pulse.velocity_change
         return WantedPulse(*ideal, goal.stroke, WITHIN)
 
-    @declare.computed(declare.word("case that gives what is not chosen", key="from"))
-    def case_name(self) -> str:
-        """Name of the case."""
-        return self.case.name
-
-    @declare.computed(declare.word("what is judged, in words"))
-    def reading(self) -> str:
-        """What is judged."""
-        return "acceleration of the table less that of the fall: a sensor whose zero is taken before the blow"
-
-    @declare.computed(declare.word("whether the best one passes and keeps all limits"))
-    def met(self) -> bool:
-        """Whether a design meets the specification."""
-        return not self.broken
+    case_name = declare.computed(declare.word("case that gives what is not chosen", key="from"))(
+        lambda one: one.case.name
+    )
+    reading = declare.computed(declare.word("what is judged, in words"))(
+        lambda one: "acceleration of the table less that of the fall: a sensor whose zero is taken before the blow"
+    )
+    met = declare.computed(declare.word("whether the best one passes and keeps all limits"))(lambda one: not one.broken)
 
     @declare.computed(declare.word("whether the verdict rests on a limit from memory", key="by_indicative_limits"))
     def by_indicative(self) -> bool:
