@@ -365,3 +365,12 @@ def units(kind: type) -> dict[str, str]:
         if si and key != "*" and within.get(place) != si and found.setdefault(key, si) != si:
             raise TypeError(f"{kind.__name__}: {key} is in {found[key]} and, as {path}, in {si}: give one another key")
     return found
+
+
+@functools.cache
+def banded_quantities(kind: type) -> dict[str, Quantity]:
+    """Return what numbers that may have a band measure, by the last part of its name, of a class and those within."""
+    found: dict[str, Quantity] = {}
+    for one in declarations(kind).values():
+        found |= banded_quantities(one.of) if one.of is not None else {one.band: one.quantity} if one.band else {}
+    return found

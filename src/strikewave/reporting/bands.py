@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
+from strikewave.base.declare import banded_quantities
 from strikewave.base.materials import MATERIAL
 from strikewave.base.result import Band, BandMethod, MovedInput, Notice, Result
 from strikewave.base.units import in_unit, take_apart
@@ -16,18 +17,6 @@ BAND_HEADS = ("result", "value and range", "shares of the inputs that matter mos
 """Heads of the table of bands on the screen."""
 MOVED_HEADS = ("input", "as typed", "from", "to", "what is known", "why")
 """Heads of the table of inputs."""
-BAND_UNITS = {
-    "rigid_peak": ("m/s^2", "g"),
-    "peak": ("m/s^2", "g"),
-    "peak_acceleration": ("m/s^2", "g"),
-    "width": ("s", "us"),
-    "interval": ("s", "ms"),
-    "velocity_change": ("m/s", "m/s"),
-    "peak_velocity": ("m/s", "m/s"),
-    "peak_force": ("N", "kN"),
-    "peak_stress": ("Pa", "MPa"),
-}
-"""SI unit of a result with a band and the unit in which it is shown as a rule, by the last part of its name."""
 NO_BAND_OF_ELEMENTS = (
     "No band: it would take dozens of runs like this one, minutes each. How far the inputs move the result is seen in "
     "the band of the same bodies as a machine or a layered bar."
@@ -135,15 +124,17 @@ def bands_of(bands: Mapping[str, Band], column: str) -> list[Band]:
     return [band for name, band in bands.items() if name.partition(".")[2].replace(".", " ") == named]
 
 
-def units_of(name: str) -> tuple[str, str]:
-    """Return the SI unit of a result with a band, and the one in which it is shown as a rule.
+def units_of(result: Result, name: str) -> tuple[str, str]:
+    """Return the SI unit of a result with a band, and the one in which it is shown as a rule, as its field declares.
 
     Examples
     --------
-    >>> units_of("first.rigid_peak"), units_of("interval"), units_of("tap.end.peak_velocity")
-    (('m/s^2', 'g'), ('s', 'ms'), ('m/s', 'm/s'))
+    >>> from strikewave import load_case, run_case
+    >>> solution = run_case(load_case("li-ma-2019", ["feed.blows=1"]))
+    >>> units_of(solution, "first.rigid_peak"), units_of(solution, "interval"), units_of(solution, "sensor.a.peak")
+    (('m/s^2', 'g'), ('s', 'ms'), ('m/s^2', 'g'))
     """
-    return BAND_UNITS[name.rpartition(".")[2]]
+    return banded_quantities(type(result))[name.rpartition(".")[2]][:2]
 
 
 def band_rows(result: Result, values: Mapping[str, float], whole: bool = True) -> list[list[str]]:
@@ -163,7 +154,7 @@ def band_rows(result: Result, values: Mapping[str, float], whole: bool = True) -
     return [
         [
             band_label(name) if whole else short_label(name),
-            with_band(values.get(name), band, *units_of(name)),
+            with_band(values.get(name), band, *units_of(result, name)),
             ", ".join(_shares(band, short)) or NONE,
             _rest(result, name),
         ]
@@ -191,7 +182,7 @@ def band_sections(result: Result) -> list[Section]:
     most = max(len(band.inputs) for band in result.band.values())
     rows: list[list[Cell]] = []
     for name, band in result.band.items():
-        inputs, ends = _shares(band), band_text(band, *units_of(name))
+        inputs, ends = _shares(band), band_text(band, *units_of(result, name))
         rows.append([band_label(name), ends, *inputs, *[NONE] * (most - len(inputs)), _rest(result, name)])
     heads = ["result", "range", *(f"{nth} input" for nth in ("largest", "second", "third", "fourth", "fifth")[:most])]
     tables = [Table("Ranges and the inputs that matter most", [*heads, "rest"], rows)]

@@ -278,7 +278,7 @@ def data_columns(result: Result, name: str) -> list[Column]:
     """Return such rows as columns in SI for Python, CSV and workbooks: every single value, and those of named parts.
 
     A table is its columns. Words of a column that no document has are for faces alone, and what is a list in a row is
-    no column. A unit that the data decide is that of all rows, as far as they share it.
+    no column.
     """
     one = declarations(type(result))[name]
     if one.kind == "table":
@@ -286,12 +286,11 @@ def data_columns(result: Result, name: str) -> list[Column]:
     rows = [row.value for row in face_rows(result, name)]
     assert one.of is not None
     columns = [Column("name", [row.name for row in face_rows(result, name)])] if one.kind == "named" else []
-    given = shared_units(rows, result.given_units)
     for path, leaf in leaves(one.of):
         values = [at(row, path) for row in rows]
         is_data = leaf.kind != "history" and (leaf.in_document or leaf.kind != "word" or leaf.column is None)
         if is_data and not (leaf.optional and all(value is None for value in values)):
-            columns.append(Column(".".join(_keys(one.of, path)), values, leaf.quantity.within(given).si))
+            columns.append(Column(".".join(_keys(one.of, path)), values, leaf.quantity.within(result.given_units).si))
     columns = [one for one in columns if not any(isinstance(value, list | tuple | dict) for value in one.values)]
     for path, kind in _named(one.of):
         parts = [at(row, path) or {} for row in rows]
@@ -301,13 +300,6 @@ def data_columns(result: Result, name: str) -> list[Column]:
                     values = [at(by_name.get(called), inner) for by_name in parts]
                     columns.append(Column(f"{called} {inner[-1]}", values, leaf.quantity.si))
     return columns
-
-
-def shared_units(rows: Iterable[Any], given: GivenUnits) -> GivenUnits:
-    """Return the units given by a result, and those that rows give and share."""
-    pairs = {pair for row in rows for pair in getattr(row, "given_units", {}).items()}
-    named = [by for by, _ in pairs]
-    return {**{by: units for by, units in pairs if named.count(by) == 1}, **given}
 
 
 def _keys(kind: type, path: Path) -> list[str]:

@@ -1,6 +1,6 @@
 """What a result shows of itself in Python: a line, a table with its curve in a notebook, its picture, report and table.
 
-A result says what that is in `ShownResult.highlights`, `ShownResult.columns` and `ShownResult.preview`.
+What that is its fields declare: see `strikewave.base.declare`.
 Its picture, and its page where it has one of its own, stand in the module ``drawn`` beside it (``picture``, ``page``),
 which is found by its name: it takes long to import, and imports the result.
 """
@@ -24,7 +24,7 @@ from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import RUN_PASSED, WARNING, Result
 from strikewave.reporting.columns import Column
-from strikewave.reporting.faces import data_columns, key_numbers, shown_columns, shown_rows
+from strikewave.reporting.faces import data_columns, key_numbers, shown_rows
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.parts import written
 
@@ -139,6 +139,9 @@ class ShownResult(Result):
     main_rows: ClassVar[str] = ""
     """The declared field with the rows of that table."""
 
+    written: ClassVar[tuple[str, ...]] = ()
+    """Names of its columns for Python and files, where these are not all."""
+
     is_history: ClassVar[bool] = False
     """Whether its main table is a history, of which a notebook shows rows spread over it, not the first ones."""
 
@@ -150,6 +153,11 @@ class ShownResult(Result):
     def label(self) -> str:
         """What it is called in one line: the name of its case, else its title."""
         return self.source.name or self.title
+
+    @property
+    def data_rows(self) -> str:
+        """The declared field whose rows Python and files take: the one of its main table."""
+        return self.main_rows
 
     def highlights(self) -> Sequence[tuple[str, str]]:
         """Return the few numbers that it comes to, each with its label, the most important one first.
@@ -171,30 +179,8 @@ class ShownResult(Result):
         >>> [column.name for column in run_case(load_case("li-ma-2019", ["feed.blows=1"])).columns()][:3]
         ['index', 'kind', 'striker']
         """
-        return data_columns(self, self.main_rows) if self.main_rows else ()
-
-    def brief(self) -> Mapping[str, str]:
-        """Return the columns that a notebook shows, each with the unit in which it does as a rule.
-
-        Examples
-        --------
-        >>> from strikewave import load_case, run_case
-        >>> run_case(load_case("li-ma-2019", ["feed.blows=1"])).brief()  # its fields declare their columns
-        {}
-        """
-        return {}
-
-    def brief_columns(self) -> list[Column]:
-        """Return the columns that a notebook shows; a number whose unit depends on the row stands there with its unit.
-
-        Examples
-        --------
-        >>> from strikewave import load_case, run_case
-        >>> run_case(load_case("li-ma-2019", ["feed.blows=1"])).brief_columns()  # its fields declare their columns
-        []
-        """
-        usual = self.brief()
-        return [column for column in self.columns() if column.name in usual]
+        found = data_columns(self, self.data_rows) if self.data_rows else ()
+        return [one for one in found if not self.written or one.name in self.written]
 
     def preview(self) -> Curve | None:
         """Return the pulse, or what says most of it; None where no single curve does.
@@ -351,11 +337,7 @@ def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str]
     >>> heads[:3], rows[0][:3]
     (['#', 'kind', 'time (ms)'], ['1', 'full', '42.073'])
     """
-    if result.main_rows:
-        return shown_rows(result, result.main_rows, most, result.is_history)
-    usual = result.brief()
-    kept = [column._replace(shown=usual[column.name]) for column in result.brief_columns()]
-    return shown_columns(kept, most, result.is_history)
+    return shown_rows(result, result.main_rows, most, result.is_history) if result.main_rows else ([], [])
 
 
 def _svg(curve: Curve) -> str:

@@ -35,8 +35,7 @@ from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
 from strikewave.reporting.case_result import CaseResult
-from strikewave.reporting.columns import Column, csv_table
-from strikewave.reporting.faces import data_columns
+from strikewave.reporting.columns import csv_table
 from strikewave.reporting.numbers import shown, spelled
 from strikewave.reporting.parts import written
 from strikewave.reporting.shown_result import Curve, history_curve
@@ -222,6 +221,11 @@ class Solution(CaseResult):
         return {name: unit or NO_UNIT for name, unit in PUBLISHED_QUANTITIES.items()}
 
     @property
+    def data_rows(self) -> str:
+        """The blows with what sensors read of each, and with what taps show where waves were followed."""
+        return "read_blows" if self.waves else "sensed_blows"
+
+    @property
     def slides(self) -> bool:
         """Whether friction across the face acted in a blow."""
         return any(blow.friction_heat > 0.0 for blow in self.blows)
@@ -344,10 +348,6 @@ class Solution(CaseResult):
     def tables(self) -> dict[str, str]:
         """Return the table of blows as CSV text, every column with its unit."""
         return {"blows.csv": csv_table(self.columns())}
-
-    def columns(self) -> list[Column]:
-        """Return the table of blows, with what taps and sensors show of each."""
-        return data_columns(self, "read_blows" if self.waves else "sensed_blows")
 
     def save(self, path: Path) -> None:
         """Write the whole solution as NetCDF; `load_solution` reads it back."""

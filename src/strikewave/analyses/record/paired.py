@@ -33,8 +33,8 @@ COPIED = (
     *("differential_peak", "differential_in_band", "differential_share"),
 )
 """Numbers of a row that are those of the motion itself."""
-CSV_LEAVES_OUT = ("first", "second", "reason", "blows")
-"""Words of a pair that its table of files does not have."""
+WORDS_OF_TABLE = ("file", "one_body", "leads")
+"""Words of a pair that its table of files has beside the numbers."""
 
 
 @declare.dataclass
@@ -99,6 +99,12 @@ class PairRow:
     def given_units(self) -> GivenUnits:
         """Those of its channels."""
         return units_given(self.unit)
+
+
+PAIR_COLUMNS = tuple(
+    name for name, one in declare.declarations(PairRow).items() if one.kind == "number" or name in WORDS_OF_TABLE
+)
+"""Columns of pairs.csv."""
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ import numpy as np
 
 from strikewave.analyses.record.chosen import advised_filter, sources_of
 from strikewave.analyses.record.moved import MotionRow, RecordMotion, all_moved, motion_columns
-from strikewave.analyses.record.paired import CSV_LEAVES_OUT, PairRow, RecordPair, all_pairs, transfer_columns
+from strikewave.analyses.record.paired import PAIR_COLUMNS, PairRow, RecordPair, all_pairs, transfer_columns
 from strikewave.analyses.record.responses import ResponseSummary, responding, response_columns, summaries
 from strikewave.analyses.record.rows import SHOWN, BlowRow, CampaignRow, FileRow, blow_rows, units_given
 from strikewave.analyses.record.sensor_trials import SensorRow, SensorTrials
 from strikewave.analyses.record.shock_columns import shock_columns
 from strikewave.base import declare
-from strikewave.base.declare import GivenUnits, declarations
+from strikewave.base.declare import NOT_MEASURED, GivenUnits, Quantity, declarations
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import FAILED, Notice
@@ -31,7 +31,6 @@ from strikewave.records.reading import FileReading
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import data_columns
 from strikewave.reporting.measured_files import AskedResult
-from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.shown_result import Curve, history_curve, html_place
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.signal.filters import Filter
@@ -46,6 +45,20 @@ OWN = "as in the file"
 """Stands for the unit of figures whose file does not say it."""
 MEANS_SHOWN = ("m/s^2", "s", "N", "m/s")
 """SI units of figures whose means are key numbers."""
+
+
+@declare.dataclass
+class MeanFigure:
+    """The mean of a figure over all files."""
+
+    name: str = declare.word("which figure")
+    mean: float = declare.number(Quantity.of_data("as the figure"), "its mean", headline="mean {name}")
+    quantity: Quantity = NOT_MEASURED
+
+    @property
+    def given_units(self) -> GivenUnits:
+        """Those of the figure."""
+        return {"as the figure": (self.quantity.si, self.quantity.usual)}
 
 
 @declare.dataclass
@@ -196,7 +209,7 @@ class RecordResult(AskedResult):
         units = declare.units(type(self)) if own else {}
         return {"interval": "s", **{key: own[unit] for key, unit in units.items() if unit in own}}
 
-    @declare.computed(declare.rows(FileRow, "measured files", key="files"))
+    @declare.computed(declare.rows(FileRow, "measured files", key="files", label="files", headline="count"))
     def file_rows(self) -> list[FileRow]:
         """The files, with channels and blows."""
         return [FileRow.of(file, self.filter) for file in self.readings]
@@ -256,22 +269,26 @@ class RecordResult(AskedResult):
         """The campaigns of several channels."""
         return [CampaignRow.of(one) for one in self.campaigns] if len(self.campaigns) > 1 else None
 
-    @declare.computed(declare.rows(BlowRow, "all blows, file by file", in_document=False))
+    @declare.computed(
+        declare.rows(BlowRow, "all blows, file by file", label="blows", headline="count", in_document=False)
+    )
     def blows(self) -> list[BlowRow]:
         """The table of blows."""
         return blow_rows(self.readings)
 
-    def highlights(self) -> list[tuple[str, str]]:
-        """Return the number of files and blows, and the means of their peaks, widths and velocity changes."""
-        numbers = [("files", str(len(self.readings))), ("blows", str(len(self.blows)))]
+    @declare.computed(declare.rows(MeanFigure, "means over all files", headline="each", in_document=False))
+    def means(self) -> list[MeanFigure]:
+        """The means of a campaign whose unit is known: files in other units are in none of them."""
         campaign = min(self.campaigns, key=lambda one: one.unit == "", default=None)
-        given = units_given("" if campaign is None else campaign.unit)
-        for name, statistic in campaign.statistics.items() if campaign is not None else ():
-            one = declarations(RecordedPulse).get(name)
-            si, usual = ("", "") if one is None else one.quantity.within(given)[:2]
-            if si in MEANS_SHOWN:
-                numbers.append((f"mean {name.replace('_', ' ')}", with_unit(statistic.mean, si, usual)))
-        return numbers
+        if campaign is None:
+            return []
+        given, known = units_given(campaign.unit), declarations(RecordedPulse)
+        pairs = [(name, known[name].quantity.within(given)) for name in campaign.statistics if name in known]
+        return [
+            MeanFigure(name.replace("_", " "), campaign.statistics[name].mean, quantity)
+            for name, quantity in pairs
+            if quantity.si in MEANS_SHOWN
+        ]
 
     def preview(self) -> Curve | None:
         """Return the first channel over the first blow; over the whole record where there is none."""
@@ -304,9 +321,11 @@ class RecordResult(AskedResult):
         return tables
 
     def _pair_columns(self) -> list[Column]:
-        """Return the figures of pairs, a line a file."""
-        columns = data_columns(self, "pair_rows")
-        return [one for one in columns if one.name not in CSV_LEAVES_OUT and not one.name.startswith("transfer.")]
+        """Return the figures of pairs, a line a file, in the unit that all pairs share."""
+        units = {row.unit for row in self.pair_rows or ()}
+        given, known = units_given(units.pop() if len(units) == 1 else ""), declarations(PairRow)
+        columns = [one for one in data_columns(self, "pair_rows") if one.name in PAIR_COLUMNS]
+        return [one._replace(si=known[one.name].quantity.within(given).si) for one in columns]
 
 
 def name_of(paths: Sequence[Path]) -> str:

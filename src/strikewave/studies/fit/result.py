@@ -16,7 +16,6 @@ from strikewave.base.shock_quantities import RATIO, SHARE
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.faces import data_columns
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.parts import Tag
@@ -38,8 +37,6 @@ KEPT_DRAWS = 2000
 """Draws of a posterior that are written: as many as are independent at least."""
 WHOLE_POWER = 5e-3
 """Difference of a power from 1 below which it is not written: slopes know it no better."""
-WRITTEN = ("field", "unit", "value", "standard_error", "low", "high")
-"""Columns of parameters.csv."""
 OF_FIELD = Quantity.of_data("as the field", digits=5)
 
 
@@ -215,6 +212,7 @@ class FitStudy(AskedResult):
 
     command: ClassVar[str] = "fit"
     main_rows: ClassVar[str] = "parameters"
+    written: ClassVar[tuple[str, ...]] = ("field", "unit", "value", "standard_error", "low", "high")
 
     base: Case
     case: Case
@@ -317,10 +315,6 @@ class FitStudy(AskedResult):
             PosteriorValue(one, *(one.field.si(float(place[k])) for place in places))
             for k, one in enumerate(self.parameters)
         ]
-
-    def columns(self) -> list[Column]:
-        """Return the values, each in the SI unit beside it."""
-        return [one._replace(si="") for one in data_columns(self, self.main_rows) if one.name in WRITTEN]
 
     def texts(self) -> dict[str, str]:
         """Return the fitted case, and the JSON document."""
