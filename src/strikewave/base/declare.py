@@ -41,6 +41,17 @@ class Quantity(NamedTuple):
     given_by: str = ""
     signed: bool = False
 
+    @property
+    def units(self) -> tuple[str, str]:
+        """SI unit and unit shown as a rule, for what writes numbers, heads and axes: ``headed("peak", *FORCE.units)``.
+
+        Examples
+        --------
+        >>> Quantity("N", "kN", "peak force", 2, 3).units
+        ('N', 'kN')
+        """
+        return self.si, self.usual
+
     @classmethod
     def of_data(cls, given_by: str, label: str = "", decimals: int | None = None, digits: int = 4) -> Quantity:
         """Return a quantity whose unit the data decide.

@@ -362,15 +362,20 @@ def cell_text(value: Any, name: str, given: GivenUnits = MappingProxyType({})) -
     return number if unit in ("", NO_UNIT) else f"{number} {spelled(unit)}"
 
 
-def amount(quantity: Quantity, value: float | None, band: Band | None = None) -> str:
+def amount(quantity: Quantity, value: float | None, band: Band | None = None, digits: int = 0) -> str:
     """Return what a sentence says of a number, with its unit, in the digits of its quantity, or of its band with that.
+
+    A sentence that needs other digits than tables have gives its own.
 
     Examples
     --------
     >>> amount(Quantity("1", "%", digits=3), 0.01234), amount(Quantity("m/s^2", "g"), 9806.65)
     ('1.23 %', '1000 g')
+    >>> amount(Quantity("Hz", "kHz"), 12345.0), amount(Quantity("Hz", "kHz"), 12345.0, digits=3)
+    ('12.35 kHz', '12.3 kHz')
     """
-    return _with_unit(Declaration(kind="number", meaning="", quantity=quantity), value, band, {})
+    own = quantity._replace(decimals=None, digits=digits) if digits else quantity
+    return _with_unit(Declaration(kind="number", meaning="", quantity=own), value, band, {}, digits or FEWEST_DIGITS)
 
 
 def _with_unit(
