@@ -16,10 +16,9 @@ import numpy as np
 from kit import ROOT, table, write_into
 from numpy.typing import NDArray
 
-from strikewave.studies.design import study
 from strikewave.studies.design.goals import Objective
 from strikewave.studies.design.runs import DesignRuns
-from strikewave.studies.design.trade_off import trade_off_search
+from strikewave.studies.design.trade_off import ranking, trade_off_search
 
 Array = NDArray[np.float64]
 
@@ -97,7 +96,7 @@ def main() -> None:
             shares = []
             for seed in range(SEEDS):
                 evolved = ClosedForm(name, runs // SEARCHES, seed)
-                study._ranking(evolved)
+                ranking(evolved)
                 found = ClosedForm(name, len(evolved.rows), seed)
                 trade_off_search(found, 0)
                 shares.append([dominated(one.numbers) / whole for one in (evolved, found)])

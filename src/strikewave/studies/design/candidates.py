@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
-from strikewave.base.result import RUN_BROKEN, status_of
+from strikewave.base.result import RUN_BROKEN, status_of, worse
 from strikewave.base.shock_quantities import RATIO
 from strikewave.studies.design.goals import Goal, Objective, shares_of
 from strikewave.studies.design.plan import DesignPlan
@@ -267,3 +267,25 @@ def front(runs: DesignRuns, objectives: Sequence[Objective]) -> list[int]:
 
 def _beaten(value: Array, others: Array) -> bool:
     return bool(((others <= value).all(axis=1) & (others < value).any(axis=1)).any())
+
+
+def ranked_candidates(runs: DesignRuns, ranked: list[int], store: RunStore, pool: Pool) -> tuple[DesignCandidate, ...]:
+    """Return the ranked settings with what verifies them; those that hold first, the most robust of them first."""
+    plan = runs.plan
+    rows = [runs.rows[run] for run in ranked]
+    margins, failures, verdicts = verified(plan, rows, store, pool)
+    shares = shares_of(plan.goals, plan.evaluation.names, runs.numbers)
+    found = [
+        DesignCandidate(
+            run,
+            row,
+            runs.numbers[run],
+            shares[run],
+            None if margins is None else margins[k],
+            failures[k],
+            robustness_of(plan, row, store, pool) if plan.robust else None,
+            worse(runs.verdicts[run], verdicts[k]),
+        )
+        for k, (run, row) in enumerate(zip(ranked, rows, strict=True))
+    ]
+    return tuple(sorted(found, key=lambda one: (not one.holds, -one.robustness.share if one.robustness else 0.0)))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, mark_runs, quiet, sheet_title
-from strikewave.studies.design.study import DesignStudy, goal_of
+from strikewave.studies.design.study import DesignStudy
 from strikewave.studies.log_ticks import plain_log_ticks
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def _numbers(axes: Any, study: DesignStudy) -> None:
     quiet(axes, "Runs by their numbers", *labels)
     of_axes = list(zip(names, (axes.axvspan, axes.axhspan), (x, y), "xy", strict=False))
     for name, span, values, which in of_axes if len(names) == 2 else [(names[0], axes.axhspan, y, "y")]:
-        goal = goal_of(study, name)
+        goal = study.plan.goal_of(name)
         low, high = _extent(study, values, name)
         if goal is not None and low < high:
             span(max(goal.low / study.kept(name).scale, low), min(goal.high / study.kept(name).scale, high), **AREA)
@@ -79,7 +79,7 @@ def _extent(study: DesignStudy, values: Array, name: str) -> tuple[float, float]
     if not known.size:
         return 0.0, 0.0
     ends = list(np.percentile(known, SHOWN)) + [float(values[one.run]) for one in study.candidates]
-    goal = goal_of(study, name)
+    goal = study.plan.goal_of(name)
     if goal is not None:
         ends += [limit / study.kept(name).scale for limit in (goal.low, goal.high) if math.isfinite(limit)]
     ends = [end for end in ends if math.isfinite(end)]

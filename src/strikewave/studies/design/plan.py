@@ -122,6 +122,10 @@ class DesignPlan:
         """What must be met."""
         return tuple(aim for aim in self.aims if isinstance(aim, Goal))
 
+    def goal_of(self, name: str) -> Goal | None:
+        """Return the goal of a number, the first of several; None where it has none."""
+        return next((goal for goal in self.goals if goal.number == name), None)
+
     @cached_property
     def objectives(self) -> tuple[Objective, ...]:
         """What shall be small or large where all goals are met."""

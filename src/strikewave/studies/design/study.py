@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
-from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
-from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Source, Verdicts, worse
+from strikewave.base.declare import NO_UNIT
+from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Source, Verdicts
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.case_result import ResultOfCase
@@ -23,30 +23,36 @@ from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import percent
 from strikewave.studies.design.candidates import (
     DesignCandidate,
-    Robustness,
     Sensitivity,
     chosen_runs,
     front,
-    robustness_of,
+    ranked_candidates,
     sensitivities,
-    verified,
 )
 from strikewave.studies.design.conflict import Conflict, Reach, conflict_of
 from strikewave.studies.design.evaluation import is_derived
-from strikewave.studies.design.goals import Goal, Objective, shares_of
+from strikewave.studies.design.goals import Goal, shares_of
 from strikewave.studies.design.plan import OPTUNA, DesignPlan
-from strikewave.studies.design.runs import (
-    INFEASIBLE,
-    DesignRuns,
-    Merit,
-    margin_merit,
-    objective_merit,
-    under,
+from strikewave.studies.design.rows import (
+    DERIVED,
+    MARGIN,
+    ChosenSetting,
+    DesignRun,
+    GoalAtFirst,
+    GoalConflict,
+    GoalReach,
+    KnownNumber,
+    NumberChange,
+    RankedRun,
+    SettingChanges,
+    StatedGoal,
 )
-from strikewave.studies.design.search import search
+from strikewave.studies.design.runs import (
+    DesignRuns,
+)
 from strikewave.studies.design.surrogate import SurrogateError, left_out_errors
-from strikewave.studies.design.trade_off import trade_off_search
-from strikewave.studies.engine.case_evaluation import OF_NUMBER, KeptNumber, OfKept, kept_number
+from strikewave.studies.design.trade_off import goals_met, ranking
+from strikewave.studies.engine.case_evaluation import KeptNumber, kept_number
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance
@@ -61,134 +67,10 @@ SURROGATE_SOURCES: tuple[str, ...] = ("sacks-1989", "dubrule-1983", "jones-1998"
 """The same by surrogate."""
 OPTUNA_SOURCES: tuple[str, ...] = ("ozaki-2022", "akiba-2019")
 """Those of the search for a whole front."""
-DERIVED = Quantity(NO_UNIT, "%", decimals=2, digits=0)
-"""Of a number that goals alone have: a share of a yield strength, of a range, or a least margin."""
-MARGIN = Quantity(NO_UNIT, "%", "margin", 1, 0)
 MOST_SETTINGS, MOST_NUMBERS = 6, 4
 """Settings, and numbers, that the table of ranked settings shows; the CSV file has all."""
 AT_LIMIT = 0.95
 """Share of its limit from which on the number of a check is said to limit what a goal comes to."""
-WEIGHTS = (0.25, 0.5, 0.75)
-"""Weights of the first of two objectives, between the ends of their front, at which it is searched for besides."""
-
-
-@declare.dataclass
-class StatedGoal:
-    """What a number must lie within."""
-
-    goal: str = declare.word("as typed")
-    number: str = declare.word("number that it is of")
-    low: float = declare.word("low limit, SI")
-    high: float = declare.word("high limit, SI")
-
-
-@declare.dataclass
-class DesignRun:
-    """A run of a design."""
-
-    run: int = declare.count("number of the run, from 1")
-    settings: dict[str, Any] = declare.word("its settings by their paths, SI or words")
-    numbers: dict[str, float] = declare.word("its numbers by their names, SI")
-
-
-@declare.dataclass
-class RankedRun(DesignRun):
-    """A ranked setting as documents have it."""
-
-    meets: bool = declare.word("whether it meets all goals")
-    margin: float = declare.number(
-        MARGIN, "least margin, as of clauses: the distance to the nearer limit over its scale"
-    )
-    margins: dict[str, float] = declare.number(MARGIN, "margin of each goal")
-    verified_margins: dict[str, float] | None = declare.number(
-        MARGIN, "the same by a full run, where that is another one"
-    )
-    failure: str = declare.word("why that run failed; empty where it did not")
-    verdict: str = declare.word("what the checks of its run came to: passed, or broken with the checks that failed")
-    robust: Robustness | None = declare.part(
-        Robustness, "by the option robust: how many draws within the tolerances meet all goals"
-    )
-
-
-@declare.dataclass
-class GoalAtFirst(OfKept):
-    """A goal at the first of the ranked settings."""
-
-    goal: str = declare.word("as typed", column=KEY)
-    value: float | None = declare.number(OF_NUMBER, "its number there", label="comes to", column=KEY)
-    margin: float = declare.number(MARGIN, "its margin", column=MAIN)
-    verified: float | None = declare.number(
-        MARGIN, "its margin by the run that verifies it", label="verified", column=MAIN
-    )
-
-
-@declare.dataclass
-class SettingChanges:
-    """How the numbers move with a setting."""
-
-    setting: str = declare.word("path of a setting of the best one")
-    changes: dict[str, float] = declare.word(
-        "change of each number, SI, for a hundredth of the range of the setting", key="changes_per_hundredth_of_range"
-    )
-    room: list[float] = declare.word("how far it may move down and up until a goal is missed, SI")
-
-
-@declare.dataclass
-class NumberChange(OfKept):
-    """How a number moves with a setting."""
-
-    setting: str = declare.word("path of the setting", column=KEY, order=-1)
-    number: str = declare.word("which number", column=KEY, order=-1)
-    size: float
-    met_from: str | None = declare.word(
-        "down to where it may move alone", label="all goals met from", quantity=OF_NUMBER, column=MAIN
-    )
-    met_to: str | None = declare.word("up to where", label="to", quantity=OF_NUMBER, column=MAIN)
-
-    @declare.phrase("change per 1 % of its range", quantity=OF_NUMBER, column=MAIN, order=-1)
-    def change(self) -> str:
-        """Say by how much it moves, with its sign."""
-        return f"{'-' if self.size < 0.0 else '+'}{self.kept.words(abs(self.size)) if self.size else '0'}"
-
-
-@declare.dataclass
-class GoalReach(OfKept):
-    """A goal that others exclude, and what it comes to where they are met."""
-
-    without: str = declare.word("goal that is given up, as typed", label="without the goal", column=KEY)
-    value: float = declare.number(OF_NUMBER, "its number at best", label="it comes to", column=KEY)
-    lacks: float = declare.number(OF_NUMBER, "what its limit lacks", label="its limit would move by", column=MAIN)
-    run: DesignRun = declare.part(DesignRun, "where", inline=True)
-    at: str = declare.word("where", label="at", column=MORE, in_document=False)
-
-
-@declare.dataclass
-class GoalConflict:
-    """Goals that exclude each other."""
-
-    goals: list[str] = declare.word("the fewest goals that exclude each other")
-    reachable: list[GoalReach] = declare.rows(GoalReach, "what each comes to under the others")
-
-
-@declare.dataclass
-class KnownNumber(OfKept):
-    """How well a number is known by the other runs."""
-
-    name: str = declare.word("which number", label="number", column=KEY)
-    error: float = declare.number(
-        OF_NUMBER, "root mean square of what is left", label="leave-one-out error", column=KEY
-    )
-    share: float = declare.number(
-        Quantity(NO_UNIT, "%", "of its scatter over the runs", 1, 0), "the same over its scatter", column=MAIN
-    )
-
-
-@declare.dataclass
-class ChosenSetting:
-    """A value of the first setting, as a case file has it."""
-
-    name: str = declare.word("path of the setting")
-    value: str = declare.word("its value", headline="{name}")
 
 
 @declare.dataclass
@@ -602,7 +484,7 @@ def make_design(
     """
     with ProcessPool(1) if pool is None else pool as open_pool:
         runs = DesignRuns(plan, store, open_pool, advance)
-        conflict = None if _goals_met(runs) else conflict_of(runs)
+        conflict = None if goals_met(runs) else conflict_of(runs)
         candidates, moved = _ranked(runs, store, open_pool)
         if not candidates[0].margin >= 0.0 and runs.meet():  # a step beside the nearest setting meets all goals
             candidates, moved = _ranked(runs, store, open_pool)
@@ -637,89 +519,6 @@ def _ranked(
     runs: DesignRuns, store: RunStore, pool: Pool
 ) -> tuple[tuple[DesignCandidate, ...], tuple[Sensitivity, ...]]:
     """Return the ranked settings, and the sensitivities of the first one, which take runs beside it."""
-    merit = _ranking(runs)
-    candidates = _candidates(runs, chosen_runs(runs, merit(runs.numbers)), store, pool)
+    merit = ranking(runs)
+    candidates = ranked_candidates(runs, chosen_runs(runs, merit(runs.numbers)), store, pool)
     return candidates, sensitivities(runs, candidates[0].run)
-
-
-def _goals_met(runs: DesignRuns) -> bool:
-    """Search for what meets all goals, and tell whether it was found; without objectives, with the largest margin."""
-    plan = runs.plan
-    if not plan.goals:
-        return True
-    merit = margin_merit(plan.goals, plan.evaluation.names)
-    enough = 0.0 if plan.objectives else -math.inf
-    best = search(runs, merit, enough)
-    return float(merit(runs.numbers)[best]) <= 0.0
-
-
-def _ranking(runs: DesignRuns) -> Merit:
-    """Return the merit by which settings are ranked, after the searches that the objectives need."""
-    plan, names = runs.plan, runs.plan.evaluation.names
-    if not plan.objectives or (plan.goals and not runs.meet()):
-        return margin_merit(plan.goals, names)
-    salt = 2 * len(plan.goals) + 1
-    if plan.search == OPTUNA:
-        trade_off_search(runs, salt)
-        return weighted_merit(runs, plan.objectives, front(runs, plan.objectives), WEIGHTS[1])
-    merits = [objective_merit(one, plan.goals, names) for one in plan.objectives]
-    for number, merit in enumerate(merits):
-        search(runs, merit, salt=salt + number)
-    if len(merits) == 1:
-        return merits[0]
-    ends = front(runs, plan.objectives)
-    salt += len(merits)
-    between = [weighted_merit(runs, plan.objectives, ends, weight) for weight in WEIGHTS]
-    for number, merit in enumerate(between if len(merits) == 2 else between[1:2]):
-        search(runs, merit, salt=salt + number)
-    return between[1]
-
-
-def weighted_merit(runs: DesignRuns, objectives: tuple[Objective, ...], ends: list[int], weight: float) -> Merit:
-    """Return the merit of several objectives together: the largest of them, each over its extent on the Pareto front.
-
-    The first has the weight, the others share the rest (Tchebycheff's norm, which reaches every point of a front).
-    """
-    names, goals = runs.plan.evaluation.names, runs.plan.goals
-    places = [names.index(one.number) for one in objectives]
-    signs = np.array([one.sign for one in objectives])
-    known = runs.numbers[ends][:, places] * signs
-    low, extent = known.min(axis=0), np.ptp(known, axis=0)
-    weights = np.array([weight, *[(1.0 - weight) / (len(places) - 1)] * (len(places) - 1)])
-    scale = weights / np.where(extent > 0.0, extent, 1.0)
-
-    def merit(numbers: Array) -> Array:
-        value = ((numbers[:, places] * signs - low) * scale).max(axis=1)
-        return under(np.nan_to_num(value, nan=INFEASIBLE), goals, names, numbers)
-
-    return merit
-
-
-def _candidates(runs: DesignRuns, ranked: list[int], store: RunStore, pool: Pool) -> tuple[DesignCandidate, ...]:
-    """Return the ranked settings with what verifies them; those that hold first, the most robust of them first."""
-    plan = runs.plan
-    rows = [runs.rows[run] for run in ranked]
-    margins, failures, verdicts = verified(plan, rows, store, pool)
-    shares = shares_of(plan.goals, plan.evaluation.names, runs.numbers)
-    found = [
-        DesignCandidate(
-            run,
-            row,
-            runs.numbers[run],
-            shares[run],
-            None if margins is None else margins[k],
-            failures[k],
-            robustness_of(plan, row, store, pool) if plan.robust else None,
-            worse(runs.verdicts[run], verdicts[k]),
-        )
-        for k, (run, row) in enumerate(zip(ranked, rows, strict=True))
-    ]
-    return tuple(sorted(found, key=lambda one: (not one.holds, -one.robustness.share if one.robustness else 0.0)))
-
-
-Progress = Callable[[float], None]
-
-
-def goal_of(study: DesignStudy, name: str) -> Goal | None:
-    """Return the goal of a number, the first of several; None where it has none."""
-    return next((goal for goal in study.plan.goals if goal.number == name), None)

@@ -7,21 +7,34 @@ goal rank behind all that meet theirs, by how much they miss.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.studies.design.goals import shares_of
-from strikewave.studies.design.plan import DesignPlan
-from strikewave.studies.design.runs import FAR, DesignRuns
+from strikewave.studies.design.candidates import front
+from strikewave.studies.design.goals import Objective, shares_of
+from strikewave.studies.design.plan import OPTUNA, DesignPlan
+from strikewave.studies.design.runs import (
+    FAR,
+    INFEASIBLE,
+    DesignRuns,
+    Merit,
+    margin_merit,
+    objective_merit,
+    under,
+)
+from strikewave.studies.design.search import search
 
 if TYPE_CHECKING:
     import optuna
 
 Array = NDArray[np.float64]
 
+WEIGHTS = (0.25, 0.5, 0.75)
+"""Weights of the first of two objectives, between the ends of their front, at which it is searched for besides."""
 TOGETHER = 8
 """Runs that are chosen together: the same whatever the workers, so that they change no bit."""
 
@@ -93,3 +106,56 @@ def _finished(
     places = zip(where, plan.place_of(row), plan.whole, strict=True)
     at = {name: round(place) if whole else float(place) for name, place, whole in places}
     return optuna.trial.create_trial(params=at, distributions=where, values=values, constraints=missed)
+
+
+def goals_met(runs: DesignRuns) -> bool:
+    """Search for what meets all goals, and tell whether it was found; without objectives, with the largest margin."""
+    plan = runs.plan
+    if not plan.goals:
+        return True
+    merit = margin_merit(plan.goals, plan.evaluation.names)
+    enough = 0.0 if plan.objectives else -math.inf
+    best = search(runs, merit, enough)
+    return float(merit(runs.numbers)[best]) <= 0.0
+
+
+def ranking(runs: DesignRuns) -> Merit:
+    """Return the merit by which settings are ranked, after the searches that the objectives need."""
+    plan, names = runs.plan, runs.plan.evaluation.names
+    if not plan.objectives or (plan.goals and not runs.meet()):
+        return margin_merit(plan.goals, names)
+    salt = 2 * len(plan.goals) + 1
+    if plan.search == OPTUNA:
+        trade_off_search(runs, salt)
+        return weighted_merit(runs, plan.objectives, front(runs, plan.objectives), WEIGHTS[1])
+    merits = [objective_merit(one, plan.goals, names) for one in plan.objectives]
+    for number, merit in enumerate(merits):
+        search(runs, merit, salt=salt + number)
+    if len(merits) == 1:
+        return merits[0]
+    ends = front(runs, plan.objectives)
+    salt += len(merits)
+    between = [weighted_merit(runs, plan.objectives, ends, weight) for weight in WEIGHTS]
+    for number, merit in enumerate(between if len(merits) == 2 else between[1:2]):
+        search(runs, merit, salt=salt + number)
+    return between[1]
+
+
+def weighted_merit(runs: DesignRuns, objectives: tuple[Objective, ...], ends: list[int], weight: float) -> Merit:
+    """Return the merit of several objectives together: the largest of them, each over its extent on the Pareto front.
+
+    The first has the weight, the others share the rest (Tchebycheff's norm, which reaches every point of a front).
+    """
+    names, goals = runs.plan.evaluation.names, runs.plan.goals
+    places = [names.index(one.number) for one in objectives]
+    signs = np.array([one.sign for one in objectives])
+    known = runs.numbers[ends][:, places] * signs
+    low, extent = known.min(axis=0), np.ptp(known, axis=0)
+    weights = np.array([weight, *[(1.0 - weight) / (len(places) - 1)] * (len(places) - 1)])
+    scale = weights / np.where(extent > 0.0, extent, 1.0)
+
+    def merit(numbers: Array) -> Array:
+        value = ((numbers[:, places] * signs - low) * scale).max(axis=1)
+        return under(np.nan_to_num(value, nan=INFEASIBLE), goals, names, numbers)
+
+    return merit

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.notices import fast_verdict
 from strikewave.base import declare
-from strikewave.base.declare import MAIN, Quantity
+from strikewave.base.declare import KEY, MAIN, Quantity
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_FAILED, Verdict
@@ -19,6 +19,7 @@ from strikewave.base.shock_quantities import LENGTH, RATIO, TOTAL_PEAK, VARIATIO
 from strikewave.cases.case import Case, parse_case
 from strikewave.machines import Machine
 from strikewave.machines.fast_train import FastTrain, fast_train, why_not
+from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.evaluation import Job, Row, RunOutcome
 from strikewave.studies.engine.plan import AxisVariation, grid
@@ -77,6 +78,69 @@ class MapCell:
 
 FIELDS = tuple(declare.declarations(MapCell))
 """Names of what is kept of a cell, in their order."""
+
+
+@declare.dataclass
+class FullRun:
+    """What a full run of a setting of the map comes to."""
+
+    cv: float = declare.number(VARIATION, "coefficient of variation in a full run there")
+    peak: float = declare.number(Quantity("m/s^2", "g"), "mean rigid peak in it")
+    tolerance: float = declare.number(RATIO, "tolerance of the integrator in it", default=RUN_TOLERANCE)
+
+
+@declare.dataclass
+class EvenSetting:
+    """A setting of the map with equal blows, and what it costs.
+
+    Its distance is the root of the summed squares of the steps from the case, each over its scale (the value of the
+    case, or the range of the axis where that is 0).
+    """
+
+    settings: dict[str, float] = declare.word("nearest setting with equal blows, SI; null where there is none")
+    distance: float = declare.number(RATIO, "how far it is, in steps over their scales")
+    cell: dict[str, float] = declare.part(MapCell, "what the map has of it", key="result")
+    full_run: FullRun = declare.part(FullRun, "what the same blows come to in a full run")
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Of each axis, SI."""
+        return tuple(self.settings.values())
+
+
+@declare.dataclass
+class Refusal:
+    """An even setting of the map that its full run refutes."""
+
+    setting: str = declare.word("what it is", column=KEY, in_document=False)
+    settings: dict[str, float] = declare.word("nearer setting that a full run did not confirm, SI")
+    why: str = declare.word("why", column=MAIN)
+
+
+@declare.dataclass
+class SettingOfCase:
+    """Where the case stands along an axis."""
+
+    value: float = declare.word("setting of the case, SI")
+    provenance: str = declare.word("where it comes from")
+
+
+@declare.dataclass
+class Present:
+    """Where the case stands, and what its blows come to."""
+
+    settings: dict[str, SettingOfCase] = declare.named(SettingOfCase, "settings of the case", inline=True)
+    result: dict[str, float] = declare.part(MapCell, "what its blows come to")
+
+
+@declare.dataclass
+class NearestSetting:
+    """A value of the nearest setting with equal blows, as it is shown."""
+
+    name: str = declare.word("path of the setting")
+    text: str = declare.word("its value", headline="{name}, nearest with equal blows")
+
+
 PLACE = {name: k for k, name in enumerate(FIELDS)}
 """Place of each field in a cell."""
 NOTE = "chosen by strikewave map"

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.machine.notices import fast_not_judged, run_verdict
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
+from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_PASSED, RUN_STATUSES, Notice, Source
-from strikewave.base.shock_quantities import RATIO, VARIATION
+from strikewave.base.shock_quantities import VARIATION
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.written_case import dump_case
@@ -37,8 +37,14 @@ from strikewave.studies.map.cells import (
     NOTE,
     PLACE,
     REASONS,
+    EvenSetting,
+    FullRun,
     MapCell,
     MapPlan,
+    NearestSetting,
+    Present,
+    Refusal,
+    SettingOfCase,
     cell_of,
     machine_of,
 )
@@ -68,72 +74,12 @@ CONFIRMED = 5
 (measured, li-ma-2019). Where the nearest five all disagree, the fast run is not to be trusted there."""
 
 
-@declare.dataclass
-class FullRun:
-    """What a full run of a setting of the map comes to."""
-
-    cv: float = declare.number(VARIATION, "coefficient of variation in a full run there")
-    peak: float = declare.number(Quantity("m/s^2", "g"), "mean rigid peak in it")
-    tolerance: float = declare.number(RATIO, "tolerance of the integrator in it", default=RUN_TOLERANCE)
-
-
-@declare.dataclass
-class EvenSetting:
-    """A setting of the map with equal blows, and what it costs.
-
-    Its distance is the root of the summed squares of the steps from the case, each over its scale (`MapStudy.scales`).
-    """
-
-    settings: dict[str, float] = declare.word("nearest setting with equal blows, SI; null where there is none")
-    distance: float = declare.number(RATIO, "how far it is, in steps over their scales")
-    cell: dict[str, float] = declare.part(MapCell, "what the map has of it", key="result")
-    full_run: FullRun = declare.part(FullRun, "what the same blows come to in a full run")
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """Of each axis, SI."""
-        return tuple(self.settings.values())
-
-
 def marked_text(plan: MapPlan, wanted: float) -> str:
     """Return the case as text, and above it what was asked: other axes are another result."""
     sizes = " x ".join(f"{len(axis.values)} {axis.path}" for axis in plan.axes)
     key = hashlib.sha256(repr((dataclasses.astuple(plan), wanted)).encode()).hexdigest()[:12]
     asked = f"{sizes}, {plan.blows} blows, trains of {plan.train}, CV within {100.0 * wanted:g} %"
     return f"# strikewave map of {asked}; plan {key}\n{plan.case}"
-
-
-@declare.dataclass
-class Refusal:
-    """An even setting of the map that its full run refutes."""
-
-    setting: str = declare.word("what it is", column=KEY, in_document=False)
-    settings: dict[str, float] = declare.word("nearer setting that a full run did not confirm, SI")
-    why: str = declare.word("why", column=MAIN)
-
-
-@declare.dataclass
-class SettingOfCase:
-    """Where the case stands along an axis."""
-
-    value: float = declare.word("setting of the case, SI")
-    provenance: str = declare.word("where it comes from")
-
-
-@declare.dataclass
-class Present:
-    """Where the case stands, and what its blows come to."""
-
-    settings: dict[str, SettingOfCase] = declare.named(SettingOfCase, "settings of the case", inline=True)
-    result: dict[str, float] = declare.part(MapCell, "what its blows come to")
-
-
-@declare.dataclass
-class NearestSetting:
-    """A value of the nearest setting with equal blows, as it is shown."""
-
-    name: str = declare.word("path of the setting")
-    text: str = declare.word("its value", headline="{name}, nearest with equal blows")
 
 
 @declare.dataclass
