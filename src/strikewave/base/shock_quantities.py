@@ -28,6 +28,7 @@ MASS = Quantity("kg", "gram")
 KILOGRAMS = Quantity("kg", "kg")
 FREQUENCY = Quantity("Hz", "Hz")
 KILOHERTZ = Quantity("Hz", "kHz")
+BANDWIDTH = Quantity("Hz", "kHz", digits=3)
 RATIO = Quantity(NO_UNIT, NO_UNIT)
 VARIATION = Quantity(NO_UNIT, "%", digits=3)
 """Of a coefficient of variation: its bounds are wider than three digits."""

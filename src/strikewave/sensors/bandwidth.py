@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import MAIN, MORE, NO_UNIT, Quantity
-from strikewave.base.shock_quantities import RATIO
+from strikewave.base.shock_quantities import BANDWIDTH, RATIO
 from strikewave.sensors.mounting import RESOLVED, Mounting, transmission
 
 Array = NDArray[np.float64]
 
-BANDWIDTH = Quantity("Hz", "kHz", digits=3)
 LOWEST = 10.0
 """Frequency from which a mounting is looked at, Hz: below, no mounting of a sensor has a resonance."""
 

@@ -14,7 +14,7 @@ from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.base.result import Source
-from strikewave.base.shock_quantities import MASS, RATIO
+from strikewave.base.shock_quantities import BANDWIDTH, MASS, RATIO
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, csv_table
@@ -24,7 +24,6 @@ from strikewave.reporting.numbers import hertz
 from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.sensors import Reading
-from strikewave.sensors.bandwidth import BANDWIDTH
 from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.studies.buffer.candidate import CUT_OFF, BufferCandidate, BufferGoal, carries
