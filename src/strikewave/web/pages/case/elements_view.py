@@ -11,6 +11,7 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.figures.animation import fem_page, movie_of
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_fem, run_model
+from strikewave.base.shock_quantities import FORCE
 from strikewave.fem.measures import mean_force, middles
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.solve import Progress, RunOptions
@@ -60,7 +61,7 @@ def history_charts(solution: FemSolution) -> list[dict[str, Any]]:
     forces = {name: np.linalg.norm(mean_force(solution.run, name), axis=1) for name in solution.run.force}
     energies = {name: np.asarray(solution.run.energy[name]) for name in ENERGIES}
     largest = max((float(np.abs(values).max()) for values in energies.values()), default=0.0)
-    (newton, force_name), (joule, energy_name) = axis_unit("N", "kN"), energy_unit(largest)
+    (newton, force_name), (joule, energy_name) = axis_unit(*FORCE.units), energy_unit(largest)
     x = f"time ({time_name})"
     return [
         line_chart("Forces of contacts and walls", x, f"force ({force_name})", _lines(time / second, forces, newton)),

@@ -11,15 +11,16 @@ import numpy as np
 from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.quick_look import PULSE_TOLERANCE, quick_look
-from strikewave.analyses.machine.result import SHOWN_WIDTHS, Solution, blow_history
+from strikewave.analyses.machine.result import INTERVAL, SHOWN_WIDTHS, Solution, blow_history
 from strikewave.analyses.machine.run import run_case
 from strikewave.analyses.machine.words import blow_columns
 from strikewave.base.compiled import is_cold
 from strikewave.base.percents import percent
 from strikewave.base.result import Band
+from strikewave.base.shock_quantities import ACCELERATION, FORCE, PULSE_WIDTH, RIGID_PEAK, VELOCITY_CHANGE
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.machines.blows import Blow
-from strikewave.reporting.banded_numbers import with_band
+from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import SHOWN_UNITS, axis_unit, time_unit, with_unit
 from strikewave.reporting.parts import NONE
 from strikewave.web.case.loading import loaded
@@ -30,13 +31,13 @@ from strikewave.web.curves import points, svg_of
 from strikewave.web.jobs import Say
 
 FIGURES = (
-    ("first.rigid_peak", "peak, first blow", "m/s^2", "g", 4),
-    ("first.width", "pulse width at 10 %", "s", "us", 4),
-    ("first.velocity_change", "velocity change", "m/s", "m/s", 3),
-    ("typical.rigid_peak", "peak, later blows", "m/s^2", "g", 4),
-    ("interval", "interval of the blows", "s", "ms", 4),
+    ("first.rigid_peak", "peak, first blow", RIGID_PEAK),
+    ("first.width", PULSE_WIDTH.label, PULSE_WIDTH),
+    ("first.velocity_change", "velocity change", VELOCITY_CHANGE),
+    ("typical.rigid_peak", "peak, later blows", RIGID_PEAK),
+    ("interval", "interval of the blows", INTERVAL),
 )
-"""The key numbers: name, words, SI unit, unit shown, digits."""
+"""The key numbers: name, words, what each measures."""
 PUBLISHED = ("quantity", "origin", "role", "published", "computed", "difference")
 NOTHING = "No striker touches the object: more engagement, or another arrival of the feed."
 MOST_IMPORTANT = 6
@@ -126,11 +127,11 @@ def pulse_charts(since: Any, force: Any, acceleration: Any) -> list[dict[str, An
     second, time_name = time_unit(float(np.ptp(since)) if since.size else 0.0)
     x = f"time after first touch ({time_name})"
     charts = []
-    for title, values, si, usual in (
-        ("Contact force", force, "N", "kN"),
-        ("Rigid-body acceleration", acceleration, "m/s^2", "g"),
+    for title, values, quantity in (
+        ("Contact force", force, FORCE),
+        ("Rigid-body acceleration", acceleration, ACCELERATION),
     ):
-        size, name = axis_unit(si, usual)
+        size, name = axis_unit(*quantity.units)
         lines = [ChartLine("now", points(since / second, values / size))]
         charts.append(line_chart(f"{title}, first blow", x, f"{title.lower()} ({name})", lines))
     return charts
@@ -140,7 +141,7 @@ def train(found: Sequence[Any], bands: Mapping[str, Band]) -> list[dict[str, Any
     """Return a diagram of the peaks of all blows, with the band of the later ones; none where one blow is all."""
     if len(found) < 2:
         return []
-    size, name = axis_unit("m/s^2", "g")
+    size, name = axis_unit(*ACCELERATION.units)
     band = bands.get("typical.rigid_peak")
     bars = [[b.index, round(b.rigid_peak / size, 2) if b.kind != "missed" else 0.0, b.kind] for b in found]
     ends = None if band is None else [band.low / size, band.high / size]
@@ -166,8 +167,8 @@ def _field(name: str) -> str:
 def shown_figures(figures: Mapping[str, float], bands: Mapping[str, Band]) -> list[tuple[str, str]]:
     """Return the key numbers, each in words with its band where one is known."""
     return [
-        (words, with_band(figures[name], bands.get(name), si, usual, digits))
-        for name, words, si, usual, digits in FIGURES
+        (words, amount(quantity, figures[name], bands.get(name)))
+        for name, words, quantity in FIGURES
         if name in figures
     ]
 

@@ -8,6 +8,8 @@ from pathlib import Path
 import strikewave
 from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.quick_look import quick_look
+from strikewave.analyses.machine.result import INTERVAL
+from strikewave.base.shock_quantities import PULSE_WIDTH, RIGID_PEAK
 from strikewave.base.units import in_unit
 from strikewave.cases.case import Case
 from strikewave.studies.design.design_file import load_design
@@ -19,11 +21,11 @@ from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource
 
 NOW = (
-    ("interval", "interval", "s", "ms"),
-    ("peak", "first.rigid_peak", "m/s^2", "g"),
-    ("width", "first.width", "s", "us"),
+    ("interval", "interval", INTERVAL),
+    ("peak", "first.rigid_peak", RIGID_PEAK),
+    ("width", "first.width", PULSE_WIDTH),
 )
-"""What can be asked of the blows: key of the form, name of the result, SI unit, unit shown."""
+"""What can be asked of the blows: key of the form, name of the result, what it measures."""
 STUDY = Path(strikewave.__file__).parent / "examples" / "studies" / "equal-blows.toml"
 """What equal blows are, and which support of the object is looked for, as shares of that of its case."""
 ANY_MACHINE = re.compile(r"(%|= 0|smallest)$")
@@ -42,7 +44,7 @@ def wishes(source: CaseSource) -> dict[str, dict[str, list[str]]]:
     """
     case = loaded(source)
     figures = figures_of(quick_look(case).blows)
-    now = {key: [f"{in_unit(figures[name], si, unit):.4g} {unit}"] for key, name, si, unit in NOW if name in figures}
+    now = {key: [f"{in_unit(figures[name], *of.units):.4g} {of.usual}"] for key, name, of in NOW if name in figures}
     return {"settings": now, "design": _equal_blows(case)} if is_rotary(case) else {}
 
 

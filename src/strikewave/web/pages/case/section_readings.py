@@ -8,6 +8,7 @@ from typing import Any
 from nicegui import ui
 
 from strikewave.base.errors import InputError
+from strikewave.base.shock_quantities import LENGTH
 from strikewave.base.units import in_unit, parse_quantity, typed_number
 from strikewave.web import parts
 from strikewave.web.case.edited_field import EditedField
@@ -123,6 +124,6 @@ def _millimetres(text: str) -> float | None:
     if number is not None:
         return number
     try:
-        return in_unit(parse_quantity(text, "m", KEY), "m", "mm")
+        return in_unit(parse_quantity(text, LENGTH.si, KEY), *LENGTH.units)
     except InputError:
         return None

@@ -9,7 +9,9 @@ import numpy as np
 from strikewave.analyses.wave.field import field_of_solution
 from strikewave.analyses.wave.result import WaveSolution
 from strikewave.analyses.wave.run import run_wave
-from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
+from strikewave.base.shock_quantities import ACCELERATION, STRESS, VELOCITY
+from strikewave.reporting.faces import text_of
+from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.shown_result import shown_table
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource
@@ -34,11 +36,11 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
     heads = [head.replace("peaks.", "peak ") for head in heads]
     figures = [(name, text) for name, text in solution.highlights()]
     sensors = [
-        [name, with_unit(pulse.peak, "m/s^2", "g"), with_unit(pulse.width, "s", "us"), "yes" if pulse.clipped else "no"]
+        [name, text_of(pulse, "peak"), text_of(pulse, "width"), "yes" if pulse.clipped else "no"]
         for name, pulse in solution.sensors.items()
     ]
     layers = [
-        [one.name, with_unit(one.length_asked, "m", "mm"), with_unit(one.length_used, "m", "mm"), str(one.steps)]
+        [text_of(one, name) for name in ("name", "length_asked", "length_used", "steps")]
         for one in solution.waves.layers
     ]
     return {
@@ -63,7 +65,7 @@ def field_chart(solution: WaveSolution) -> dict[str, Any]:
     """
     field = field_of_solution(solution)
     areas = np.array([solution.run.stack.layers[layer].area for layer in field.layer])
-    size, unit = axis_unit("Pa", "MPa")
+    size, unit = axis_unit(*STRESS.units)
     second, time_name = time_unit(float(field.time[-1]))
     times, places = _even(field.time, FIELD_TIMES), _even(field.position, FIELD_PLACES)
     stress = field.force / areas / size
@@ -90,8 +92,8 @@ def sections(solution: WaveSolution) -> BarSections:
     layers = solution.run.stack.layers
     areas = np.array([layers[layer].area for layer in field.layer])
     times, places = _spread(len(field.time), SECTION_TIMES), _spread(len(field.position), SECTION_PLACES)
-    (second, time_name), (pascal, stress_name) = time_unit(float(field.time[-1])), axis_unit("Pa", "MPa")
-    speed, speed_name = axis_unit("m/s", "m/s")
+    (second, time_name), (pascal, stress_name) = time_unit(float(field.time[-1])), axis_unit(*STRESS.units)
+    speed, speed_name = axis_unit(*VELOCITY.units)
     kept = np.ix_(times, places)
     velocity = np.zeros_like(field.force) if field.velocity is None else field.velocity
     labels = (f"time ({time_name})", f"stress ({stress_name})", f"velocity ({speed_name})")
@@ -110,7 +112,7 @@ def tap_charts(solution: WaveSolution) -> list[dict[str, Any]]:
     """Return stress and acceleration at the taps, with what the sensors kept."""
     time = solution.run.time
     second, time_name = time_unit(float(time[-1]))
-    (pascal, stress_name), (size, name) = axis_unit("Pa", "MPa"), axis_unit("m/s^2", "g")
+    (pascal, stress_name), (size, name) = axis_unit(*STRESS.units), axis_unit(*ACCELERATION.units)
     shown = list(enumerate(solution.taps))[:MOST_TAPS]
     stress = [ChartLine(tap, points(time / second, solution.stress(k) / pascal), colour(k)) for k, (tap, _) in shown]
     acceleration = [
