@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, TypeVar
 
 from strikewave.base.result import Notice
 from strikewave.records.budget.contributions import Budget
+from strikewave.reporting.layout import KEY, MORE
 from strikewave.reporting.numbers import doubted, listed, shown, spelled, with_unit
-from strikewave.reporting.parts import NONE, Cell, Tag, written
+from strikewave.reporting.parts import NONE, Tag, written
 from strikewave.reporting.shown_units import shown_unit
+from strikewave.reporting.table_columns import TableColumn
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judging import Clause
 
+Row = TypeVar("Row")
 SHOWN = {PASS: "PASS", FAIL: "FAIL", CANNOT_TELL: "CANNOT TELL", NOT_JUDGED: "not judged"}
 """Verdicts as they are written."""
 LOOKS = {PASS: "good", FAIL: "bad", CANNOT_TELL: "warned", NOT_JUDGED: ""}
@@ -77,7 +81,7 @@ def amount(clause: Clause, value: float, digits: int = 4) -> str:
     if not math.isfinite(value):
         return NONE
     if clause.unit == "1":
-        text = f"{written(100.0 * value, 3)} %" if clause.clause.startswith("share") else written(value)
+        text = f"{written(100.0 * value, min(digits, 3))} %" if clause.clause.startswith("share") else written(value)
         return text.replace("-", "−")
     return with_unit(abs(value), clause.unit, usual_unit(clause), digits) if value >= 0.0 else _below(clause, value)
 
@@ -218,17 +222,31 @@ def tag_of(verdict: str) -> Tag:
     return Tag(SHOWN[verdict], LOOKS[verdict])
 
 
-def clause_cells(clause: Clause) -> list[Cell]:
-    """Return the cells of a row of a table, see `CLAUSE_HEADS`."""
+def clause_columns(clause_of: Callable[[Row], Clause]) -> list[TableColumn[Row]]:
+    """Return the columns of clauses, of rows that have one each, for screen and page.
+
+    Examples
+    --------
+    >>> from strikewave.specifications.judging import Limits, judged
+    >>> clause = judged("peak", 490.0, Limits(392.266, 588.399, "quoted"), "m/s^2")
+    >>> [column.text(clause) for column in clause_columns(lambda one: one)][:4]
+    ['peak', 'PASS', '40 to 60 g', '49.97 g']
+    """
+
+    def column(name: str, said: Callable[[Clause], str | Tag], **rest: Any) -> TableColumn[Row]:
+        return TableColumn(name, lambda row: said(clause_of(row)), **rest)
+
     return [
-        clause_name(clause.clause),
-        tag_of(clause.verdict),
-        limit_words(clause),
-        doubted_words(clause),
-        margin_words(clause),
-        share_words(clause),
-        clause.status,
+        column("clause", lambda one: clause_name(one.clause), priority=KEY, words=True),
+        column("verdict", lambda one: tag_of(one.verdict), words=True),
+        column("limit", limit_words),
+        column("value ± U", doubted_words),
+        column("margin", margin_words),
+        column("of tolerance", share_words, priority=MORE),
+        column("limit is", lambda one: one.status, priority=MORE, words=True),
     ]
 
 
-CLAUSE_HEADS = ("clause", "verdict", "limit", "value ± U", "margin", "of tolerance", "limit is")
+CLAUSE_COLUMNS = clause_columns(lambda clause: clause)
+WHY = TableColumn[Clause]("why", lambda one: one.reason or None, priority=MORE, words=True)
+"""Columns of clauses by themselves, and why nothing can be said, or where one fails."""

@@ -10,9 +10,9 @@ from strikewave.analyses.compare.result import TOGETHER, CompareResult, IsoScore
 from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import (
-    CLAUSE_HEADS,
+    CLAUSE_COLUMNS,
     SHOWN,
-    clause_cells,
+    WHY,
     clause_words,
     held_words,
     verdict_sentence,
@@ -20,7 +20,7 @@ from strikewave.reporting.clause_words import (
 )
 from strikewave.reporting.faces import columns_of, face_table, line_table
 from strikewave.reporting.numbers import percent, with_unit
-from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
+from strikewave.reporting.parts import Part, Picture, Section, Table
 from strikewave.reporting.table_columns import page_table
 from strikewave.signal.iso18571 import RATE, SAMPLES
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
@@ -66,8 +66,7 @@ def specification_words(judged: SpecificationVerdict) -> str:
 
 def clause_table(judged: SpecificationVerdict) -> Table:
     """Return the clauses of a specification with what came out."""
-    rows: list[list[Cell]] = [[*clause_cells(clause), clause.reason or NONE] for clause in judged.found.clauses]
-    return Table(f"By {judged.specification.title}", [*CLAUSE_HEADS, "why"], rows)
+    return page_table(f"By {judged.specification.title}", [*CLAUSE_COLUMNS, WHY], judged.found.clauses)
 
 
 def budget_words(result: CompareResult) -> str:

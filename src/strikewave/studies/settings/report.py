@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from strikewave.base.declare import declarations
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells
+from strikewave.reporting.clause_words import CLAUSE_COLUMNS
 from strikewave.reporting.numbers import headed, percent, shown, spelled
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
-from strikewave.reporting.table_columns import page_table
+from strikewave.reporting.table_columns import TableColumn, page_table
+from strikewave.specifications.judging import Clause
 from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
 from strikewave.studies.settings.figures import settings_figure
 from strikewave.studies.settings.goal import goal_words
@@ -87,8 +88,9 @@ def _first_section(study: SettingsStudy) -> Section:
 
 def _clauses(first: SettingsCandidate) -> list[Table]:
     """Return the clauses of the specification, each by the blow that it judges worst; nothing without one."""
-    rows = [[*clause_cells(clause), str(clause.blow)] for clause in first.clauses or ()]
-    return [Table("Clauses of the specification", [*CLAUSE_HEADS, "blow"], rows)] if rows else []
+    blow = TableColumn[Clause]("blow", lambda clause: str(clause.blow))
+    table = page_table("Clauses of the specification", [*CLAUSE_COLUMNS, blow], first.clauses or ())
+    return [table] if table.rows else []
 
 
 def _ranking_section(study: SettingsStudy) -> Section:

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells
+from strikewave.reporting.clause_words import CLAUSE_COLUMNS
 from strikewave.reporting.faces import text_of
-from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.options.output import Output
-from strikewave.reporting.parts import Tag
 from strikewave.reporting.run_and_write import drawing, run_and_write
-from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
-from strikewave.specifications.judging import Clause
+from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
@@ -86,13 +82,6 @@ class SettingsCommand(ResumableCommand[SettingsStudy]):
         return ["report.html", "settings.svg"]
 
 
-def print_clauses(title: str, clauses: Sequence[Clause]) -> None:
-    """Print clauses with their limits, values, margins and verdicts."""
-    rows = [[cell.text if isinstance(cell, Tag) else str(cell) for cell in clause_cells(one)] for one in clauses]
-    name, verdict, *figures, status = CLAUSE_HEADS
-    table(title, [*keys(name), *texts(verdict), *numerals(*figures), *texts(status, priority=MORE)], rows)
-
-
 def _print(study: SettingsStudy) -> None:
     first = study.candidates[0]
     others = {one.case.rotary_tables().machine.strikers.si: one for one in reversed(study.candidates)}
@@ -105,7 +94,7 @@ def _print(study: SettingsStudy) -> None:
     tell(_header(study.case, study.goal, first))
     print_rows("Limits of the first", LIMIT_COLUMNS, first.limits)
     if first.clauses:
-        print_clauses("Clauses of the first, each by its worst blow", first.clauses)
+        print_rows("Clauses of the first, each by its worst blow", CLAUSE_COLUMNS, first.clauses)
     if len(study.masses) > 1:
         print_rows("What the mass of a striker costs", candidate_columns(study.choice.vary, "mass"), study.masses)
     for count, why in study.left_out.items():

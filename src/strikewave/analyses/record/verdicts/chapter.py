@@ -5,17 +5,18 @@ from __future__ import annotations
 from strikewave.analyses.record.verdicts.figures import shock_figure
 from strikewave.analyses.record.verdicts.words import WHY_HEAD, name_of_shock, why_of_shock
 from strikewave.reporting.clause_words import (
-    CLAUSE_HEADS,
     SHOWN,
-    clause_cells,
+    clause_columns,
     clause_name,
     decision_words,
     doubted_words,
     tag_of,
 )
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
+from strikewave.reporting.table_columns import TableColumn, page_table
 from strikewave.specifications.decisions import NOT_JUDGED, WORST_FIRST
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
+from strikewave.specifications.judging import Clause
 
 MOST_DRAWN = 12
 """Shocks that are drawn, those that fail first: each adds some 40 kB to a page that must open at once."""
@@ -42,13 +43,15 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
 def clause_table(found: RecordsVerdict, names: dict[str, str]) -> Table:
     """Return the clauses with what came out, each of several shocks where it came out worst."""
     several, many = _has_channels(found), len(found.shocks) > 1
-    rows: list[list[Cell]] = []
-    for clause, shock in found.clauses:
+
+    def why(pair: tuple[Clause, JudgedShock | None]) -> str | None:
+        clause, shock = pair
         named = many and shock is not None and clause.verdict != NOT_JUDGED
-        where = [name_of_shock(shock, names, several)] if named else []
-        rows.append([*clause_cells(clause), ": ".join([*where, *([clause.reason] if clause.reason else [])]) or NONE])
-    heads = [*CLAUSE_HEADS, "where and why" if many else "why"]
-    return Table("Clauses" + (", each where it came out worst" if many else ""), heads, rows)
+        return ": ".join([name_of_shock(shock, names, several)] * named + [clause.reason] * bool(clause.reason)) or None
+
+    columns: list[TableColumn[tuple[Clause, JudgedShock | None]]] = clause_columns(lambda pair: pair[0])
+    columns.append(TableColumn("where and why" if many else "why", why))
+    return page_table("Clauses" + (", each where it came out worst" if many else ""), columns, found.clauses)
 
 
 def _has_channels(found: RecordsVerdict) -> bool:

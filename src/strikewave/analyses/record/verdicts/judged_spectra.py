@@ -14,18 +14,13 @@ from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.base.errors import InputError
 from strikewave.records.budget.contributions import Budget
-from strikewave.reporting.clause_words import (
-    SHOWN,
-    clause_words,
-    decision_words,
-    tag_of,
-    verdict_words,
-)
-from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.clause_words import CLAUSE_COLUMNS, WHY, clause_words, decision_words, verdict_words
+from strikewave.reporting.layout import KEY
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options.kinds import Typed
-from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table
-from strikewave.reporting.terminal import table, tell
+from strikewave.reporting.parts import Picture, Section
+from strikewave.reporting.table_columns import TableColumn, page_table
+from strikewave.reporting.terminal import print_rows, tell
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 from strikewave.specifications.judged_records import Asked
 from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict
@@ -124,13 +119,7 @@ def spectra_sentence(found: SpectraVerdict) -> str:
 
 def print_spectra_verdict(found: SpectraVerdict) -> None:
     """Print the clauses of each spectrum."""
-    rows = [
-        [one.name, clause.clause, *_figures(clause), SHOWN[clause.verdict], clause.status]
-        for one in found.spectra
-        for clause in one.clauses
-    ]
-    columns = [*keys("spectrum"), *texts("clause"), *numerals("limit", "value ± U"), *texts("verdict")]
-    table(f"By {found.specification.title}", [*columns, *texts("status", priority=MORE)], rows)
+    print_rows(f"By {found.specification.title}", _columns(found), found.clauses)
     tell(decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated))
     for one in found.spectra:
         for clause in one.clauses:
@@ -138,10 +127,10 @@ def print_spectra_verdict(found: SpectraVerdict) -> None:
                 tell(f"{one.name}, {clause.clause}: {clause.reason}", "  ")
 
 
-def _figures(clause: Clause) -> list[str]:
-    value = f"{100.0 * clause.value:.1f}" if math.isfinite(clause.value) else NONE
-    doubt = f" ± {100.0 * clause.uncertainty:.1f}" if clause.uncertainty > 0.0 else ""
-    return [f"at least {100.0 * clause.low:g} %", value if value == NONE else f"{value}{doubt} %"]
+def _columns(found: SpectraVerdict) -> list[TableColumn[Clause]]:
+    names: dict[Any, str] = {(one.file, one.channel): one.name for one in found.spectra}
+    name = TableColumn[Clause]("spectrum", lambda one: names[one.file, one.channel], priority=KEY, words=True)
+    return [name, *(one for one in CLAUSE_COLUMNS if one.name != "of tolerance")]
 
 
 def spectra_section(found: SpectraVerdict) -> Section:
@@ -149,17 +138,12 @@ def spectra_section(found: SpectraVerdict) -> Section:
     from strikewave.analyses.record.verdicts.figures import spectrum_limits_figure
 
     drawn = [(one.name, one.frequency, one.values, one.verdict) for one in found.spectra]
-    rows: list[list[Cell]] = [
-        [one.name, tag_of(clause.verdict), clause.clause, *_figures(clause), clause.status, clause.reason or NONE]
-        for one in found.spectra
-        for clause in one.clauses
-    ]
     file = found.specification.file
     text = (
         f"Q = {found.limits.q:g}, {found.limits.side}, {found.limits.per_octave:g} natural frequencies an octave. "
         f"Source: {file.source}." + (f" {' '.join(file.note.split())}" if file.note else "")
     )
     text = f"{decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated)} {text}"
-    heads = ["spectrum", "verdict", "clause", "limit", "value ± U", "limit is", "why"]
     picture = Picture(spectrum_limits_figure(found.limits, drawn, found.specification.title), "Spectra and tolerance.")
-    return Section("Verdict by the specification", text, [picture, Table("Clauses", heads, rows)])
+    table = page_table("Clauses", [*_columns(found), WHY], found.clauses)
+    return Section("Verdict by the specification", text, [picture, table])

@@ -5,19 +5,17 @@ from __future__ import annotations
 from strikewave.analyses.record.verdicts.words import WHY_HEAD, name_of_shock, why_of_shock
 from strikewave.reporting.clause_words import (
     SHOWN,
+    clause_columns,
     clause_name,
     decision_words,
-    doubted_words,
-    limit_words,
-    margin_words,
-    share_words,
     value_words,
 )
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.parts import NONE
-from strikewave.reporting.terminal import table, tell
+from strikewave.reporting.table_columns import TableColumn
+from strikewave.reporting.terminal import print_rows, table, tell
 from strikewave.specifications.decisions import WORST_FIRST
-from strikewave.specifications.judged_records import RecordsVerdict
+from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 from strikewave.specifications.judging import Clause
 
 MOST_SHOCKS = 20
@@ -28,26 +26,18 @@ def print_verdict(found: RecordsVerdict, names: dict[str, str]) -> None:
     """Print the clauses, and the shocks where there are several."""
     several = len({shock.reading.channel.name for shock in found.shocks}) > 1
     many = len(found.shocks) > 1
-    rows = [
-        [*clause_row(clause), *([name_of_shock(shock, names, several)] if many else [])]
-        for clause, shock in found.clauses
-    ]
-    columns = [*keys("clause"), *numerals("limit", "value ± U", "margin"), *texts("verdict")]
-    columns += [*numerals("of tolerance", priority=MORE), *texts("status", priority=MORE)]
-    columns += texts("worst", priority=MORE) if many else []
-    table(f"By {found.specification.title}", columns, rows)
+    columns: list[TableColumn[tuple[Clause, JudgedShock | None]]] = clause_columns(lambda pair: pair[0])
+    if many:
+        columns.append(
+            TableColumn("worst", lambda pair: name_of_shock(pair[1], names, several), priority=MORE, words=True)
+        )
+    print_rows(f"By {found.specification.title}", columns, found.clauses)
     tell(decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated))
     for clause, _ in found.clauses:
         if clause.reason:
             tell(f"{clause.clause}: {clause.reason}", "  ")
     if many:
         _print_shocks(found, names, several)
-
-
-def clause_row(clause: Clause) -> list[str]:
-    """Return clause, limit, value, its expanded uncertainty, margin, verdict and status."""
-    values = [limit_words(clause), doubted_words(clause), margin_words(clause)]
-    return [clause_name(clause.clause), *values, SHOWN[clause.verdict], share_words(clause), clause.status]
 
 
 def _print_shocks(found: RecordsVerdict, names: dict[str, str], several: bool) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from strikewave.base.percents import percent
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import CLAUSE_HEADS, clause_cells, verdict_words
+from strikewave.reporting.clause_words import CLAUSE_COLUMNS, verdict_words
 from strikewave.reporting.faces import face_table, text_of
 from strikewave.reporting.parts import Cell, Picture, Section, Table, Tag
 from strikewave.reporting.table_columns import page_table
@@ -32,7 +32,7 @@ def drop_report(study: DropStudy) -> str:
             f"Provenance: {_provenances(first)}. All inputs stand below.",
             [
                 Table("What was chosen", ["setting", "value", "provenance"], _chosen(first)),
-                Table("Clauses", list(CLAUSE_HEADS), [clause_cells(clause) for clause in first.verdict.clauses]),
+                page_table("Clauses", CLAUSE_COLUMNS, first.verdict.clauses),
                 page_table("Limits", LIMIT_COLUMNS, first.limits),
             ],
         ),

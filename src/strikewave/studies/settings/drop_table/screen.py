@@ -8,6 +8,7 @@ from pathlib import Path
 
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.clause_words import CLAUSE_COLUMNS
 from strikewave.reporting.faces import face_columns, face_rows
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.options.output import Output
@@ -28,7 +29,6 @@ from strikewave.studies.settings.drop_table.study import (
     name_of,
 )
 from strikewave.studies.settings.result import LIMIT_COLUMNS
-from strikewave.studies.settings.screen import print_clauses
 
 SHOWN = 8
 """First of the ranking in the table; the first of each other programmer follows."""
@@ -93,7 +93,7 @@ class DropCommand(ResumableCommand[DropStudy]):
             tell(f"{name}: its law is assumed, nobody measured it")
         heights = face_columns(result, "heights"), face_rows(result, "heights")
         print_rows("Height of a free fall for this velocity change", *heights)
-        print_clauses("Clauses of the first", first.verdict.clauses)
+        print_rows("Clauses of the first", CLAUSE_COLUMNS, first.verdict.clauses)
         print_rows("Limits of the first", LIMIT_COLUMNS, first.limits)
         values = first.case.values()
         inputs = [[path, str(value.typed), value.provenance] for path, value in values.items() if path in _INPUTS]
