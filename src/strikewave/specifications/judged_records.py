@@ -94,7 +94,7 @@ class Asked:
         Of the shocks of which files and channels.
     cross_axis : sequence of str
         Names or numbers of channels that measure across, with the files in which they do, see `cross_axis_fits`.
-    told : tuple of str
+    from_record : tuple of str
         Names of what the record itself tells where no budget is stated; none where uncertainty plays no part.
     """
 
@@ -103,9 +103,9 @@ class Asked:
     budget: Budget | None = None
     directions: Sequence[StatedDirection] = ()
     cross_axis: Sequence[str] = ()
-    told: tuple[str, ...] = (RECORD,)
+    from_record: tuple[str, ...] = (RECORD,)
     share = declare.computed(SHARE)(lambda one: 0.0 if one.budget is None else one.budget.share)
-    holds = declare.computed(HOLDS)(lambda one: one.told if one.budget is None else one.budget.names)
+    holds = declare.computed(HOLDS)(lambda one: one.from_record if one.budget is None else one.budget.names)
     not_stated = declare.computed(NOT_STATED)(lambda one: (one.budget or Budget(())).not_stated if one.holds else ())
 
     def direction_of(self, path: str, channel: Iterable[str]) -> str:

@@ -37,7 +37,7 @@ class JudgedSpectrum(NamedTuple):
 
 def asked_of_spectra(rule: Rule = "simple", strict: bool = False, budget: Budget | None = None) -> Asked:
     """Return how spectra are judged: without a budget uncertainty plays a part in a guarded decision alone."""
-    return Asked(rule, strict, budget, told=(RECORD, SAMPLING) if rule == "guarded" else ())
+    return Asked(rule, strict, budget, from_record=(RECORD, SAMPLING) if rule == "guarded" else ())
 
 
 @declare.dataclass

@@ -288,7 +288,7 @@ class SpectrumResult(measured.AskedResult):
     resultant: Mapping[str, Array] = field(default_factory=dict)
     bounded_by: str = ""
 
-    @declare.computed(declare.part(SpectraOfOne, "of one channel", inline=True, optional=True))
+    @declare.computed(declare.part(SpectraOfOne, "spectra of one channel", inline=True, optional=True))
     def of_one(self) -> SpectraOfOne | None:
         """What the document says of one channel alone."""
         if self.shocks:
@@ -298,7 +298,7 @@ class SpectrumResult(measured.AskedResult):
         record = (first.file, first.channel, first.status, reading.calibration.stated(), first.zero_line)
         return SpectraOfOne(*record, self._asked, end, self.frequency, scope.initial, first.found)
 
-    @declare.computed(declare.part(SpectraOfSeveral, "of several channels", inline=True, optional=True))
+    @declare.computed(declare.part(SpectraOfSeveral, "spectra of several channels", inline=True, optional=True))
     def of_several(self) -> SpectraOfSeveral | None:
         """What the document says of several channels."""
         if not self.shocks:
@@ -343,7 +343,7 @@ class SpectrumResult(measured.AskedResult):
 
     @property
     def spectra(self) -> list[Spectrum]:
-        """Of one channel, one a kind."""
+        """The spectra of the first channel, one a kind."""
         return self.first.found.spectra
 
     @property

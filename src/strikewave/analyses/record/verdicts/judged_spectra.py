@@ -69,7 +69,7 @@ class SpectraJudge:
                 allowed = fixed if isinstance(fixed, str) else f"{fixed:g}{' Hz' * (option in ('--from', '--to'))}"
                 raise InputError(option, getattr(value, "word", value), f"{allowed} with this --spec", FIXES)
         grid = (Typed(first, f"{first:g} Hz"), None, limits.per_octave)
-        known = Budget(()) if self.asked.budget is None and self.asked.told else self.asked.budget
+        known = Budget(()) if self.asked.budget is None and self.asked.from_record else self.asked.budget
         options = request.options._replace(budget=known)
         return request._replace(q=limits.q, grid=grid, side=limits.side, own_range=True, options=options)
 
