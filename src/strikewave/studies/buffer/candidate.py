@@ -168,7 +168,7 @@ class BufferCandidate:
             )
         return listed
 
-    height: float = declare.number(LENGTH, "of the whole stack")
+    height: float = declare.number(LENGTH._replace(digits=3), "of the whole stack")
     peak: float = declare.number(READING, "of the reading, with its sign")
     width: float = declare.number(PULSE_WIDTH, "of the reading at 10 % of its peak")
     clipped: bool = declare.word(

@@ -6,7 +6,7 @@ import math
 
 from strikewave.reporting import chapters
 from strikewave.reporting.faces import columns_of, part_tables, text_of
-from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Picture, Section, Tag
 from strikewave.reporting.table_columns import page_table
 from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, StackGasket, distinct
@@ -48,7 +48,7 @@ def buffer_report(study: BufferStudy) -> str:
 
 def buffer_words(study: BufferStudy) -> str:
     """Say in words what the stacks do to the reading."""
-    first, limit = study.candidates[0], with_unit(study.goal.limit, "m/s^2", "g")
+    first, limit = study.candidates[0], text_of(study, "limit")
     words = [
         f"{study.keeping} stacks keep the reading of {study.motion.name} within {limit}; directly "
         f"on the surface {study.site.table.name} would read {_peak(study.direct)}.",
@@ -66,7 +66,7 @@ def buffer_words(study: BufferStudy) -> str:
 
 
 def _peak(candidate: BufferCandidate) -> str:
-    return with_unit(candidate.true_peak, "m/s^2", "g") + (" (cut off)" if candidate.clipped else "")
+    return text_of(candidate, "true_peak") + (" (cut off)" if candidate.clipped else "")
 
 
 def _ranking_section(study: BufferStudy) -> Section:
@@ -93,9 +93,8 @@ def _ranking_section(study: BufferStudy) -> Section:
 def _gasket_section(study: BufferStudy, first: BufferCandidate) -> Section:
     """List the gaskets of the first stack: what they bear, and what is known of their material."""
     text = (
-        f"From the surface up. The stack is {with_unit(first.height, 'm', 'mm', 3)} high and sags by "
-        f"{with_unit(first.sag, 'm', 'um', 3)} under its load; loss factors are held within "
-        f"{percent(first.loss_error)} from 1 to 100 kHz."
+        f"From the surface up. The stack is {text_of(first, 'height')} high and sags by {text_of(first, 'sag')} under "
+        f"its load; loss factors are held within {percent(first.loss_error)} from 1 to 100 kHz."
     )
     table = page_table("Gaskets", columns_of(StackGasket), first.gaskets or [])
     return Section("Gaskets of the first stack", text, [table])

@@ -26,7 +26,7 @@ from strikewave.reporting.table_columns import TableColumn
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.sensors.mounting import RESOLVED
-from strikewave.studies.buffer.candidate import CUT_OFF, BufferCandidate, BufferGoal, carries
+from strikewave.studies.buffer.candidate import CUT_OFF, READING, BufferCandidate, BufferGoal, carries
 from strikewave.studies.buffer.moduli import spread
 from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, MountingSite, case_with, reading_of, table_with
 
@@ -227,7 +227,7 @@ class BufferStudy(ShownResult):
     def preview(self) -> Curve:
         """Return what the sensor reads on the first stack."""
         reading = self.reading(self.candidates[0])
-        return history_curve(reading.time, reading.values, "m/s^2", "g", f"reading on {self.candidates[0].name}")
+        return history_curve(reading.time, reading.values, *READING.units, f"reading on {self.candidates[0].name}")
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document and, where there is no case, the sensor with the first stack under it, as files."""

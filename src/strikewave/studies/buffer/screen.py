@@ -23,13 +23,14 @@ from strikewave.records import (
     Options,
 )
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import amount, text_of
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
-from strikewave.studies.buffer.candidate import ALIKE, RINGING, BufferGoal, distinct
+from strikewave.studies.buffer.candidate import ALIKE, READING, RINGING, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
 from strikewave.studies.buffer.mounting_site import (
+    SURFACE,
     BaseMotion,
     Blows,
     MountingSite,
@@ -227,20 +228,19 @@ def _called(source: BlowSource) -> str:
 
 def _print(study: BufferStudy) -> None:
     motion, site = study.motion, study.site
-    rigid = "" if motion.rigid_peak is None else f", rigid-body peak {with_unit(motion.rigid_peak, 'm/s^2', 'g', 5)}"
+    rigid = "" if motion.rigid_peak is None else f", rigid-body peak {amount(SURFACE, motion.rigid_peak, digits=5)}"
     if motion.recorded is not None:
-        rigid += (
-            f" (largest sample {with_unit(motion.largest_sample, 'm/s^2', 'g', 5)}: readings below have its noise too)"
-        )
+        largest = amount(SURFACE, motion.largest_sample, digits=5)
+        rigid += f" (largest sample {largest}: readings below have its noise too)"
     tell(
-        f"{site.table.name}, {with_unit(site.mass, 'kg', 'gram')}, on {with_unit(site.area, 'm^2', 'mm^2')} of gasket; "
-        f"{motion.name}: surface {with_unit(motion.peak, 'm/s^2', 'g', 5)}{rigid}",
+        f"{site.table.name}, {text_of(study.sensor, 'mass')}, on {text_of(study.sensor, 'area')} of gasket; "
+        f"{motion.name}: surface {amount(SURFACE, motion.peak, digits=5)}{rigid}",
         "  ",
     )
     shown = distinct(study.candidates, LEADING)
     shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
     rows = [one for one in study.stacks if one in shown or one is study.present]
-    title = f"{study.keeping} stacks keep {with_unit(study.goal.limit, 'm/s^2', 'g', 5)}; {study.order} ({MARKED})"
+    title = f"{study.keeping} stacks keep {amount(READING, study.limit, digits=5)}; {study.order} ({MARKED})"
     print_rows(title, stack_columns("screen", rows), rows)
     if len(study.candidates) > len(shown):
         tell(
@@ -254,7 +254,7 @@ def _print(study: BufferStudy) -> None:
     elif first.ringing > RINGING or not first.whole:
         parts += ["velocity change not known: the history ends while it still rings"]
     parts += [
-        f"{with_unit(first.sag, 'm', 'um', 3)} of sag",
+        f"{text_of(first, 'sag')} of sag",
         f"loss factors held to {percent(first.loss_error)} from 1 to 100 kHz",
     ]
     tell(f"{first.name}: {', '.join(parts)}")

@@ -70,10 +70,10 @@ def _first_section(study: SettingsStudy) -> Section:
     blows: list[list[Cell]] = []
     for name, asked in wanted.items():
         spread = getattr(observation, name)
-        si, usual, label, *_ = declarations(type(spread))["typical"].quantity
+        quantity = declarations(type(spread))["typical"].quantity
         numbers = (asked, spread.typical, spread.first, spread.worst)
-        cells = [written(shown(value, si, usual)) for value in numbers]
-        blows.append([headed(label, si, usual), *cells, _share(spread.variation).removesuffix(" %")])
+        cells = [written(shown(value, *quantity.units)) for value in numbers]
+        blows.append([headed(quantity.label, *quantity.units), *cells, _share(spread.variation).removesuffix(" %")])
     return Section(
         "The first candidate",
         "Typical is the median of the later full blows; worst is the blow farthest from the goal.",

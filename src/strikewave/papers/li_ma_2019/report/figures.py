@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.wave.field import field_of_solution
 from strikewave.base.percents import percent
+from strikewave.base.shock_quantities import ACCELERATION, IMPULSE
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
 from strikewave.papers.li_ma_2019 import gaskets
@@ -24,6 +25,7 @@ from strikewave.papers.li_ma_2019.report.tables import ORIGINS, computed_text, s
 from strikewave.papers.li_ma_2019.result import Computed, NumberRow, Reproduction, si_unit
 from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, QUIET_WAVE_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS
 from strikewave.reporting.curves import Trace
+from strikewave.reporting.faces import amount, text_of
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
 from strikewave.reporting.wave_curves import staircase_diagram
@@ -145,12 +147,12 @@ def _over_gaskets(study: GasketStudy) -> str:
     published = published_number(known.DIRECT_PEAK).value
     every, calm = (_span([cell.direct for cell in cells]) for cells in (study.reached, study.calm))
     near = min(study.calm, key=lambda cell: abs(abs(cell.direct) / published - 1.0))
-    same = with_unit(abs(study.same_machine), "m/s^2", "g", 3)
+    same = amount(ACCELERATION, abs(study.same_machine), digits=3)
     return (
         f"Over {len(study.cells)} gaskets, each with its own engagement, the direct sensor reads {every}; over the "
         f"{len(study.calm)} with which the buffered sensor rings less than the direct one, as the paper says of its "
         f"own, {calm}. One of {near.thickness * 1e3:g} mm with a modulus of {near.modulus / 1e6:g} MPa and a loss "
-        f"factor of {near.loss_factor:g} gives {with_unit(abs(near.direct), 'm/s^2', 'g')}; with the engagement of "
+        f"factor of {near.loss_factor:g} gives {amount(ACCELERATION, abs(near.direct))}; with the engagement of "
         f"li-ma-2019, whatever the gasket, it would be {same}."
     )
 
@@ -175,7 +177,7 @@ def _buffering(result: Reproduction) -> str:
     asked = 1.0 - buffered.number.value / direct.number.value
     loud, soft = (ringing(result.runs.comparison, name) for name in ("direct", "buffered"))
     verdict = "The computed buffer does not calm the pulse" if soft >= loud else "The computed buffer calms the pulse"
-    rms = [with_unit(value, "m/s^2", "g") for value in (soft, loud)]
+    rms = [amount(ACCELERATION, value) for value in (soft, loud)]
     return (
         f"What the buffer does is {'hardly ' if taken < HARDLY * asked else ''}met: it takes {percent(taken)} off the "
         f"computed peak, where {percent(asked)} were measured. {verdict}: after {AFTER * 1e6:g} µs the buffered sensor "
@@ -276,7 +278,7 @@ def _momenta(result: Reproduction) -> str:
     words = {RIGID_ELEMENTS: "with faces that reflect", QUIET_ELEMENTS: "with non-reflecting ones"}
     solutions = {name: result.runs.element_solution(name) for name in words}
     impulses = [
-        f"{with_unit(impulse, 'N s', 'N s', 3)} {words[name]}"
+        f"{amount(IMPULSE, impulse, digits=3)} {words[name]}"
         for name, solution in solutions.items()
         if solution is not None and (impulse := element_numbers(solution).impulse) is not None
     ]
@@ -285,7 +287,7 @@ def _momenta(result: Reproduction) -> str:
     return (
         "That the elements meet peak and width by fit is one crest of a ringing pulse, not its shape: the impulse of "
         f"the blow is {listed(impulses)}, where half-sines of the published peaks and widths have "
-        f"{with_unit(measured, 'N s', 'N s', 3)} (measured) and {with_unit(simulated, 'N s', 'N s', 3)} (LS-DYNA). "
+        f"{amount(IMPULSE, measured, digits=3)} (measured) and {amount(IMPULSE, simulated, digits=3)} (LS-DYNA). "
     )
 
 
@@ -375,9 +377,9 @@ def mechanism_table(study: JointStudy) -> Table:
     rows: list[list[Cell]] = [
         [
             one.name,
-            with_unit(abs(one.blow.peak), "m/s^2", "g", 3),
-            with_unit(one.blow.rigid_peak, "m/s^2", "g"),
-            with_unit(one.blow.rigid_width, "s", "us"),
+            amount(ACCELERATION, abs(one.blow.peak), digits=3),
+            text_of(one.blow, "rigid_peak"),
+            text_of(one.blow, "rigid_width"),
             Tag("kept", "good") if one.blow.keeps(study.assumed) else Tag("not kept", "bad"),
         ]
         for one in study.mechanisms

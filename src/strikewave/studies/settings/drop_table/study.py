@@ -24,8 +24,7 @@ from strikewave.cases.contact_of_case import or_else
 from strikewave.cases.written_case import dump_case
 from strikewave.machines.launch import drop_for_half_sine
 from strikewave.reporting.clause_words import first_upper, tag_of
-from strikewave.reporting.faces import columns_of
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import amount, columns_of, text_of
 from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
 from strikewave.reporting.table_columns import TableColumn
 from strikewave.specifications.ideal_pulses import HALF_SINE
@@ -199,7 +198,7 @@ class DropStudy(ShownResult):
     def preview(self) -> Curve:
         """Return the pulse of the first."""
         shock = self.candidates[0].reading.shock
-        return history_curve(shock.time, shock.values, "m/s^2", "g", "acceleration of the table")
+        return history_curve(shock.time, shock.values, *PEAK.units, "acceleration of the table")
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file, and the cases of the candidates after the first."""
@@ -224,7 +223,7 @@ def goal_words(goal: DropGoal) -> str:
     >>> goal_words(DropGoal(specification, specification.pulse_limits(), 2.0))
     'a half-sine of 1500 g and 0.5 ms by jesd22-b110:B'
     """
-    peak, duration = with_unit(goal.pulse.peak, "m/s^2", "g"), with_unit(goal.pulse.duration, "s", "ms")
+    peak, duration = amount(PEAK, goal.pulse.peak), amount(WIDTH, goal.pulse.duration)
     return f"a half-sine of {peak} and {duration} by {goal.specification.asked}".replace("\xa0", " ")
 
 
@@ -394,13 +393,13 @@ def _notices(study: DropStudy) -> list[Notice]:
     notices, first = [], ranked[0]
     lossless = list(dict.fromkeys(one.programmer.name for one in ranked if one.lossless))
     if lossless:
-        highest = study.heights[-1].height
+        highest = study.heights[-1]
         message = (
             f"{', '.join(lossless)}: nothing is lost, so the height counts on a full rebound; without any rebound the "
-            f"same velocity change takes {with_unit(highest, 'm', 'mm')}. Give the restitution of the programmer, such "
+            f"same velocity change takes {text_of(highest, 'height')}. Give the restitution of the programmer, such "
             "as --programmer 'linear, restitution=0.5'"
         )
-        notices.append(Notice("no-loss", message, min(one.height for one in ranked if one.lossless), highest))
+        notices.append(Notice("no-loss", message, min(one.height for one in ranked if one.lossless), highest.height))
     for name in dict.fromkeys(one.programmer.name for one in ranked if one.programmer.assumed):
         message = f"the law of {name} is assumed, nobody measured it: it stands after those that have a source"
         notices.append(Notice("assumed-law", message))
