@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import control_characters
+from strikewave.base.declare import Quantity
 from strikewave.base.units import in_unit
 from strikewave.reporting.shown_units import shown_unit
 
@@ -49,6 +50,17 @@ class Column(NamedTuple):
     usual: str = ""
     shown: str | None = None
     label: str = ""
+
+    @classmethod
+    def of(cls, name: str, values: Values, quantity: Quantity) -> Column:
+        """Return a column of what a quantity measures: in its SI unit, shown in its usual one.
+
+        Examples
+        --------
+        >>> Column.of("force", [1500.0], Quantity("N", "kN"))
+        Column(name='force', values=[1500.0], si='N', usual='', shown='kN', label='')
+        """
+        return cls(name, values, quantity.si, shown=quantity.usual)
 
     @property
     def unit(self) -> str:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from strikewave.base.percents import NO_DOUBT as NO_DOUBT
@@ -84,17 +83,6 @@ def headed(name: str, si: str, usual: str) -> str:
     """
     unit = shown_unit(si, usual)
     return f"{name} ({spelled(unit)})" if unit not in ("", "1") else name
-
-
-def heads(columns: Sequence[tuple[str, str, str, int]]) -> list[str]:
-    """Return the heads of columns (name, SI unit, usual unit, decimals) with the units in which they are shown.
-
-    Examples
-    --------
-    >>> heads([("restitution", "1", "1", 4), ("indentation", "m", "um", 2)])
-    ['restitution', 'indentation (µm)']
-    """
-    return [headed(name.replace("_", " "), si, usual) for name, si, usual, _ in columns]
 
 
 def shown_heads(*usual: str) -> list[str]:

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.base.shock_quantities import ACCELERATION, KILOHERTZ, LENGTH, STEP
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.numbers import fixed, headed, heads, percent, shown, with_unit
+from strikewave.reporting.faces import amount
+from strikewave.reporting.numbers import fixed, headed, percent, shown
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
 from strikewave.reporting.wave_curves import insertion_loss
 from strikewave.reporting.wave_field import QUANTITIES, WaveField, snapshots, xt_diagram
@@ -32,13 +34,8 @@ PEAK_WORDS = (
     "A peak is the value of largest magnitude, with its sign. Rigid is the momentum rate of the assembly over its "
     "mass; total is what a perfect sensor at the section would read; wave is total minus rigid."
 )
-_RECORDED = [
-    ("resonance", "Hz", "kHz", 0),
-    ("range", "m/s^2", "g", 0),
-    ("sampling", "Hz", "kHz", 0),
-    ("filter", "Hz", "kHz", 0),
-]
-"""What the table of sensors says of each: name, SI unit, unit shown as a rule."""
+_RECORDED = {"resonance": KILOHERTZ, "range": ACCELERATION, "sampling": KILOHERTZ, "filter": KILOHERTZ}
+"""What the table of sensors says of each."""
 _ROUTES = (
     "The routes of Li & Ma 2019 take the neighbours of the specimen as endless, with the force on the loaded face as "
     "input. As printed, echoes return too early and a backward wave has the wrong sign; the corrected route repairs "
@@ -51,9 +48,9 @@ def fit_table(losses: Sequence[FittedLoss]) -> Table:
     """List where energy is lost: the loss factor of the case, its band, the largest relative deviation of the model."""
     rows: list[list[Cell]] = []
     for loss in losses:
-        low, high = (f"{shown(end, 'Hz', 'kHz'):g}" for end in (loss.low, loss.high))
+        low, high = (f"{shown(end, *KILOHERTZ.units):g}" for end in (loss.low, loss.high))
         rows.append([loss.where, f"{loss.loss_factor:g}", f"{low} to {high}", percent(loss.error, 1)])
-    band = headed("band", "Hz", "kHz")
+    band = headed("band", *KILOHERTZ.units)
     return Table("Fit of the loss factors", ["where", "loss factor", band, "largest deviation"], rows)
 
 
@@ -62,17 +59,17 @@ def layer_table(setup: WaveSetup) -> Table:
     rows: list[list[Cell]] = [
         [
             layer.name,
-            written(shown(layer.length_asked, "m", "mm"), 7),
-            written(shown(layer.length_used, "m", "mm"), 7),
+            written(shown(layer.length_asked, *LENGTH.units), 7),
+            written(shown(layer.length_used, *LENGTH.units), 7),
             f"{layer.length_used / layer.length_asked - 1.0:+.1e}",
             layer.steps,
         ]
         for layer in setup.layers[:MOST_LAYERS]
     ]
     more = len(setup.layers) - MOST_LAYERS
-    caption = f"Layers, rounded to whole time steps of {with_unit(setup.step, 's', 'ns')}"
+    caption = f"Layers, rounded to whole time steps of {amount(STEP, setup.step)}"
     caption += f"; {more} more in the JSON" if more > 0 else ""
-    lengths = [headed(name, "m", "mm") for name in ("length in the case", "length used")]
+    lengths = [headed(name, *LENGTH.units) for name in ("length in the case", "length used")]
     return Table(
         caption,
         ["layer", *lengths, "relative difference", "time steps of a transit"],
@@ -109,8 +106,8 @@ def route_section(name: str, quoted: bool, time: Any, exact: Any, rigid: Any, wa
         Trace("corrected, wave", time, corrected),
         Trace("superposed: rigid + as printed", time, rigid + printed),
     ]
-    rows: list[list[Cell]] = [[c.label, fixed(_largest(c.values), "m/s^2", "g", 0)] for c in curves]
-    peaks = Table(f"Largest acceleration at {name} by route", ["route", headed("peak", "m/s^2", "g")], rows)
+    rows: list[list[Cell]] = [[c.label, fixed(_largest(c.values), *ACCELERATION.units, 0)] for c in curves]
+    peaks = Table(f"Largest acceleration at {name} by route", ["route", headed("peak", *ACCELERATION.units)], rows)
     return Section(
         "Routes of the paper compared with the exact solution",
         _ROUTES,
@@ -138,18 +135,19 @@ def sensor_part(channels: Sequence[SensorChannel], picture: Figure, readings: Ta
     """Show what the sensors read, describe them, and say what their buffers take off."""
     described: list[list[Cell]] = []
     for sensor, _, recorder in channels:
+        stated = (sensor.resonance, sensor.range, recorder.sampling_rate, recorder.cutoff)
         described.append(
             [
                 sensor.name,
                 "direct" if sensor.mounting.direct else f"{len(sensor.mounting.gaskets)} gaskets",
-                _finite(sensor.resonance, "Hz", "kHz"),
-                _finite(sensor.range, "m/s^2", "g"),
-                _finite(recorder.sampling_rate, "Hz", "kHz"),
-                _finite(recorder.cutoff, "Hz", "kHz"),
+                *(
+                    "none" if math.isinf(value) else written(shown(value, *of.units), 4)
+                    for value, of in zip(stated, _RECORDED.values(), strict=True)
+                ),
                 str(recorder.bits or NONE),
             ]
         )
-    described_by = ["sensor", "mounting", *heads(_RECORDED), "bits"]
+    described_by = ["sensor", "mounting", *(headed(name, *of.units) for name, of in _RECORDED.items()), "bits"]
     caption = "Sensor readings as recorded: with mounting, resonance, range, filter, sampling and bits."
     parts: list[Part] = [
         Picture(picture, caption),
@@ -174,10 +172,6 @@ def loss_table(channels: Sequence[SensorChannel]) -> Table:
     ]
     return Table(
         "Insertion loss (dB; negative where the mounting amplifies)",
-        ["sensor", *(with_unit(f, "Hz", "kHz") for f in LOSS_FREQUENCIES)],
+        ["sensor", *(amount(KILOHERTZ, f) for f in LOSS_FREQUENCIES)],
         rows,
     )
-
-
-def _finite(value: float, si: str, usual: str) -> str:
-    return "none" if math.isinf(value) else written(shown(value, si, usual), 4)

@@ -13,6 +13,7 @@ from strikewave.base.declare import KEY, MAIN, MORE, NOT_MEASURED
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.percents import sign_needed
 from strikewave.base.result import FAILED, Notice
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.base.units import parse_quantity, typed_number
 from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import NO_DOUBT, axis_unit, doubted
@@ -68,7 +69,7 @@ class Judged:
         """Return what it comes to, with its expanded uncertainty where that is known."""
         if not (math.isfinite(self.value) and self.doubt > NO_DOUBT * abs(self.value)):
             return self._words(self.value)
-        size, name = axis_unit("s", "us") if self.unit == "s" else (0.01, self.unit)
+        size, name = axis_unit(*MICROSECONDS.units) if self.unit == "s" else (0.01, self.unit)
         return f"{' ± '.join(doubted(self.value / size, self.doubt / size))} {name}"
 
     margin_words = declare.phrase("margin", column=MORE)(lambda one: one._words(one.margin))
@@ -82,7 +83,7 @@ class Judged:
     def _words(self, value: float) -> str | None:
         if math.isnan(value):
             return None
-        size, name = axis_unit("s", "us")
+        size, name = axis_unit(*MICROSECONDS.units)
         return f"{written(value / size)} {name}" if self.unit == "s" else value_words(value, self.unit)
 
 

@@ -8,6 +8,7 @@ from strikewave.analyses.compare.figures import half_figures, overlay
 from strikewave.analyses.compare.limits import verdict_of
 from strikewave.analyses.compare.result import TOGETHER, CompareResult, IsoScores
 from strikewave.analyses.compare.specified import SpecificationVerdict
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import (
     CLAUSE_COLUMNS,
@@ -18,8 +19,8 @@ from strikewave.reporting.clause_words import (
     verdict_sentence,
     verdict_tag,
 )
-from strikewave.reporting.faces import columns_of, face_table, line_table
-from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.faces import amount, columns_of, face_table, line_table
+from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Part, Picture, Section, Table
 from strikewave.reporting.table_columns import page_table
 from strikewave.signal.iso18571 import RATE, SAMPLES
@@ -88,7 +89,7 @@ def scaling_words(result: CompareResult) -> str:
     begin, end = result.agreement.interval
     return (
         f"The standard is made for signals sampled at {RATE / 1e3:g} kHz: the interval of "
-        f"{with_unit(end - begin, 's', 'us')} is taken as {SAMPLES} such samples, time stretched "
+        f"{amount(MICROSECONDS, end - begin)} is taken as {SAMPLES} such samples, time stretched "
         f"{result.metrics.iso18571.stretched:.3g} times. Its phase score is what the alignment leaves."
     )
 

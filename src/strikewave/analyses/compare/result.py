@@ -17,10 +17,11 @@ from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
 from strikewave.base.result import Band
-from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, RATIO, SCORE, SHARE
+from strikewave.base.shock_quantities import FREQUENCY, KILOHERTZ, MICROSECONDS, RATIO, SCORE, SHARE
 from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.banded_numbers import band_text
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.faces import amount
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import axis_unit, percent, rounded, shown, with_unit
 from strikewave.reporting.parts import Tag, written
@@ -54,7 +55,7 @@ class LargestRatio:
     ratio: float = declare.number(LEVEL, "largest ratio of the shock response spectra")
     frequency: float = declare.number(FREQUENCY, "natural frequency of that")
     words = declare.phrase("largest ratio of shock response spectra", column=MAIN, tables=TOGETHER)(
-        lambda one: f"{one.ratio:+.2f} dB at {with_unit(one.frequency, 'Hz', 'kHz', 3)}"
+        lambda one: f"{one.ratio:+.2f} dB at {amount(KILOHERTZ, one.frequency, digits=3)}"
     )
 
 
@@ -286,7 +287,7 @@ class CompareResult(AskedResult):
         """Both histories over the common time."""
         found, si, usual = self.agreement, self.unit, self.usual
         columns = [
-            Column("time", found.time, "s", shown="us"),
+            Column.of("time", found.time, MICROSECONDS),
             Column("A", found.a, si, shown=usual),
             Column("B", found.b, si, shown=usual),
             Column("difference", found.b - found.a, si, shown=usual),
@@ -298,7 +299,7 @@ class CompareResult(AskedResult):
     @functools.cached_property
     def figures(self) -> dict[str, PairOfFigures]:
         """Peak, width, and velocity change or impulse, of both."""
-        kinds = {"peak": ("peak", self.unit, self.usual), "width": ("width", "s", "us")}
+        kinds = {"peak": ("peak", self.unit, self.usual), "width": ("width", *MICROSECONDS.units)}
         if self.unit in INTEGRALS:
             integral, si = INTEGRALS[self.unit]
             kinds[integral] = ("integral", si, si)

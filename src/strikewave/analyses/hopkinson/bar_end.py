@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.base.errors import InputError
-from strikewave.base.shock_quantities import SHARE
+from strikewave.base.shock_quantities import KILOHERTZ, SHARE
 from strikewave.hopkinson import Bar, Carrier, GaugeTrace, Pulses, carried, find_pulses
 from strikewave.hopkinson.bar_end import EndMotion, SensorAgreement, compare_sensor, elastic_disk, free_end, rigid_disk
 from strikewave.hopkinson.onset import noise_ceiling
@@ -79,7 +79,7 @@ class Standing(NamedTuple):
 class Bandwidth:
     """The bandwidth of a comparison, and what set it."""
 
-    value: float = declare.number(Quantity("Hz", "kHz"), "low-pass of reference and reading", key="bandwidth")
+    value: float = declare.number(KILOHERTZ, "low-pass of reference and reading", key="bandwidth")
     reason: str = declare.word("what set it: stated, noise, sampling, or one-dimensional theory", key="bandwidth_by")
     noise: float = declare.number(
         Quantity("Hz", "kHz", "frequency at which the pulse sinks in noise"),

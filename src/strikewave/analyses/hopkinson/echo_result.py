@@ -9,6 +9,7 @@ from typing import ClassVar
 from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.base import declare
 from strikewave.base.declare import declarations
+from strikewave.base.shock_quantities import KILOHERTZ, RATIO, VELOCITY
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.hopkinson.bars import Bar
 from strikewave.hopkinson.echoes import Echoes
@@ -57,7 +58,7 @@ class EchoSolution(Outcome):
     def preview(self) -> Curve:
         """Return the strain at the gauge."""
         trace = self.echoes.quiet.trace
-        return history_curve(trace.time, trace.strain, "1", "1", "strain at the gauge")
+        return history_curve(trace.time, trace.strain, *RATIO.units, "strain at the gauge")
 
     def tables(self) -> dict[str, str]:
         """Return speed and attenuation over frequency as CSV text."""
@@ -68,9 +69,9 @@ class EchoSolution(Outcome):
         """Speed and attenuation over frequency."""
         echoes = self.echoes
         return [
-            Column("frequency", echoes.frequency, "Hz", shown="kHz"),
-            Column("phase speed", echoes.phase_speed, "m/s", shown="m/s"),
-            Column("standard error of phase speed", echoes.phase_speed_error, "m/s", shown="m/s"),
+            Column.of("frequency", echoes.frequency, KILOHERTZ),
+            Column.of("phase speed", echoes.phase_speed, VELOCITY),
+            Column.of("standard error of phase speed", echoes.phase_speed_error, VELOCITY),
             Column(echoes.theory, echoes.theory_speed, "m/s"),
             Column("attenuation", echoes.losses, "1/m", shown="1/m"),
             Column("standard error of attenuation", echoes.losses_error, "1/m"),

@@ -14,7 +14,17 @@ from numpy.typing import NDArray
 from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, Quantity
-from strikewave.base.shock_quantities import ENERGY, MEASURED_IMPULSE, MICROSTRAIN, SHARE
+from strikewave.base.shock_quantities import (
+    ENERGY,
+    FORCE,
+    KILOHERTZ,
+    MEASURED_IMPULSE,
+    MICROSECONDS,
+    MICROSTRAIN,
+    RATIO,
+    SHARE,
+    STRESS,
+)
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.hopkinson.bars import BarMaterial, StrikerBar
 from strikewave.hopkinson.checks import RISE_SLOPE, Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
@@ -59,7 +69,7 @@ class Alignment:
 
     method: str = declare.word("how the waves were aligned")
     dispersion: str = declare.word("theory by which dispersion was turned back")
-    band: float = declare.number(Quantity("Hz", "kHz"), "frequency up to which it was")
+    band: float = declare.number(KILOHERTZ, "frequency up to which it was")
     window: float = declare.number(Quantity("s", "us", digits=3), "largest move that an alignment may make")
     late_onset: dict[str, float] = declare.number(
         DELAY, "how late the reflected and the transmitted wave are by their onsets"
@@ -225,7 +235,7 @@ class HopkinsonSolution(Outcome):
     def preview(self) -> Curve:
         """Return true stress over true strain while the incident wave lasts."""
         true, on = self.curve.true(), self.reduction.loading
-        size, name = axis_unit("Pa", "MPa")
+        size, name = axis_unit(*STRESS.units)
         return Curve(true.strain[on], true.stress[on] / size, "true strain", f"true stress ({name})")
 
     def tables(self) -> dict[str, str]:
@@ -238,19 +248,19 @@ class HopkinsonSolution(Outcome):
         r, w, engineering = self.reduction, self.reduction.waves, self.curve
         true = engineering.true()
         return [
-            Column("time", r.time, "s", shown="us"),
+            Column.of("time", r.time, MICROSECONDS),
             Column("incident strain", w.incident, "1"),
             Column("reflected strain", w.reflected, "1"),
             Column("transmitted strain", w.transmitted, "1"),
-            Column("force 1", r.first_force, "N", shown="kN"),
-            Column("force 2", r.second_force, "N", shown="kN"),
+            Column.of("force 1", r.first_force, FORCE),
+            Column.of("force 2", r.second_force, FORCE),
             Column("velocity 1", r.first_velocity, "m/s"),
             Column("velocity 2", r.second_velocity, "m/s"),
             Column("engineering strain", engineering.strain, "1"),
             Column("engineering stress", engineering.stress, "Pa"),
             Column("engineering rate", engineering.rate, "1/s"),
-            Column("true strain", true.strain, "1", shown="1"),
-            Column("true stress", true.stress, "Pa", shown="MPa"),
+            Column.of("true strain", true.strain, RATIO),
+            Column.of("true stress", true.stress, STRESS),
             Column("true rate", true.rate, "1/s", shown="1/s"),
         ]
 
@@ -269,7 +279,8 @@ def slope_text(slope: Slope) -> str:
     """Write a slope with the values between which a sample of misalignment moves it."""
     if math.isnan(slope.value):
         return NONE
-    value, low, high = (written(shown(one, "Pa", "GPa"), 3) for one in (slope.value, slope.low, slope.high))
+    ends = (slope.value, slope.low, slope.high)
+    value, low, high = (written(shown(one, *RISE_SLOPE.units), RISE_SLOPE.digits) for one in ends)
     if math.isnan(slope.low):
         return value
     return f"{value} ({low} or more)" if math.isinf(slope.high) else f"{value} ({low} to {high})"

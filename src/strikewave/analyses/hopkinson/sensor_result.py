@@ -14,7 +14,7 @@ from strikewave.analyses.hopkinson.bar_end import Bandwidth, SensorComparison, S
 from strikewave.analyses.hopkinson.outcome import Outcome
 from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, GivenUnits, Quantity, declarations
-from strikewave.base.shock_quantities import MASS, MICROSECONDS, RATIO, SHARE
+from strikewave.base.shock_quantities import ACCELERATION, MASS, MICROSECONDS, RATIO, SHARE, VELOCITY
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.hopkinson.bars import Bar, BarMaterial
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -28,9 +28,10 @@ clock has ten times as many."""
 READING = Quantity.of_data("as reading_unit")
 SENSITIVITY = Quantity.of_data("as sensitivity_unit", digits=5)
 INTEGRAL = Quantity.of_data("as reading_unit times s")
+VOLTAGE = Quantity("V", "mV")
 GIVEN_UNITS = {
-    "V": {READING: ("V", "mV"), SENSITIVITY: ("V s^2/m", "mV/g"), INTEGRAL: ("V s", "mV ms")},
-    "m/s^2": {READING: ("m/s^2", "g"), SENSITIVITY: (NO_UNIT, NO_UNIT), INTEGRAL: ("m/s", "m/s")},
+    "V": {READING: VOLTAGE.units, SENSITIVITY: ("V s^2/m", "mV/g"), INTEGRAL: ("V s", "mV ms")},
+    "m/s^2": {READING: ACCELERATION.units, SENSITIVITY: RATIO.units, INTEGRAL: VELOCITY.units},
 }
 """Units, SI and shown, by that of the reading."""
 
@@ -239,7 +240,9 @@ class SensorSolution(Outcome):
 
     def preview(self) -> Curve:
         """Return the reading as an acceleration."""
-        return history_curve(self.comparison.time, self.shown_acceleration, "m/s^2", "g", "reading as acceleration")
+        return history_curve(
+            self.comparison.time, self.shown_acceleration, *ACCELERATION.units, "reading as acceleration"
+        )
 
     def tables(self) -> dict[str, str]:
         """Return the histories as CSV text."""
@@ -250,11 +253,11 @@ class SensorSolution(Outcome):
         """The histories; the delay of the reading is taken out."""
         kept, as_acceleration = self.kept_histories, self.shown_acceleration[self.kept]
         return [
-            Column("time", kept.time, "s", shown="us"),
-            Column("reference acceleration", kept.reference_acceleration, "m/s^2", shown="g"),
+            Column.of("time", kept.time, MICROSECONDS),
+            Column.of("reference acceleration", kept.reference_acceleration, ACCELERATION),
             Column("reading", kept.reading, self.unit),
-            Column("reading as acceleration", as_acceleration, "m/s^2", shown="g"),
-            Column("difference", as_acceleration - kept.reference_acceleration, "m/s^2", shown="g"),
+            Column.of("reading as acceleration", as_acceleration, ACCELERATION),
+            Column.of("difference", as_acceleration - kept.reference_acceleration, ACCELERATION),
             Column("reference velocity", kept.reference_velocity, "m/s"),
             Column("reading integrated", self.shown_velocity[self.kept], "m/s"),
             Column("end velocity by both waves", kept.velocity_by_both_waves, "m/s"),

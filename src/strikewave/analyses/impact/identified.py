@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, Quantity, declarations
-from strikewave.base.shock_quantities import IMPULSE, MICROSECONDS, RATIO, RESTITUTION
+from strikewave.base.shock_quantities import FORCE, IMPULSE, MICROSECONDS, RATIO, RESTITUTION
 from strikewave.contact.identification import Identified
 from strikewave.records import ChannelReading
 from strikewave.reporting import measured_files as measured
@@ -215,7 +215,7 @@ class IdentifyResult(measured.AskedResult):
 
     def preview(self) -> Curve:
         """Return the measured force."""
-        return history_curve(self.found.time, self.found.measured, "N", "kN", "measured force")
+        return history_curve(self.found.time, self.found.measured, *FORCE.units, "measured force")
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""

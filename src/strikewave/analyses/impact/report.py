@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from strikewave.analyses.impact.figures.contact import impact_sheet
 from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, blow_table
+from strikewave.base.shock_quantities import KILOGRAMS, VELOCITY
 from strikewave.reporting import chapters
-from strikewave.reporting.faces import face_table, part_tables
-from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.faces import amount, face_table, part_tables
+from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Picture, Section
 from strikewave.reporting.table_columns import page_table
 
@@ -34,9 +35,9 @@ def impact_report(result: ImpactResult) -> str:
 def impact_words(result: ImpactResult) -> str:
     """Say in words what happens."""
     setup, numbers = result.setup, dict(result.highlights())
-    m1, m2 = (with_unit(mass, "kg", "kg") if mass < float("inf") else "a fixed body" for mass in setup.masses)
+    m1, m2 = (amount(KILOGRAMS, mass) if mass < float("inf") else "a fixed body" for mass in setup.masses)
     return (
-        f"{m1} strikes {m2} at {with_unit(setup.speed, 'm/s', 'm/s')}: the force peaks at {numbers['peak force']} and "
+        f"{m1} strikes {m2} at {amount(VELOCITY, setup.speed)}: the force peaks at {numbers['peak force']} and "
         f"lasts {numbers['duration']}; the coefficient of restitution is {numbers['coefficient of restitution']}. "
         f"Solved by the {result.first.method}."
     )

@@ -15,7 +15,7 @@ from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity, declarat
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import INFO, Notice
-from strikewave.base.shock_quantities import RATIO, RESTITUTION
+from strikewave.base.shock_quantities import FORCE, RATIO, RESTITUTION
 from strikewave.cases.contact_range_notices import duration_notices, indentation_notices, speed_notices
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.contact import Impact, Stiffness, first_yield, impact_history, reduced_mass, solve_impact
@@ -180,7 +180,7 @@ class ImpactResult(measured.AskedResult):
     def preview(self) -> Curve:
         """Return the force of the first blow."""
         blow = impact_history(self.blows[0])
-        return history_curve(blow.time, blow.force, "N", "kN", "contact force")
+        return history_curve(blow.time, blow.force, *FORCE.units, "contact force")
 
     @property
     def drawn(self) -> list[int]:

@@ -9,13 +9,15 @@ from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import Names, amount, called, percent, rows_of
 from strikewave.base.constants import COVERAGE
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.records.budget.blows import FIGURES, BlowUncertainty, BudgetLine, FigureUncertainty
 from strikewave.records.budget.contributions import ADDED, RECORD, SAMPLING, Budget, Contribution
 from strikewave.records.budget.propagation import NORMAL, RECTANGULAR
 from strikewave.records.reading import ChannelReading
 from strikewave.records.record import Channel
+from strikewave.reporting import faces
 from strikewave.reporting.clause_words import held_words
-from strikewave.reporting.numbers import doubted, listed, with_unit
+from strikewave.reporting.numbers import doubted, listed
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
 MOST_ROWS = 60
@@ -188,7 +190,7 @@ def _stated_cells(line: BudgetLine, stated: Contribution | None, name: str, unit
         return "type A", NORMAL, amount(name, unit, line.standard, 3), "1"
     if line.name == SAMPLING:
         size = 0.5 * step / math.sqrt(3.0)
-        own = with_unit(size, "s", "us", 3)
+        own = faces.amount(MICROSECONDS, size, digits=3)
         return "half a sample", RECTANGULAR, own, _coefficient(line, size / 1e-6, name, unit, "µs")
     assert stated is not None
     size = stated.input.standard

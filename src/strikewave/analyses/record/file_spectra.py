@@ -26,11 +26,12 @@ from strikewave.analyses.record.spectrum import (
 from strikewave.analyses.record.words import named
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, Notice, Source
+from strikewave.base.shock_quantities import KILOHERTZ
 from strikewave.records import ChannelReading, FileReading, Options, Request, SampleStore, compare
 from strikewave.records.budgeted import check_amounts
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import amount
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.terminal import say
 from strikewave.signal.srs import (
@@ -199,7 +200,7 @@ def _several(
         _scope(wanted, reading),
         shocks,
         budget=wanted.options.budget,
-        bounded_by="" if asked_for else f"{with_unit(rate, 'Hz', 'kHz')} of {Path(slowest[0]).name}",
+        bounded_by="" if asked_for else f"{amount(KILOHERTZ, rate)} of {Path(slowest[0]).name}",
         notices=tuple(notices),
         citations=CITED_OF_SEVERAL,
     )

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from strikewave.analyses.record.moved import RecordMotion
-from strikewave.reporting.numbers import with_unit
+from strikewave.base.shock_quantities import LENGTH, MILLISECONDS, VELOCITY
+from strikewave.reporting.faces import amount
 from strikewave.reporting.parts import Cell, Part, Picture, Section, Table
 
 MOST_ROWS = 60
@@ -20,10 +21,10 @@ def motion_table(found: Sequence[RecordMotion]) -> Table:
     for one in found[:MOST_ROWS]:
         last = {name: float(values[-1]) for name, values in one.motion._asdict().items()}
         speed, way = (
-            f"{with_unit(last[name], si, unit, 3)} ± {with_unit(last[f'{name}_drift'], si, unit, 2)}"
-            for name, si, unit in (("velocity", "m/s", "m/s"), ("displacement", "m", "mm"))
+            f"{amount(of, last[name], digits=3)} ± {amount(of, last[f'{name}_drift'], digits=2)}"
+            for name, of in (("velocity", VELOCITY), ("displacement", LENGTH))
         )
-        lost = "–" if math.isnan(one.lost) else f"from {with_unit(one.lost, 's', 'ms', 4)} on"
+        lost = "–" if math.isnan(one.lost) else f"from {amount(MILLISECONDS, one.lost)} on"
         rows.append([Path(one.file).name, one.channel, speed, way, lost])
     title = "Motion from rest before the first blow to the end of the record, ± a standard deviation of its drift"
     heads = ["file", "channel", "velocity at the end", "displacement at the end", "drift exceeds the displacement"]

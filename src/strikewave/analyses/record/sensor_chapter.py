@@ -6,7 +6,9 @@ import math
 
 from strikewave.analyses.record.sensor_trials import SensorTrials, lacking
 from strikewave.analyses.record.tables import Names, amount, percent
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.base.shock_quantities import ACCELERATION, KILOHERTZ, MICROSECONDS
+from strikewave.reporting import faces
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import NONE, Cell, Section, Table
 
 MOST_ROWS = 60
@@ -19,7 +21,7 @@ def sensor_table(found: SensorTrials, names: Names) -> Table:
     for blow in found.blows[:MOST_ROWS]:
         trial = blow.trial
         used = percent(trial.range_used) if trial.range_used > 0.0 else NONE
-        clipped = with_unit(trial.time_clipped, "s", "us", 3)
+        clipped = faces.amount(MICROSECONDS, trial.time_clipped, digits=3)
         rows.append(
             [
                 *(names[blow.file], blow.channel, str(blow.blow)),
@@ -40,18 +42,18 @@ MORE_COLUMNS = ("channel", "beyond it", "ringing")
 def sensor_section(found: SensorTrials, names: Names) -> Section:
     """Return the chapter: the sensor, how it was tried, and what is left of each blow."""
     sensor, recorder, model = found.stated.sensor, found.stated.recorder, found.stated.model
-    facts = [f"range {with_unit(sensor.range, 'm/s^2', 'g')}"] if math.isfinite(sensor.range) else []
+    facts = [f"range {faces.amount(ACCELERATION, sensor.range)}"] if math.isfinite(sensor.range) else []
     facts += [
-        f"resonance {with_unit(sensor.resonance, 'Hz', 'kHz')}, magnified {sensor.quality:.3g} times"
+        f"resonance {faces.amount(KILOHERTZ, sensor.resonance)}, magnified {sensor.quality:.3g} times"
     ] * math.isfinite(sensor.resonance)
-    lowest = f"lowest resonance {with_unit(found.resonance, 'Hz', 'kHz', 3)} on its mounting"
+    lowest = f"lowest resonance {faces.amount(KILOHERTZ, found.resonance, digits=3)} on its mounting"
     facts += [f"no {key} stated" for key in lacking(found.stated)]
     facts.append("directly mounted" if sensor.mounting.direct else lowest)
     if math.isfinite(recorder.sampling_rate):
-        facts.append(f"recorded at {with_unit(recorder.sampling_rate, 'Hz', 'kHz')}")
+        facts.append(f"recorded at {faces.amount(KILOHERTZ, recorder.sampling_rate)}")
     if math.isfinite(recorder.cutoff):
-        facts.append(f"low-pass of {recorder.order} poles at {with_unit(recorder.cutoff, 'Hz', 'kHz')}")
-    band = with_unit(found.band, "Hz", "kHz", 3)
+        facts.append(f"low-pass of {recorder.order} poles at {faces.amount(KILOHERTZ, recorder.cutoff)}")
+    band = faces.amount(KILOHERTZ, found.band, digits=3)
     origin = "" if model is None else f" {model.name}: {model.status}; {model.source}. {model.note}"
     text = (
         f"{found.sentence()} Sensor: {listed(facts)}.{origin} Each blow is taken as the motion of "

@@ -494,7 +494,7 @@ class SpectrumResult(measured.AskedResult):
     @property
     def main_columns(self) -> list[Column]:
         """The columns of one channel, or of what several come to."""
-        columns = [Column("frequency", self.frequency, "Hz", shown="Hz")]
+        columns = [Column.of("frequency", self.frequency, FREQUENCY)]
         if not self.shocks:
             return columns + self.columns_of(self.first.found)
         together = self.together.items()

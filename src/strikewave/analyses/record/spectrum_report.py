@@ -12,9 +12,11 @@ from strikewave.analyses.record.spectrum import SpectrumResult, spectrum_finding
 from strikewave.analyses.record.tables import squeezed, status_tag
 from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
 from strikewave.analyses.record.words import named
+from strikewave.base.shock_quantities import ACCELERATION
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import held_words, verdict_tag
-from strikewave.reporting.numbers import hertz, one_in, percent, spelled, with_unit
+from strikewave.reporting.faces import amount
+from strikewave.reporting.numbers import hertz, one_in, percent, spelled
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
 from strikewave.signal.envelopes import FEWEST
 
@@ -169,7 +171,7 @@ def _key_numbers(result: SpectrumResult) -> list[tuple[str, str]]:
     peaks = [abs(pulse.peak) for pulse in result.reading.pulses]
     if peaks and result.is_acceleration:
         label = f"largest peak of the record, {len(peaks)} blow{'s' * (len(peaks) > 1)}"
-        pairs.append((label, with_unit(max(peaks), "m/s^2", "g")))
+        pairs.append((label, amount(ACCELERATION, max(peaks))))
     return pairs
 
 

@@ -7,11 +7,12 @@ import math
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.wave.field import field_of_solution
+from strikewave.base.shock_quantities import STEP
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import band_sections
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.faces import face_rows, face_table, numbers_of, part_tables
-from strikewave.reporting.numbers import listed, spelled, with_unit
+from strikewave.reporting.faces import amount, face_rows, face_table, numbers_of, part_tables
+from strikewave.reporting.numbers import listed, spelled
 from strikewave.reporting.parts import Flow, Part, Picture, Section, Table
 from strikewave.reporting.stack_chapters import (
     MOST_LAYERS,
@@ -48,7 +49,7 @@ def error_words(solution: WaveSolution) -> str:
     """Say how exact the waves of a bar are."""
     velocity, acceleration = solution.accuracy
     bounds = "no bound" if math.isinf(velocity) else f"velocity {velocity:.1e}, acceleration {acceleration:.1e}"
-    step = with_unit(solution.waves.step, "s", "ns")
+    step = amount(STEP, solution.waves.step)
     if solution.method == "spectral":
         dispersion = solution.case.solver.dispersion
         return (

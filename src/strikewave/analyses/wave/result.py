@@ -427,11 +427,11 @@ class WaveSolution(CaseResult):
         """Return the acceleration at the first tap, the velocity where theory allows none to be quoted."""
         seen = self.by_route(0, self.route) if self.taps else None
         if seen is None:
-            return history_curve(self.run.time, self.run.face_force, "N", "kN", "force on the first face")
+            return history_curve(self.run.time, self.run.face_force, *FORCE.units, "force on the first face")
         name = self.taps[0][0]
         if self.quoted:
-            return history_curve(self.run.time, seen.acceleration, "m/s^2", "g", f"acceleration at {name}")
-        return history_curve(self.run.time, seen.velocity, "m/s", "m/s", f"velocity at {name}")
+            return history_curve(self.run.time, seen.acceleration, *ACCELERATION.units, f"acceleration at {name}")
+        return history_curve(self.run.time, seen.velocity, *VELOCITY.units, f"velocity at {name}")
 
     def tables(self) -> dict[str, str]:
         """Return the histories of all taps as CSV text, every column with its unit."""

@@ -13,10 +13,10 @@ from strikewave.analyses.wave.report import error_words, wave_tables, wave_words
 from strikewave.analyses.wave.run import WaveSolution, run_wave
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import MISSING, InputError
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
-from strikewave.reporting.faces import face_columns, face_rows
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import amount, face_columns, face_rows
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.stack_chapters import MOST_LAYERS
@@ -96,7 +96,7 @@ class WaveCommand(Command[WaveSolution]):
 def show(solution: WaveSolution) -> None:
     """Print the largest values at the taps, the layers, joints and sensors of a stack, and how exact they are."""
     stack = solution.run.stack
-    name, transit = solution.case.name, with_unit(stack.transit, "s", "us")
+    name, transit = solution.case.name, amount(MICROSECONDS, stack.transit)
     tell(f"{name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {transit}", "  ")
     taps = face_columns(solution, "tap_histories"), face_rows(solution, "tap_histories")
     print_rows(f"{solution.title}: largest values at the taps", *taps)

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.hopkinson.report.page import outcome_page
 from strikewave.base.declare import declarations
+from strikewave.base.shock_quantities import BAR_SPEED, KILOHERTZ, LENGTH
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.reporting import chapters
-from strikewave.reporting.faces import cell_text, label_of, text_of
-from strikewave.reporting.numbers import headed, shown, with_unit
+from strikewave.reporting.faces import amount, cell_text, label_of, text_of
+from strikewave.reporting.numbers import headed, shown
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table
 from strikewave.reporting.style import WHOLE, one_diagram
 
@@ -44,7 +45,7 @@ def echo_words(solution: EchoSolution) -> str:
     """Say in words what the echoes gave: on the screen and at the head of the report."""
     echoes = solution.echoes
     return (
-        f"The bar speed by {echoes.times.size} passes is {with_unit(echoes.speed.value, 'm/s', 'm/s', 5)}, "
+        f"The bar speed by {echoes.times.size} passes is {amount(BAR_SPEED, echoes.speed.value, digits=5)}, "
         f"{text_of(echoes, 'difference')} off the stated one."
     )
 
@@ -52,8 +53,8 @@ def echo_words(solution: EchoSolution) -> str:
 def echo_tables(solution: EchoSolution) -> list[Table]:
     """Return the tables of a bar calibrated by its echoes."""
     echoes = solution.echoes
-    band = [shown(float(echoes.frequency[place]), "Hz", "kHz") for place in (0, -1)]
-    given = f"; given as {with_unit(solution.bar.length, 'm', 'mm', 6)}" if math.isfinite(solution.bar.length) else ""
+    band = [shown(float(echoes.frequency[place]), *KILOHERTZ.units) for place in (0, -1)]
+    given = f"; given as {amount(LENGTH, solution.bar.length, digits=6)}" if math.isfinite(solution.bar.length) else ""
     notes = {
         "speed": f"{cell_text(echoes, 'difference')} off the stated {cell_text(echoes, 'stated_speed')}",
         "round_trip": f"by round trips{given}",
@@ -63,7 +64,7 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
     rows += [
         ["passes used", str(echoes.times.size), NONE, NONE, NONE, f"from number {echoes.first + 1} on"],
         [
-            headed("band", "Hz", "kHz"),
+            headed("band", *KILOHERTZ.units),
             f"{band[0]:.3g} to {band[1]:.3g}",
             NONE,
             NONE,

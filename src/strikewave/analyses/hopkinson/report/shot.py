@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.hopkinson.report.page import line_of, outcome_page
 from strikewave.analyses.hopkinson.result import AnalysedCurve, WaveDelay
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.hopkinson import stress_difference, transits_to_uniform
 from strikewave.hopkinson.checks import StrikerCheck
 from strikewave.hopkinson.uniformity import UNIFORM
@@ -146,8 +147,8 @@ def _agreeing(equilibrium: Equilibrium) -> str:
     """Write the longest stretch in which the forces agree."""
     if math.isnan(equilibrium.begin):
         return "in no lasting stretch"
-    begin, end = (fixed(time, "s", "us", 1) for time in (equilibrium.begin, equilibrium.end))
-    return f"from {begin} to {end} {spelled(shown_unit('s', 'us'))}"
+    begin, end = (fixed(time, *MICROSECONDS.units, 1) for time in (equilibrium.begin, equilibrium.end))
+    return f"from {begin} to {end} {spelled(shown_unit(*MICROSECONDS.units))}"
 
 
 def _three(waves: Momentum | Energy) -> str:
@@ -185,7 +186,7 @@ def _theory_table(solution: HopkinsonSolution) -> list[Table]:
     rise, uniform = solution.pulses.rise / RISE_SHARE / transit, percent(UNIFORM, 0)
     rows: list[list[Cell]] = [
         ["impedance of the specimen over that of the bar", f"{beta:.4g}"],
-        [headed("transit of the specimen", "s", "us"), written(shown(transit, "s", "us"))],
+        [headed("transit of the specimen", *MICROSECONDS.units), written(shown(transit, *MICROSECONDS.units))],
         ["force difference after a step, transit 3", percent(float(stress_difference(beta, 3)), 1)],
         ["force difference after a step, transit 5", percent(float(stress_difference(beta, 5)), 2)],
         [f"transits to {uniform} after a step", f"{transits_to_uniform(beta):.4g}"],

@@ -7,10 +7,12 @@ from typing import Any
 
 from strikewave.analyses.record.screen.kit import MOST_LINES, integral_text, value_text
 from strikewave.analyses.record.words import named
+from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, MILLISECONDS
 from strikewave.records import Campaign, FileReading
 from strikewave.records.campaign import SUMMED, WITHOUT_RINGING
+from strikewave.reporting.faces import amount
 from strikewave.reporting.layout import MORE, keys, numerals
-from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.numbers import percent
 from strikewave.reporting.terminal import table, tell
 
 
@@ -46,9 +48,9 @@ def _writers(unit: str) -> dict[str, Any]:
     return {
         **dict.fromkeys(("peak", "rigid_peak"), lambda v: value_text(v, unit)),
         "velocity_change": lambda v: integral_text(v, unit),
-        "interval": lambda v: with_unit(v, "s", "ms"),
-        "ringing_frequency": lambda v: with_unit(v, "Hz", "Hz"),
-        **dict.fromkeys(("rise", "width", "rigid_width"), lambda v: with_unit(v, "s", "us")),
+        "interval": lambda v: amount(MILLISECONDS, v),
+        "ringing_frequency": lambda v: amount(FREQUENCY, v),
+        **dict.fromkeys(("rise", "width", "rigid_width"), lambda v: amount(MICROSECONDS, v)),
     }
 
 

@@ -16,10 +16,12 @@ from strikewave.analyses.record.screen.kit import (
 )
 from strikewave.analyses.record.tables import rows_of
 from strikewave.analyses.record.words import named
+from strikewave.base.shock_quantities import MILLISECONDS, PULSE_WIDTH, RISE_TIME
 from strikewave.records import ChannelReading, FileReading, worst
 from strikewave.records.siblings import COPY
+from strikewave.reporting.faces import amount
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.numbers import percent
 from strikewave.reporting.terminal import number, tell
 
 MOST_REASONS = 3
@@ -75,7 +77,7 @@ def print_rebounds(readings: Sequence[FileReading], names: Mapping[str, str]) ->
     tell(
         f"{len(shares)} rebound{'s' if len(shares) > 1 else ''}, counted with their blows, in {named(where)}: "
         f"{_span(min(shares), max(shares), percent, 0)} of the peak, "
-        f"{_span(min(lags), max(lags), lambda lag, digits: with_unit(lag, 's', 'ms', digits), 3)} after it"
+        f"{_span(min(lags), max(lags), lambda lag, digits: amount(MILLISECONDS, lag, digits=digits), 3)} after it"
     )
 
 
@@ -105,8 +107,8 @@ def _means(reading: ChannelReading) -> list[str]:
     return [
         str(len(reading.pulses)),
         _doubted(reading, "peak", peak, value_text(peak, unit)),
-        number(rise, "s", "us"),
-        _doubted(reading, "width", width, number(width, "s", "us")),
+        number(rise, *RISE_TIME.units),
+        _doubted(reading, "width", width, number(width, *PULSE_WIDTH.units)),
         _doubted(reading, "velocity_change", change, integral_text(change, unit)),
     ]
 

@@ -9,10 +9,12 @@ from typing import Any
 from strikewave.analyses.record.figures.campaigns import figure_unit
 from strikewave.analyses.record.responses import ResponseSummary, harmed, responding
 from strikewave.analyses.record.screen.kit import print_table, value_text
+from strikewave.base.shock_quantities import FREQUENCY, MILLISECONDS
 from strikewave.records import FileReading
 from strikewave.records.response import MeasuredResponse
+from strikewave.reporting.faces import amount
 from strikewave.reporting.layout import MORE, ScreenColumn, keys, numerals, texts
-from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.numbers import percent
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.terminal import number, significant, table, tell
 
@@ -58,10 +60,10 @@ def _figures(one: MeasuredResponse, unit: str) -> dict[str, str]:
     return {
         "peak": value_text(one.peak, unit),
         "ratio": "-" if math.isnan(one.ratio) else f"{one.ratio:.3g}",
-        "delay": number(one.delay, "s", "ms"),
-        "duration": number(one.duration, "s", "ms"),
+        "delay": number(one.delay, *MILLISECONDS.units),
+        "duration": number(one.duration, *MILLISECONDS.units),
         "rms": value_text(one.rms, unit),
-        "frequency": next((number(mode.frequency, "Hz", "Hz") for mode in one.modes), "-"),
+        "frequency": next((number(mode.frequency, *FREQUENCY.units) for mode in one.modes), "-"),
         "damping": next((f"{1e2 * mode.damping:.3g}" for mode in one.modes), "-"),
     }
 
@@ -81,12 +83,11 @@ def _print_summary(one: ResponseSummary) -> None:
     """Print mean and scatter of the responses of a channel that has more than one."""
     writers: dict[str, Any] = {
         **dict.fromkeys(("peak", "rms"), lambda v: value_text(v, one.unit)),
-        "delay": lambda v: (
-            f"{number(v, 's', 'ms')} {shown_unit('s', 'ms')}"
-        ),  # of a peak before that of the base below 0
-        "duration": lambda v: with_unit(v, "s", "ms"),
+        # of a peak before that of the base below 0
+        "delay": lambda v: f"{number(v, *MILLISECONDS.units)} {shown_unit(*MILLISECONDS.units)}",
+        "duration": lambda v: amount(MILLISECONDS, v),
         "ratio": lambda v: significant(v, 4),
-        "frequency": lambda v: with_unit(v, "Hz", "Hz"),
+        "frequency": lambda v: amount(FREQUENCY, v),
         "damping": lambda v: percent(v, 3),
     }
     rows = []

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from strikewave.analyses.record.screen.kit import mean_of, print_table, value_text
 from strikewave.analyses.record.tables import rows_of
+from strikewave.base.shock_quantities import FREQUENCY, PULSE_WIDTH
 from strikewave.records import FileReading
 from strikewave.records.band_split import BandSplit
 from strikewave.records.measuring import RecordedPulse
@@ -44,9 +45,9 @@ def _figures(pulses: Sequence[RecordedPulse], unit: str) -> list[str]:
         *_peak_of(joint, unit),
         *(_peak_of(split, unit) if split else ("not separable", "-")),
         percent(raw / best - 1.0, 1, "+"),
-        number(mean_of([one.width for one in joint or split]), "s", "us"),
-        number(mean_of([one.frequency for one in joint]), "Hz", "Hz"),
-        number(mean_of([one.cutoff for one in split]), "Hz", "Hz"),
+        number(mean_of([one.width for one in joint or split]), *PULSE_WIDTH.units),
+        number(mean_of([one.frequency for one in joint]), *FREQUENCY.units),
+        number(mean_of([one.cutoff for one in split]), *FREQUENCY.units),
         _times(mean_of([pulse.methods_apart for pulse in pulses])),
     ]
 

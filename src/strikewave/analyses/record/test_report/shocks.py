@@ -9,8 +9,9 @@ from statistics import fmean, stdev
 
 from strikewave.analyses.record.verdicts.words import WHY_HEAD, why_of_shock
 from strikewave.base.percents import percent
+from strikewave.base.shock_quantities import SECONDS
+from strikewave.reporting import faces
 from strikewave.reporting.clause_words import amount, clause_name, doubted_words, limit_words, tag_of, value_words
-from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.parts import NONE, Cell, Table
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
@@ -123,7 +124,7 @@ def _listed(
                 names[shock.file],
                 *([shock.reading.channel.name] if several else []),
                 shock.number,
-                with_unit(shock.pulse.time, "s", "s", 6),
+                faces.amount(SECONDS, shock.pulse.time, digits=6),
                 *map(doubted_words, figures_of(shock)),
                 value_words(inside[0]) if inside else NONE,
                 tag_of(shock.found.verdict),

@@ -9,9 +9,11 @@ from typing import ClassVar
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NOT_MEASURED, Quantity
+from strikewave.base.shock_quantities import ACCELERATION, MICROSECONDS, MILLISECONDS
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import limit_words
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.faces import amount
+from strikewave.reporting.numbers import listed
 from strikewave.specifications.judging import STATUSES, Limits, judged
 from strikewave.specifications.reading import Specification
 from strikewave.specifications.tables import SpecificationFile, numbers_of
@@ -129,7 +131,7 @@ def asked_rows(specification: Specification, named: Callable[[str], str] = str) 
         return []
     limits, count = specification.pulse_limits(), specification.count()
     pulse, status = limits.pulse, limits.status
-    duration = with_unit(pulse.duration, "s", "ms" if pulse.duration >= 1e-3 else "us")
+    duration = amount(MILLISECONDS if pulse.duration >= 1e-3 else MICROSECONDS, pulse.duration)
     asked = [
         ("peak", limits.peak, "m/s^2"),
         (f"pulse width at {100.0 * limits.level:g} %", limits.width, "s"),
@@ -143,7 +145,7 @@ def asked_rows(specification: Specification, named: Callable[[str], str] = str) 
         each = f"shocks in each of {count.directions} directions"
         asked.append((each, Limits(count.low, count.high, count.status), "1"))
     return [
-        AskedRow("nominal peak", with_unit(pulse.peak, "m/s^2", "g"), status),
+        AskedRow("nominal peak", amount(ACCELERATION, pulse.peak), status),
         AskedRow("nominal duration", duration, status),
         *(
             AskedRow(named(name), limit_words(judged(name, math.nan, one, unit)), one.status)
