@@ -48,7 +48,7 @@ MEANS_SHOWN = ("m/s^2", "s", "N", "m/s")
 
 
 @declare.dataclass
-class MeanFigure:
+class MeanOfFigure:
     """The mean of a figure over all files."""
 
     name: str = declare.word("which figure")
@@ -276,8 +276,8 @@ class RecordResult(AskedResult):
         """The table of blows."""
         return blow_rows(self.readings)
 
-    @declare.computed(declare.rows(MeanFigure, "means over all files", headline="each", in_document=False))
-    def means(self) -> list[MeanFigure]:
+    @declare.computed(declare.rows(MeanOfFigure, "means over all files", headline="each", in_document=False))
+    def means(self) -> list[MeanOfFigure]:
         """The means of a campaign whose unit is known: files in other units are in none of them."""
         campaign = min(self.campaigns, key=lambda one: one.unit == "", default=None)
         if campaign is None:
@@ -285,7 +285,7 @@ class RecordResult(AskedResult):
         given, known = units_given(campaign.unit), declarations(RecordedPulse)
         pairs = [(name, known[name].quantity.within(given)) for name in campaign.statistics if name in known]
         return [
-            MeanFigure(name.replace("_", " "), campaign.statistics[name].mean, quantity)
+            MeanOfFigure(name.replace("_", " "), campaign.statistics[name].mean, quantity)
             for name, quantity in pairs
             if quantity.si in MEANS_SHOWN
         ]

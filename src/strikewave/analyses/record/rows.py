@@ -63,7 +63,7 @@ class SplitRow:
 
 
 @declare.dataclass
-class ReadBlow:
+class ChannelBlow:
     """A blow of a channel, with its uncertainties."""
 
     pulse: RecordedPulse = declare.part(RecordedPulse, "its figures", inline=True)
@@ -99,7 +99,7 @@ class ChannelRow:
     status: str = declare.word("good, suspect or bad")
     calibration: dict[str, Any] = declare.word("what was stated of it, as typed")
     health: tuple[HealthNotice, ...] = declare.rows(HealthNotice, "what was found on it")
-    pulses: list[ReadBlow] = declare.rows(ReadBlow, "its blows")
+    pulses: list[ChannelBlow] = declare.rows(ChannelBlow, "its blows")
     response: MeasuredResponse | None = declare.part(
         MeasuredResponse, "by the option base: how it answers the blow of the driving channel"
     )
@@ -120,7 +120,7 @@ class ChannelRow:
             reading.status,
             reading.calibration.stated(),
             reading.findings,
-            [ReadBlow(one, SplitRow.of(one), _uncertainty(reading, place)) for place, one in enumerate(pulses)],
+            [ChannelBlow(one, SplitRow.of(one), _uncertainty(reading, place)) for place, one in enumerate(pulses)],
             reading.response,
             reading.responses,
             cutoff_for(reading),
