@@ -5,15 +5,16 @@ from __future__ import annotations
 import dataclasses
 import functools
 import hashlib
-import math
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import nan
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, Quantity
 from strikewave.base.json_document import head, json_text, plain
 
 if TYPE_CHECKING:
@@ -38,34 +39,29 @@ BALANCE_LIMIT = 1e-6
 """Energy or momentum missing beyond this share fails the check of its balance."""
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class Notice:
     r"""Something the user should know.
 
-    Attributes
-    ----------
-    code : str
-        Short name, such as ``contact-yield``.
-    message : str
-        What, where and how much, and what to do. A number is joined to its unit by a no-break space where readers may
-        choose the unit (``5.2\xa0kN``).
-    value : float
-        The number that raised it, SI; NaN where there is none.
-    limit : float
-        What the number is held against; NaN where there is no limit.
-    severity : str
-        "info", a fact that belongs to the result; "warning", the result may be wrong, or not what was meant;
-        "failed", a check (a balance, no blow at all) that makes the command exit with 3.
-    case : str
-        Name of the case, where a result is made of several.
+    In its message a number is joined to its unit by a no-break space where readers may choose the unit
+    (``5.2\xa0kN``).
     """
 
-    code: str
-    message: str
-    value: float = math.nan
-    limit: float = math.nan
-    severity: Severity = WARNING
-    case: str = ""
+    code: str = declare.word("short name, such as contact-yield")
+    message: str = declare.word("what, where and how much, and what to do")
+    value: float = declare.number(NOT_MEASURED, "the number that raised it, SI; null where there is none", default=nan)
+    limit: float = declare.number(NOT_MEASURED, "what that is held against, SI; null where there is none", default=nan)
+    severity: Severity = declare.word(
+        "info, a fact that belongs to the result; warning, it may be wrong, or not what was meant; failed, a check: "
+        "exit code 3",
+        default=WARNING,
+    )
+    case: str = declare.word("name of the case, where a result is made of several", default="", in_document=False)
+
+    @declare.computed(declare.word("name of the case, where a result is made of several", key="case", optional=True))
+    def named_case(self) -> str | None:
+        """Name of the case; None where there is but one."""
+        return self.case or None
 
     @property
     def broken(self) -> bool:
@@ -78,11 +74,9 @@ class Notice:
         Examples
         --------
         >>> Notice("clipped", "the sensor clips", 3.0, 2.0).document()
-        {'code': 'clipped', 'severity': 'warning', 'message': 'the sensor clips', 'value': 3.0, 'limit': 2.0}
+        {'code': 'clipped', 'message': 'the sensor clips', 'value': 3.0, 'limit': 2.0, 'severity': 'warning'}
         """
-        row: dict[str, Any] = {"code": self.code, "severity": self.severity, "message": self.message}
-        row |= {"value": self.value, "limit": self.limit}
-        return {"case": self.case, **row} if self.case else row
+        return declare.content(self)
 
 
 Status = Literal["passed", "broken", "failed"]
@@ -99,6 +93,8 @@ VERDICT = "verdict"
 """Attribute of a NetCDF file that says what the checks of its result came to."""
 MOST_CODES = 3
 """Broken checks that a sentence names."""
+NO_REST: Mapping[str, float] = MappingProxyType({})
+"""Of a method that found no shares."""
 
 
 @dataclass(frozen=True)
@@ -158,6 +154,15 @@ def worse(first: str, second: str) -> str:
     """
     rank: dict[str, int] = {status: place for place, status in enumerate(RUN_STATUSES, start=1)}
     return max(first, second, key=lambda text: rank.get(status_of(text), 0))
+
+
+@declare.dataclass
+class VerdictCounts:
+    """How many runs came to what."""
+
+    passed: int = declare.count("runs that passed their checks")
+    broken: int = declare.count("runs that failed one")
+    failed: int = declare.count("runs that could not be made")
 
 
 class Verdicts:
@@ -252,7 +257,7 @@ class Verdicts:
 
     def document(self) -> dict[str, int]:
         """Return the counts for the JSON document."""
-        return {status: self.count(status) for status in RUN_STATUSES}
+        return declare.content(VerdictCounts(*map(self.count, RUN_STATUSES)))
 
     def fails(self, fail_on: str) -> bool:
         """Tell whether the command ends with `EXIT_BROKEN`; "broken" includes what failed."""
@@ -351,37 +356,29 @@ class BalanceCheck(NamedTuple):
         return f"{self.name} {self.error:.1e} (limit {self.limit_text})"
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class InputShare:
-    """Share of one input in the variance of a result.
+    """Share of one input in the variance of a result."""
 
-    ``field`` is its path in the case, or that of what a named material stands for, ``material.PTFE.modulus``; a
-    ``standard_error`` that is not known, as of bands that an older version kept, is NaN.
-    """
+    field: str = declare.word(
+        "path of an input in the case, or of what a named material stands for, material.PTFE.modulus"
+    )
+    share: float = declare.number(NOT_MEASURED, "its share of the variance of the number")
+    standard_error: float = declare.number(
+        NOT_MEASURED, "of that share, from the regression; null where it is not known", default=nan
+    )
 
-    field: str
-    share: float
-    standard_error: float = math.nan
 
-
-@dataclass(frozen=True)
+@declare.dataclass
 class Band:
-    """The range of a result when inputs move within what is known of them; no error bar of the model.
+    """The range of a result when inputs move within what is known of them; no error bar of the model."""
 
-    Attributes
-    ----------
-    low, high : float
-        Its ends, in the SI unit of the result.
-    level : float
-        Share of the draws that lie within.
-    inputs : tuple of InputShare
-        The inputs that matter most, largest share first.
-    """
-
-    low: float
-    high: float
-    level: float
-    inputs: tuple[InputShare, ...] = ()
+    low: float = declare.number(NOT_MEASURED, "its lower end, in the SI unit of the result")
+    high: float = declare.number(NOT_MEASURED, "its upper end")
+    level: float = declare.number(NOT_MEASURED, "share of the draws that lie within")
+    inputs: tuple[InputShare, ...] = declare.rows(
+        InputShare, "the inputs that matter most, largest share first", default=()
+    )
 
     def document(self) -> dict[str, Any]:
         """Return the entry of the JSON document.
@@ -391,7 +388,7 @@ class Band:
         >>> Band(1.0, 2.0, 0.95, (InputShare("machine.engagement", 0.5, 0.1),)).document()["inputs"]
         [{'field': 'machine.engagement', 'share': 0.5, 'standard_error': 0.1}]
         """
-        return dataclasses.asdict(self) | {"inputs": [dataclasses.asdict(one) for one in self.inputs]}
+        return declare.content(self)
 
     @classmethod
     def read(cls, document: Mapping[str, Any]) -> Band:
@@ -404,62 +401,49 @@ def _without_null(row: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if value is not None}
 
 
-class MovedInput(NamedTuple):
-    """An input that moved: its field, what was typed, the ends of its range (SI), its unit, and why so far."""
+@declare.dataclass
+class MovedInput:
+    """An input that moved."""
 
-    field: str
-    typed: str | int | float
-    low: float
-    high: float
-    unit: str
-    basis: str
-    reason: str
+    field: str = declare.word("path of an input that moved")
+    typed: str | int | float = declare.word("its value as typed")
+    low: float = declare.number(NOT_MEASURED, "low end of its range, SI")
+    high: float = declare.number(NOT_MEASURED, "high end of its range, SI")
+    unit: str = declare.word("its SI unit")
+    basis: str = declare.word("what the range rests on: a tolerance, a plausible range, a fit, or none of them")
+    reason: str = declare.word("why it is so wide")
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class BandMethod:
-    """How the bands of a result were found.
+    """How the bands of a result were found."""
 
-    Attributes
-    ----------
-    engine : str
-        What ran, in words.
-    level : float
-        Share of the draws within a band.
-    seed : int
-        Of the draws.
-    runs, first_runs, sensor_runs : int
-        Runs, further ones of the first blow alone, and full ones of the first blow for sensors.
-    missed, failed : int
-        Runs in which a striker missed; that could not be made.
-    broken : int
-        Runs that failed a check, a missed blow among them; of sensors and first blows alone it is not judged.
-    why : str
-        Why the first of those could not be made.
-    rest : dict
-        Of each result, the share of the variance that no input makes by itself.
-    fitted : tuple of str
-        Results with the ends of a fit; the others have quantiles of the runs.
-    ranked : tuple of str
-        Results of which the shares are those in the variance of their ranks.
-    inputs : tuple of MovedInput
-        What moved.
-    """
+    engine: str = declare.word("what ran, in words")
+    level: float = declare.number(NOT_MEASURED, "share of the draws within a band")
+    seed: int = declare.count("of the draws")
+    runs: int = declare.count("how many runs")
+    first_runs: int = declare.count("further ones of the first blow alone", default=0)
+    missed: int = declare.count("runs in which a striker missed", default=0)
+    failed: int = declare.count("runs that could not be made", default=0)
+    sensor_runs: int = declare.count("full runs of the first blow for sensors", default=0)
+    rest: Mapping[str, float] = declare.number(
+        NOT_MEASURED, "of each number, the share of the variance that no input makes by itself", default=NO_REST
+    )
+    fitted: tuple[str, ...] = declare.word(
+        "numbers with the ends of a fit; the others have quantiles of the runs", default=()
+    )
+    ranked: tuple[str, ...] = declare.word("numbers whose shares are those in the variance of their ranks", default=())
+    inputs: tuple[MovedInput, ...] = declare.rows(MovedInput, "what moved", default=())
+    why: str = declare.word("why the first of those that could not be made could not", default="")
+    broken: int = declare.count(
+        "runs that failed a check, a missed blow among them; of sensors and first blows alone it is not judged",
+        default=0,
+    )
 
-    engine: str
-    level: float
-    seed: int
-    runs: int
-    first_runs: int = 0
-    missed: int = 0
-    failed: int = 0
-    sensor_runs: int = 0
-    rest: Mapping[str, float] = dataclasses.field(default_factory=dict)
-    fitted: tuple[str, ...] = ()
-    ranked: tuple[str, ...] = ()
-    inputs: tuple[MovedInput, ...] = ()
-    why: str = ""
-    broken: int = 0
+    @declare.computed(declare.word("the method in one line", key="words"))
+    def line(self) -> str:
+        """The method in one line."""
+        return self.words()
 
     def words(self) -> str:
         """Return the method in one line, with what it leaves out."""
@@ -483,8 +467,7 @@ class BandMethod:
 
     def document(self) -> dict[str, Any]:
         """Return the entry of the JSON document."""
-        told = {key: value for key, value in vars(self).items() if key != "inputs"}
-        return {"words": self.words(), **told, "inputs": [one._asdict() for one in self.inputs]}
+        return declare.content(self)
 
     @classmethod
     def read(cls, document: Mapping[str, Any]) -> BandMethod:
@@ -492,6 +475,14 @@ class BandMethod:
         told: dict[str, Any] = {k: tuple(value) if isinstance(value, list) else value for k, value in document.items()}
         del told["words"]
         return cls(**{**told, "inputs": tuple(MovedInput(**one) for one in document["inputs"])})
+
+
+@declare.dataclass
+class BandContent:
+    """What a document says of bands."""
+
+    band: Mapping[str, Band] = declare.named(Band, "band of each number that has one")
+    band_method: BandMethod | None = declare.part(BandMethod, "how they were found; null where none were asked for")
 
 
 @dataclass(frozen=True)
@@ -662,10 +653,7 @@ class Result(ABC):
 
     def band_content(self) -> dict[str, Any]:
         """Return what the JSON document says of the bands; see `Band` and `BandMethod`."""
-        return {
-            "band": {name: band.document() for name, band in self.band.items()},
-            "band_method": None if self.band_method is None else self.band_method.document(),
-        }
+        return declare.content(BandContent(self.band, self.band_method))
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document; values that do not exist are null."""
