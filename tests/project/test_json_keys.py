@@ -1,37 +1,48 @@
-"""Every key of the JSON documents has its meaning in the docs, and every meaning a key."""
+"""Every key of the JSON documents is declared, with its meaning, by the class of the result that prints it."""
 
 from pathlib import Path
 
 import pytest
 
-EXTENSIONS = Path(__file__).parents[2] / "docs" / "_extensions"
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 @pytest.fixture
 def meanings(monkeypatch):
-    monkeypatch.syspath_prepend(EXTENSIONS)
+    monkeypatch.syspath_prepend(DOCS / "_extensions")
     import json_meanings
 
     return json_meanings
 
 
+@pytest.fixture
+def commands(meanings):
+    page = (DOCS / "json.md").read_text("utf-8")
+    return meanings.commands_of(page.partition("```{json-keys}\n")[2].partition("```")[0])
+
+
 @pytest.mark.verify
-def test_every_key_of_a_document_has_its_meaning_and_every_meaning_a_key(meanings):
-    commands, shared = meanings.key_tables()
-    assert {"run", "wave", "fem", "record", "fit", "map"} <= {one.title for one in commands}
-    assert shared["blow"].seen["rigid_peak"] == "m/s^2"
-    assert next(one for one in commands if one.title == "record").seen["sensor.range"] == "m/s^2"
+def test_every_key_of_a_document_is_declared(meanings, commands):
+    documents = meanings.check_documents(commands)
+    assert {one.title for one in commands} >= {"run", "wave", "fem", "record", "fit", "map"}
+    assert documents["wave li-ma-2019-fig13-bar"]["units"]["force"] == "N"
 
 
-def test_a_key_without_a_meaning_is_refused(meanings):
-    known = meanings.KeyTable("run", {"blows[].time": "first touch", "masses.*": "of each body"})
-    meanings._look(known, {"blows": [{"time": 0.5}], "masses": {"striker": 1.0}}, {"time": "s", "masses": "kg"}, {})
-    assert known.seen == {"blows[].time": "s", "masses.*": "kg"}
-    with pytest.raises(ValueError, match=r"no meaning of 'blows\[\]\.kind' in \[run\]"):
-        meanings._look(known, {"blows": [{"time": 0.5, "kind": "full"}]}, {}, {})
+def test_a_key_that_is_not_declared_is_found(meanings, commands):
+    run = commands[0].kind
+    document = {"case": "x", "blows": [{"time": 0.5, "sensors": {"end": {"peak": 1.0, "hue": 2.0}}}], "colour": 1}
+    assert meanings.unknown_keys([run], document) == ["blows[].sensors.*.hue", "colour"]
+    assert meanings.unknown_keys([meanings.DocumentHead], {"schema": 1, "units": {"any": "N"}, "warnings": []}) == []
 
 
-def test_meanings_of_fields_are_those_of_their_class(meanings):
+def test_tables_have_unit_and_meaning_of_each_key_and_lead_to_what_several_share(meanings, commands):
     from strikewave.base.result import Band
 
-    assert meanings._of_class(Band)["high"] == "its ends, in the SI unit of the result"
+    shared = meanings.shared_classes(commands)
+    assert Band in shared
+    run = {
+        one.path: one for kind in meanings.described_with(commands[0].kind) for one in meanings.keys_of(kind, shared)
+    }
+    assert (run["blows[].rigid_peak"].unit, run["band.*"].leads_to) == ("m/s^2", Band)
+    assert {one.path: one.meaning for one in meanings.keys_of(Band, shared)}["high"] == "its upper end"
+    assert meanings.heading_of(Band) == "The range of a result when inputs move within what is known of them"

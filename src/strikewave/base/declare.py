@@ -151,7 +151,9 @@ class Declaration:
 
 
 def _field(declaration: Declaration, default: Any, **rest: Any) -> Any:
-    return dataclasses.field(default=default, metadata={_METADATA: declaration}, **rest)
+    """Return the field of a declaration; a type as its default, such as `dict`, makes each its own."""
+    start = {"default_factory": default} if isinstance(default, type) else {"default": default}
+    return dataclasses.field(**start, metadata={_METADATA: declaration}, **rest)
 
 
 def number(quantity: Quantity, meaning: str, *, default: Any = dataclasses.MISSING, **rest: Any) -> Any:

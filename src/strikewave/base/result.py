@@ -10,12 +10,13 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import nan
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
+from strikewave._version import __version__
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, Quantity
-from strikewave.base.json_document import head, json_text, plain
+from strikewave.base.json_document import SCHEMA as DOCUMENT_SCHEMA
+from strikewave.base.json_document import json_text, plain
 
 if TYPE_CHECKING:
     import xarray
@@ -93,8 +94,6 @@ VERDICT = "verdict"
 """Attribute of a NetCDF file that says what the checks of its result came to."""
 MOST_CODES = 3
 """Broken checks that a sentence names."""
-NO_REST: Mapping[str, float] = MappingProxyType({})
-"""Of a method that found no shares."""
 
 
 @dataclass(frozen=True)
@@ -427,7 +426,7 @@ class BandMethod:
     failed: int = declare.count("runs that could not be made", default=0)
     sensor_runs: int = declare.count("full runs of the first blow for sensors", default=0)
     rest: Mapping[str, float] = declare.number(
-        NOT_MEASURED, "of each number, the share of the variance that no input makes by itself", default=NO_REST
+        NOT_MEASURED, "of each number, the share of the variance that no input makes by itself", default=dict
     )
     fitted: tuple[str, ...] = declare.word(
         "numbers with the ends of a fit; the others have quantiles of the runs", default=()
@@ -483,6 +482,20 @@ class BandContent:
 
     band: Mapping[str, Band] = declare.named(Band, "band of each number that has one")
     band_method: BandMethod | None = declare.part(BandMethod, "how they were found; null where none were asked for")
+
+
+@declare.dataclass
+class DocumentHead:
+    """What every document begins with."""
+
+    schema: int = declare.count("version of the documents; it rises when a key changes its meaning or goes")
+    version: str = declare.word("version of strikewave")
+    units: Mapping[str, str] = declare.word("SI unit of each key that has one, by its name")
+    warnings: tuple[Notice, ...] = declare.rows(Notice, "what should be known")
+    test: Mapping[str, Any] | None = declare.word("what is stated of the test", optional=True)
+    verdicts: VerdictCounts | None = declare.part(
+        VerdictCounts, "what the runs came to that a result is made of", optional=True
+    )
 
 
 @dataclass(frozen=True)
@@ -657,10 +670,11 @@ class Result(ABC):
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document; values that do not exist are null."""
-        warnings = [notice.document() for notice in self.notices]
-        test = {"test": dict(self.test)} if self.test else {}
-        runs = {"verdicts": self.verdicts.document()} if self.verdicts.texts else {}
-        return dict(plain({**head(dict(self.units()), warnings), **test, **runs, **self.content()}))
+        counts = VerdictCounts(*map(self.verdicts.count, RUN_STATUSES)) if self.verdicts.texts else None
+        begins = DocumentHead(
+            DOCUMENT_SCHEMA, __version__, dict(self.units()), self.notices, dict(self.test) or None, counts
+        )
+        return dict(plain({**declare.content(begins), **self.content()}))
 
     def tables(self) -> dict[str, str]:
         """Return its tables as CSV text, by the names of their files."""
