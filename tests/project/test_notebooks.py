@@ -55,9 +55,9 @@ def test_a_result_and_a_study_show_a_table_and_a_curve(first_run):
 def test_a_change_of_speed_shows_in_the_line_of_a_result(first_run):
     cells, _ = first_run
     before, after = shown(cells["change"])["text/plain"].splitlines()
-    assert "first peak 4151 g" in before
+    assert "first rigid peak 4151 g" in before
     assert "Solution li-ma-2019" in after
-    assert "first peak 4151 g" not in after
+    assert "first rigid peak 4151 g" not in after
 
 
 def test_the_recorded_blows_are_those_of_the_run(first_run):

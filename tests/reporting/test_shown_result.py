@@ -88,7 +88,7 @@ class Checked(HTMLParser):
 
 def test_a_run_is_one_line(run):
     text = repr(run)
-    assert text.startswith("<Solution li-ma-2019: blows 11, first peak 4151 g, width 200.0 µs")
+    assert text.startswith("<Solution li-ma-2019: blows 11, first rigid peak 4151 g, first pulse width 200.0 µs")
     assert len(text) < 120
     assert "\n" not in text
 
@@ -144,7 +144,7 @@ def test_the_dataframe_holds_the_blows_in_si_with_units_and_as_the_file_has_them
 
 def test_units_chosen_hold_for_line_and_notebook_but_not_for_the_dataframe(run):
     with showing(ShownUnits.read("m/s^2,ms")):
-        assert "first peak 40710 m/s²" in repr(run)
+        assert "first rigid peak 40710 m/s²" in repr(run)
         assert "rigid peak (m/s²)" in run._repr_html_()
         assert run.to_dataframe()["rigid_peak"][0] == run.blows[0].rigid_peak
 

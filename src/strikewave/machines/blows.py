@@ -154,7 +154,7 @@ class Blow:
         band="rigid_peak",
         column=MAIN,
         tables="blows waves",
-        headline="first peak",
+        headline="first rigid peak",
     )
     width: float = declare.number(
         PULSE_WIDTH,
@@ -162,7 +162,7 @@ class Blow:
         band="width",
         column=MAIN,
         tables="blows",
-        headline="width",
+        headline="first pulse width",
     )
     rise: float = declare.number(
         RISE_TIME, "time in which that pulse rises from 10 to 90 % of its peak", in_document=False
@@ -174,7 +174,7 @@ class Blow:
         band="velocity_change",
         column=MAIN,
         tables="blows",
-        headline="velocity change",
+        headline="first velocity change",
     )
     blow_velocity_change: float = declare.number(
         VELOCITY_CHANGE,

@@ -166,7 +166,7 @@ class ShownResult(Result):
         --------
         >>> from strikewave import load_case, run_case
         >>> run_case(load_case("li-ma-2019", ["feed.blows=1"])).highlights()[1]
-        ('first peak', '4151 g')
+        ('first rigid peak', '4151 g')
         """
         return key_numbers(self)
 

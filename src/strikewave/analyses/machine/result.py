@@ -308,13 +308,13 @@ class Solution(CaseResult):
         return next(iter(self.struck), None)
 
     @declare.computed(
-        declare.number(PEAK_FORCE, "its largest contact force", headline="contact force", in_document=False)
+        declare.number(PEAK_FORCE, "its largest contact force", headline="first contact force", in_document=False)
     )
     def first_force(self) -> float | None:
         """The largest contact force of the first blow."""
         return None if self.first_blow is None else self.first_blow.peak_force
 
-    @declare.phrase("range of a yielding contact", headline="first peak, range of a yielding contact")
+    @declare.phrase("range of a yielding contact", headline="first rigid peak, range of a yielding contact")
     def yielding_range(self) -> str | None:
         """Return between which peaks of the first blow the contact may yield; None where it does not matter."""
         if self.contact is None or not self.contact.differ or self.contact.band is None:
@@ -323,7 +323,9 @@ class Solution(CaseResult):
         return f"{low} to {high}\N{NO-BREAK SPACE}{spelled(shown_unit('m/s^2', 'g'))}"
 
     @declare.computed(
-        declare.number(INTERVAL, "median time between blows", band="interval", headline="interval", in_document=False)
+        declare.number(
+            INTERVAL, "median time between blows", band="interval", headline="median interval", in_document=False
+        )
     )
     def interval(self) -> float | None:
         """Median time between blows; None for fewer than two."""
