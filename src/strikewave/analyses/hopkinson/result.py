@@ -40,6 +40,7 @@ Array = NDArray[np.float64]
 WAVES = ("reflected", "transmitted")
 """The waves that an alignment may move."""
 DELAY = Quantity("s", "us", decimals=2, digits=0, signed=True)
+TRUE_RATE = Quantity("1/s", "1/s", "true rate", 0, 3)
 
 
 @declare.dataclass
@@ -96,7 +97,7 @@ class LargestTrue:
         headline="largest true stress",
     )  # fmt: skip
     rate: float = declare.number(
-        Quantity("1/s", "1/s", "true rate", 0, 3), "median true strain rate while it lasts", column=MAIN,
+        TRUE_RATE, "median true strain rate while it lasts", column=MAIN,
         headline="median true rate",
     )  # fmt: skip
 
@@ -261,7 +262,7 @@ class HopkinsonSolution(Outcome):
             Column("engineering rate", engineering.rate, "1/s"),
             Column.of("true strain", true.strain, RATIO),
             Column.of("true stress", true.stress, STRESS),
-            Column("true rate", true.rate, "1/s", shown="1/s"),
+            Column.of("true rate", true.rate, TRUE_RATE),
         ]
 
     def pulses_table(self) -> str:

@@ -11,7 +11,7 @@ from strikewave.analyses.record.paired import RecordPair
 from strikewave.analyses.record.tables import amount, plus_minus
 from strikewave.base.first_few import first_few
 from strikewave.base.percents import percent
-from strikewave.base.shock_quantities import KILOHERTZ, MICROSECONDS
+from strikewave.base.shock_quantities import BANDWIDTH, MICROSECONDS
 from strikewave.records.two_sensors import CALIBRATED
 from strikewave.reporting import faces
 from strikewave.reporting.numbers import axis_unit, doubted, listed
@@ -54,7 +54,7 @@ def pair_table(pairs: Sequence[RecordPair], why: bool = False) -> Table:
                 if math.isnan(found.rigid_peak)
                 else plus_minus("peak", unit, found.rigid_peak, found.common_uncertainty),
                 amount("peak", unit, found.differential_peak),
-                faces.amount(KILOHERTZ, alike, digits=3) if math.isfinite(alike) else NONE,
+                faces.amount(BANDWIDTH, alike) if math.isfinite(alike) else NONE,
                 *([one.why] if why else []),
             ]
         )
@@ -122,7 +122,7 @@ def pair_section(pairs: Sequence[RecordPair]) -> Section:
         parts.append(Picture(pair_figure(drawn), words))
         words = f"{name}: transfer function, mean of {transfer.averages} spectra, {transfer.resolution:.3g}\xa0Hz wide"
         if math.isfinite(transfer.trusted[0]):
-            low, high = (faces.amount(KILOHERTZ, f, digits=3) for f in transfer.trusted)
+            low, high = (faces.amount(BANDWIDTH, f) for f in transfer.trusted)
             words += f"; shaded from {low} to {high}, where it is known within 10 % and stands above the noise."
         else:
             words += "; nowhere known within 10 %."

@@ -6,7 +6,7 @@ import math
 
 from strikewave.analyses.record.sensor_trials import SensorTrials, lacking
 from strikewave.analyses.record.tables import Names, amount, percent
-from strikewave.base.shock_quantities import ACCELERATION, KILOHERTZ, MICROSECONDS
+from strikewave.base.shock_quantities import ACCELERATION, BANDWIDTH, KILOHERTZ, MICROSECONDS
 from strikewave.reporting import faces
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import NONE, Cell, Section, Table
@@ -46,14 +46,14 @@ def sensor_section(found: SensorTrials, names: Names) -> Section:
     facts += [
         f"resonance {faces.amount(KILOHERTZ, sensor.resonance)}, magnified {sensor.quality:.3g} times"
     ] * math.isfinite(sensor.resonance)
-    lowest = f"lowest resonance {faces.amount(KILOHERTZ, found.resonance, digits=3)} on its mounting"
+    lowest = f"lowest resonance {faces.amount(BANDWIDTH, found.resonance)} on its mounting"
     facts += [f"no {key} stated" for key in lacking(found.stated)]
     facts.append("directly mounted" if sensor.mounting.direct else lowest)
     if math.isfinite(recorder.sampling_rate):
         facts.append(f"recorded at {faces.amount(KILOHERTZ, recorder.sampling_rate)}")
     if math.isfinite(recorder.cutoff):
         facts.append(f"low-pass of {recorder.order} poles at {faces.amount(KILOHERTZ, recorder.cutoff)}")
-    band = faces.amount(KILOHERTZ, found.band, digits=3)
+    band = faces.amount(BANDWIDTH, found.band)
     origin = "" if model is None else f" {model.name}: {model.status}; {model.source}. {model.note}"
     text = (
         f"{found.sentence()} Sensor: {listed(facts)}.{origin} Each blow is taken as the motion of "

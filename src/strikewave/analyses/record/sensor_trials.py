@@ -15,7 +15,7 @@ from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, WARNING, Notice
-from strikewave.base.shock_quantities import ACCELERATION, FREQUENCY, KILOHERTZ, LENGTH, MASS, RATIO, SECONDS
+from strikewave.base.shock_quantities import ACCELERATION, BANDWIDTH, FREQUENCY, LENGTH, MASS, RATIO, SECONDS
 from strikewave.cases.sensor_file import StatedSensor
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
@@ -148,11 +148,11 @@ class SensorTrials:
         if failed:
             message = self.sentence().rstrip(".")
             if math.isfinite(self.low_pass):
-                cutoff = amount(KILOHERTZ, self.low_pass, digits=3)
+                cutoff = amount(BANDWIDTH, self.low_pass)
                 message += f'; --filter "{cutoff}" takes that noise off and leaves the blows'
             notices.append(Notice("sensor-trial", message, float(failed), 0.0))
         if self.band < self.resonance < math.inf:
-            resonance, band = (amount(KILOHERTZ, value, digits=3) for value in (self.resonance, self.band))
+            resonance, band = (amount(BANDWIDTH, value) for value in (self.resonance, self.band))
             message = (
                 f"the resonance of {self.called}, {resonance}, lies above what the records hold, {band}: "
                 "whether faster motion excites it they cannot tell"

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.shock_quantities import ACCELERATION
 from strikewave.base.units import in_unit
 from strikewave.records.coupling import uncoupled
 from strikewave.records.health_notice import HealthNotice
@@ -59,7 +60,7 @@ def with_unit(value: float, unit: str) -> str:
     ('1000\xa0g', '3', '10.32\xa0ms', '19.89\xa0kHz')
     """
     if unit == "m/s^2":
-        return f"{in_unit(value, 'm/s^2', 'g'):.5g}\xa0g"
+        return f"{in_unit(value, *ACCELERATION.units):.5g}\xa0g"
     if unit == "s":
         return f"{1e6 * value:.4g}\xa0us" if abs(value) < 1e-3 else f"{1e3 * value:.4g}\xa0ms"
     if unit == "Hz":
