@@ -24,7 +24,7 @@ def test_a_kind_has_its_words_settings_and_sources(kind):
     assert table.__doc__.startswith("[machine]: ")
     assert table.description.endswith(".")
     assert len(table.chain) > 2
-    assert {setting.field for setting in table.settings} <= set(table.model_fields)
+    assert set(table.settings) <= set(table.model_fields)
     assert set(table.sources) <= set(SOURCES)
 
 

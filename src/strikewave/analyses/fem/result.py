@@ -17,7 +17,7 @@ from strikewave.analyses.fem.sectors import Sector, blow_of_bodies, sectors
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, Quantity
 from strikewave.base.result import BALANCE_LIMIT, ELEMENTS_SCHEMA, BalanceCheck, Comparison
-from strikewave.base.shock_quantities import ENERGY, MEASURED_IMPULSE, RATIO, RESTITUTION, STEP
+from strikewave.base.shock_quantities import ENERGY, FORCE, MEASURED_IMPULSE, RATIO, RESTITUTION, STEP
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.comparisons import comparisons
 from strikewave.fem.blow_measures import blow_measure
@@ -463,7 +463,7 @@ class FemSolution(CaseResult):
             return None
         name = max(touched, key=touched.__getitem__)
         force = np.linalg.norm(mean_force(self.run, name), axis=1)
-        return history_curve(middles(self.run.time), force, "N", "kN", f"contact force, {name}")
+        return history_curve(middles(self.run.time), force, *FORCE.units, f"contact force, {name}")
 
     def _columns(self) -> Iterator[tuple[str, str, Array]]:
         """Yield name, unit and values of every history but the time; means are those of the interval before."""

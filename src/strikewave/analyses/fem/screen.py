@@ -24,7 +24,7 @@ from strikewave.base.declare import MORE, declarations
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain
 from strikewave.base.percents import percent
-from strikewave.base.shock_quantities import MASS
+from strikewave.base.shock_quantities import ENERGY, MASS, STEP
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.fem.device.devices import Device, device_named
@@ -33,8 +33,7 @@ from strikewave.fem.quality import PartQuality, quality_report
 from strikewave.fem.snapshots import SNAPSHOTS
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions, frame_instants
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
-from strikewave.reporting.faces import columns_of
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import amount, columns_of, text_of
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
@@ -276,7 +275,7 @@ def _show_balance(solution: FemSolution) -> None:
     there = [column for name, column in columns if name == "initial" or run.energy[name].any()]
     print_rows("Energy at the end", there, [solution.energy])
     tell("balance: " + ", ".join(check.words for check in solution.balance_checks))
-    tell(f"{run.steps} steps of {with_unit(run.step, 's', 'ns', 3)} or more, {run.speed / 1e6:.3g} M element-steps/s")
+    tell(f"{run.steps} steps of {amount(STEP, run.step, digits=3)} or more, {run.speed / 1e6:.3g} M element-steps/s")
     tell(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])
 
 
@@ -286,12 +285,11 @@ def _show_blows(solution: FemSolution) -> None:
     print_face(solution, "yield_of_blows", "Yield in each blow", "yield")
     for run in solution.later:
         if run.rest is not None:
-            added = run.rest.added_distance
-            away = f"; begins {with_unit(added, 'm', 'um', 3)} farther away" if added else ""
+            away = f"; begins {text_of(run.rest, 'added_distance')} farther away" if run.rest.added_distance else ""
             tell(
                 f"at rest before blow {run.blow}: {run.rest.maxima} maxima, {run.rest.steps} steps, "
                 f"{run.rest.kinetic_share:.1e} of the energy left, "
-                f"{with_unit(run.rest.plastic_energy, 'J', 'J', 3)} of yield{away}"
+                f"{amount(ENERGY, run.rest.plastic_energy, digits=3)} of yield{away}"
             )
 
 

@@ -16,10 +16,11 @@ from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import refusal
 from strikewave.base.interrupts import exit_code
 from strikewave.base.result import Notice
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.vtkhdf import FieldWriter
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import amount
 from strikewave.reporting.terminal import say
 
 OWN = re.compile(r"(case|state|field)(-\d+)?(\.|$)")
@@ -115,7 +116,7 @@ class FieldFile:
         count = 0 if writer is None else writer.frames
         if count < earlier:
             message = (
-                f"{self.path.name} holds {count} of the {earlier} frames before {with_unit(time, 's', 'us')}, where "
+                f"{self.path.name} holds {count} of the {earlier} frames before {amount(MICROSECONDS, time)}, where "
                 f"the run went on ({reason}); all else is whole; run anew, with --force, for all frames"
             )
             self.notices.append(Notice("frames-lost", message, float(count), float(earlier)))

@@ -16,11 +16,11 @@ from strikewave.analyses.machine.words import (
     reference_law,
     restitution_words,
 )
-from strikewave.reporting.banded_numbers import with_band
+from strikewave.base.shock_quantities import PULSE_WIDTH, RIGID_PEAK
 from strikewave.reporting.chapters import balance_table, layer_steps
-from strikewave.reporting.faces import face_table
-from strikewave.reporting.numbers import listed, with_unit
-from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.faces import amount, face_table, text_of
+from strikewave.reporting.numbers import listed
+from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag
 from strikewave.reporting.table_columns import page_table
 
 if TYPE_CHECKING:
@@ -101,9 +101,7 @@ def blow_table(solution: Solution) -> Section:
     reference = solution.reference
     beside = (
         f"\n\nFor comparison, {reference_law(solution.case)} on a rigid object, at the nominal "
-        f"{written(reference.approach_speed, 3)} m/s and with no frame or mount to bend: "
-        f"{with_unit(reference.duration, 's', 'us', 3)}, {with_unit(reference.peak_force, 'N', 'kN', 3)}, "
-        f"{with_unit(reference.peak_acceleration, 'm/s^2', 'g', 3)}."
+        f"{text_of(reference, 'approach_speed')} and with no frame or mount to bend: {reference.words}."
     )
     words = _WORDS.format(begun=solution.case.time_zero) if solution.blows else ""
     return Section("Blows", words + beside, [table, *_contacts(solution), *_answers(solution)])
@@ -133,7 +131,7 @@ def _answers(solution: Solution) -> list[Table]:
     if answers is None or not answers.differ:
         return []
     asked = restitution_words(answers)
-    passed = "" if answers.first_yield is None else with_unit(answers.first_yield, "N", "N", 3)
+    passed = "" if answers.first_yield is None else text_of(answers, "first_yield")
     caption = (
         f"{ANSWERS_CALLED}. The weaker material first yields inside at {passed}. Low and high are the ends of what is "
         f"known of the pressure that the contact bears. {asked[0].upper()}{asked[1:]}."
@@ -169,14 +167,14 @@ def pulse_pictures(solution: Solution, moving: str = "") -> Section:
             f"Rigid-body acceleration of the assembly, blow {first.index}"
             + ("; the marks are published peaks and widths." if _marked(solution) else "."),
             f"Rigid-body acceleration over time, blow {first.index}: peak "
-            f"{with_band(first.rigid_peak, solution.band.get('first.rigid_peak'), 'm/s^2', 'g')}, "
-            f"width {with_band(first.width, solution.band.get('first.width'), 's', 'us')}.",
+            f"{amount(RIGID_PEAK, first.rigid_peak, solution.band.get('first.rigid_peak'))}, "
+            f"width {amount(PULSE_WIDTH, first.width, solution.band.get('first.width'))}.",
         )
         add(
             ["pulse_time", "pulse_force"],
             lambda: pulses.contact_force(solution, struck[0]),
             f"Contact force between striker and object, blow {first.index}. Each rise from zero is a contact.",
-            f"Contact force over time, blow {first.index}: peak {with_unit(first.peak_force, 'N', 'kN', 3)}, "
+            f"Contact force over time, blow {first.index}: peak {text_of(first, 'peak_force')}, "
             f"{first.contacts} contacts.",
         )
         drawn = pulses.chosen(solution)

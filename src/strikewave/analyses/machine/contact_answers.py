@@ -40,7 +40,8 @@ class ContactAnswers:
 
     asked_restitution: float = declare.number(RESTITUTION, "coefficient of restitution asked of the damping")
     first_yield: float | None = declare.number(
-        Quantity("N", "N"), "load at which the weaker material first yields inside; null where it is not known"
+        Quantity("N", "N", digits=3),
+        "load at which the weaker material first yields inside; null where it is not known",
     )
     taken: str = declare.word("name of the answer that the run took")
     rows: tuple[ContactAnswer, ...] = declare.rows(

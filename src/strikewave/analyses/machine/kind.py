@@ -8,9 +8,10 @@ at its head only what a table needs (see `strikewave.cases.tables.machine_kinds`
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
+from strikewave.base.declare import Quantity
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.result import Notice
 from strikewave.cases.tables.machine import LaunchedTable, MachineTable
@@ -22,15 +23,6 @@ if TYPE_CHECKING:
     from strikewave.machines.amplifier import Collisions
     from strikewave.machines.launch import RigidPendulum
     from strikewave.reporting.parts import Picture
-
-
-class ShownSetting(NamedTuple):
-    """A setting that stands in the head of a result: field of the table, SI unit, unit shown, what it is called."""
-
-    field: str
-    unit: str
-    shown: str
-    name: str
 
 
 class PartNumber(NamedTuple):
@@ -65,8 +57,8 @@ class MachineKind(MachineTable):
         What it is and does, in two or three sentences.
     chain : tuple of str
         Its bodies and links in the order in which a blow runs through them.
-    settings : tuple of ShownSetting
-        Its main settings.
+    settings : mapping of str to Quantity
+        Its main settings, which stand in the head of a result, by the field of the table; counts have no unit.
     sources : tuple of str
         Keys of `strikewave.base.citations`: what its way to first touch follows.
     reference_law : str
@@ -75,7 +67,7 @@ class MachineKind(MachineTable):
 
     description: ClassVar[str]
     chain: ClassVar[tuple[str, ...]]
-    settings: ClassVar[tuple[ShownSetting, ...]]
+    settings: ClassVar[Mapping[str, Quantity]]
     sources: ClassVar[tuple[str, ...]] = ()
     reference_law: ClassVar[str]
 
@@ -125,6 +117,7 @@ class Release(NamedTuple):
     notices: tuple[Notice, ...] = ()
 
 
+DROP_HEIGHT = Quantity("m", "m", "drop height")
 FREE_OBJECT = ("contact", "nose", "frame", "assembly", "support, where there is one")
 """The end of the chain of a machine that strikes an object at rest."""
 

@@ -21,6 +21,7 @@ from strikewave.base.materials import material
 from strikewave.base.percents import plain
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import FAILED, INFO, Notice, Verdict, balance_notices
+from strikewave.base.shock_quantities import ACCELERATION
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
 from strikewave.cases.contact_notices import (
@@ -40,7 +41,8 @@ from strikewave.machines import Blow
 from strikewave.machines.rebounds import REST_SHARE
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import StackSpan
-from strikewave.reporting.numbers import percent, with_unit
+from strikewave.reporting.faces import amount, text_of
+from strikewave.reporting.numbers import percent
 from strikewave.signal.pulse import FEWEST_INTERVALS, measure_pulse
 from strikewave.waves.limits import (
     field_extremes,
@@ -200,11 +202,11 @@ def _yield(case: Case, answers: ContactAnswers | None) -> Iterator[Notice]:
 
 def _peaks(answer: ContactAnswer) -> str:
     """Return the peaks of a first blow in words."""
-    return f"{with_unit(answer.rigid_peak, 'm/s^2', 'g')} and {force_words(answer.peak_force)}"
+    return f"{text_of(answer, 'rigid_peak')} and {force_words(answer.peak_force)}"
 
 
 def _range_words(band: tuple[float, float]) -> str:
-    low, high = (with_unit(peak, "m/s^2", "g") for peak in band)
+    low, high = (amount(ACCELERATION, peak) for peak in band)
     return f"{low} to {high}"
 
 
@@ -224,7 +226,7 @@ def _contact(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
 def _stated_speed(case: Case) -> str:
     """Return the first setting of a machine that the case states: what makes the speed of its striker."""
     values = case.values()
-    paths = [f"machine.{setting.field}" for setting in kind_of(case).settings]
+    paths = [f"machine.{field}" for field in kind_of(case).settings]
     return next((f"{path} = {values[path].typed}" for path in paths if path in values), "machine")
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from itertools import pairwise
 from pathlib import Path
 from statistics import median
@@ -28,7 +28,7 @@ from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.first_few import first_few
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice
-from strikewave.base.shock_quantities import MASS, PEAK_FORCE, RATIO
+from strikewave.base.shock_quantities import ACCELERATION, MASS, MICROSECONDS, PEAK_FORCE, RATIO, VELOCITY
 from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
@@ -36,6 +36,7 @@ from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
 from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import csv_table
+from strikewave.reporting.faces import text_of
 from strikewave.reporting.numbers import shown, spelled
 from strikewave.reporting.parts import written
 from strikewave.reporting.shown_result import Curve, history_curve
@@ -70,14 +71,19 @@ def histories_of(case: Case) -> set[str]:
     return set(HISTORIES) - (set() if case.launched() is None else {"turntable_speed"})
 
 
-@dataclass(frozen=True)
+@declare.dataclass
 class RigidReference:
     """What the printed contact law would give on a rigid object, SI: see `strikewave.analyses.machine.run`."""
 
-    approach_speed: float
-    peak_force: float
-    peak_acceleration: float
-    duration: float
+    approach_speed: float = declare.number(VELOCITY._replace(digits=3), "nominal speed of approach")
+    peak_force: float = declare.number(PEAK_FORCE, "largest contact force")
+    peak_acceleration: float = declare.number(ACCELERATION._replace(digits=3), "that over the mass of the object")
+    duration: float = declare.number(MICROSECONDS._replace(digits=3), "how long both touch")
+
+    @property
+    def words(self) -> str:
+        """The pulse in words."""
+        return ", ".join(text_of(self, name) for name in ("duration", "peak_force", "peak_acceleration"))
 
 
 @declare.dataclass
@@ -319,8 +325,8 @@ class Solution(CaseResult):
         """Return between which peaks of the first blow the contact may yield; None where it does not matter."""
         if self.contact is None or not self.contact.differ or self.contact.band is None:
             return None
-        low, high = (written(shown(peak, "m/s^2", "g")) for peak in self.contact.band)
-        return f"{low} to {high}\N{NO-BREAK SPACE}{spelled(shown_unit('m/s^2', 'g'))}"
+        low, high = (written(shown(peak, *ACCELERATION.units)) for peak in self.contact.band)
+        return f"{low} to {high}\N{NO-BREAK SPACE}{spelled(shown_unit(*ACCELERATION.units))}"
 
     @declare.computed(
         declare.number(
@@ -345,7 +351,9 @@ class Solution(CaseResult):
         blow = self.blows[place]
         time, values = blow_history(self.arrays, place, "pulse_acceleration")
         kept = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
-        return history_curve(time[kept], values[kept], "m/s^2", "g", f"rigid-body acceleration, blow {blow.index}")
+        return history_curve(
+            time[kept], values[kept], *ACCELERATION.units, f"rigid-body acceleration, blow {blow.index}"
+        )
 
     def tables(self) -> dict[str, str]:
         """Return the table of blows as CSV text, every column with its unit."""

@@ -22,8 +22,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.losses_of_case import fitted_losses
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.written_case import dump_case
-from strikewave.reporting.faces import columns_of
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import columns_of, text_of
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
@@ -115,15 +114,10 @@ def show(solution: Solution) -> None:
 
 def _alone_words(solution: Solution) -> str:
     """Say what the pulse would be if nothing but the contact gave way."""
-    r = solution.reference
-    pulse = (
-        with_unit(r.duration, "s", "us", 3),
-        with_unit(r.peak_force, "N", "kN", 3),
-        with_unit(r.peak_acceleration, "m/s^2", "g", 3),
-    )
+    reference = solution.reference
     return (
         f"if nothing but the contact gave way ({reference_law(solution.case)} on a rigid object, at the nominal "
-        f"{with_unit(r.approach_speed, 'm/s', 'm/s', 3)}), the pulse would be {', '.join(pulse)}"
+        f"{text_of(reference, 'approach_speed')}), the pulse would be {reference.words}"
     )
 
 
@@ -147,13 +141,13 @@ def _print_waves(solution: Solution) -> None:
     if not (solution.wave_blows or solution.sensor_rows):
         return
     for row in solution.wave_blows[:1]:
-        stated = f"total and wave at {with_unit(row.reading.bandwidth, 'Hz', 'kHz', 3)}"
+        stated = f"total and wave at {text_of(row.reading, 'bandwidth')}"
         print_face(solution, "wave_blows", f"Peak accelerations, route {solution.route}, {stated}", "waves")
     print_face(solution, "sensor_rows", "What the sensors read")
     setup = solution.waves
     if setup is not None:
         tell(
-            f"waves: time step {with_unit(setup.step, 's', 'ns')}, which changes a layer's length by "
+            f"waves: time step {text_of(setup, 'step')}, which changes a layer's length by "
             f"{setup.mismatch:.1e} of it at most (layer by layer in the report)"
         )
     print_losses(build_channels(solution.case))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import MORE
-from strikewave.base.shock_quantities import FREQUENCY, TOTAL_PEAK
+from strikewave.base.shock_quantities import BANDWIDTH, TOTAL_PEAK
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow, window_ends
 from strikewave.machines.machine import Machine
 from strikewave.machines.run import MachineRun
@@ -71,7 +71,7 @@ class BlowReading:
         column=MORE + 1,
         tables="waves",
     )
-    bandwidth: float | None = declare.number(FREQUENCY, "of a struck stack: low-pass by which both peaks are quoted")
+    bandwidth: float | None = declare.number(BANDWIDTH, "of a struck stack: low-pass by which both peaks are quoted")
     sensors: dict[str, SensorPulse] = declare.named(SensorPulse, "what each sensor reads, by its name")
 
 

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.faces import face_table
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import face_table, text_of
 from strikewave.reporting.parts import Part, Picture, Section
 from strikewave.reporting.stack_chapters import (
     PEAK_WORDS,
@@ -63,7 +62,7 @@ def stack_section(solution: Solution) -> list[Section]:
     reading = solution.readings[first]
     assert reading is not None
     route = solution.case.solver.route
-    band = "" if reading.bandwidth is None else f" at a bandwidth of {with_unit(reading.bandwidth, 'Hz', 'kHz', 3)}"
+    band = "" if reading.bandwidth is None else f" at a bandwidth of {text_of(reading, 'bandwidth')}"
     refused = reading.total_peak is None
     text = f"{PEAK_WORDS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
     if refused:

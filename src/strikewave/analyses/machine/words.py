@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.analyses.machine.result import INTERVAL, LineCollision, Solution
+from strikewave.base.declare import NO_UNIT
 from strikewave.base.result import Band
-from strikewave.base.shock_quantities import PULSE_WIDTH, RIGID_PEAK, VELOCITY_CHANGE
+from strikewave.base.shock_quantities import KILOGRAMS, PULSE_WIDTH, RIGID_PEAK, VELOCITY, VELOCITY_CHANGE
 from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.yield_pressure import YIELDING
 from strikewave.machines import Blow
 from strikewave.reporting.faces import amount, bands_below, columns_of, part_tables, text_of
 from strikewave.reporting.layout import KEY
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import NONE, Table
 from strikewave.reporting.table_columns import TableColumn, page_table
 
@@ -32,13 +33,14 @@ def settings(solution: Solution) -> list[str]:
     """Return the main settings of a machine, each with its unit."""
     case = solution.case
     words = []
-    for key, si, unit, name in kind_of(case).settings:
+    for key, one in kind_of(case).settings.items():
         value = getattr(case.machine, key)
         if value is not None:
-            words.append(f"{name} {with_unit(value.si, si, unit)}".strip() if si else f"{value.si:.0f} {name}")
+            is_count = one.si == NO_UNIT
+            words.append(f"{value.si:.0f} {one.label}" if is_count else f"{one.label} {amount(one, value.si)}".strip())
     approach = (solution.launch or {}).get("approach_speed", solution.reference.approach_speed)
-    words += [f"nominal approach {with_unit(approach, 'm/s', 'm/s')}"]
-    words += [f"object {with_unit(solution.masses['object'], 'kg', 'kg')}"]
+    words += [f"nominal approach {amount(VELOCITY, approach)}"]
+    words += [f"object {amount(KILOGRAMS, solution.masses['object'])}"]
     return words + ([f"{case.feed.blows.si:.0f} blows wanted"] if case.feed else [])
 
 
@@ -145,9 +147,9 @@ def _felt_words(solution: Solution) -> list[str]:
         return []
     words = []
     if reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.arrays:
-        band, tap = with_unit(reading.bandwidth, "Hz", "kHz", 3), solution.arrays["tap"].values[0]
-        words.append(f"At the tap {tap} it reaches {with_unit(reading.total_peak, 'm/s^2', 'g')} in all, at {band}.")
-    read = [f"{name} {with_unit(pulse.peak, 'm/s^2', 'g')}" for name, pulse in reading.sensors.items()]
+        band, tap = text_of(reading, "bandwidth"), solution.arrays["tap"].values[0]
+        words.append(f"At the tap {tap} it reaches {text_of(reading, 'total_peak')} in all, at {band}.")
+    read = [f"{name} {text_of(pulse, 'peak')}" for name, pulse in reading.sensors.items()]
     if read:
         words.append(f"Sensors read, with resonance and all they pass beyond that bandwidth: {listed(read)}.")
     return words

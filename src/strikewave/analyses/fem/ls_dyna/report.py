@@ -6,12 +6,13 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from strikewave.base.declare import declarations
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.exchange.ls_dyna.comparison import ForcePair, PulseDifferences
 from strikewave.exchange.ls_dyna.folder import ENERGIES, ContactPulse, Extreme
 from strikewave.fem.measures import EnergyExtent
 from strikewave.reporting import chapters
-from strikewave.reporting.faces import columns_of, face_table, text_of
-from strikewave.reporting.numbers import headed, shown, with_unit
+from strikewave.reporting.faces import amount, columns_of, face_table, text_of
+from strikewave.reporting.numbers import headed, shown
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
 from strikewave.reporting.table_columns import TableColumn
 
@@ -72,7 +73,9 @@ def _meshed(comparison: RunComparison) -> str:
 def _read(theirs: LsDynaRun) -> Section:
     rows: list[list[Cell]] = [[path.name, f"{path.stat().st_size}"] for path in theirs.files]
     first, last = theirs.span
-    text = f"From {written(shown(first, 's', 'us'))} to {with_unit(last, 's', 'us')}. " if last == last else ""
+    text = (
+        f"From {written(shown(first, *MICROSECONDS.units))} to {amount(MICROSECONDS, last)}. " if last == last else ""
+    )
     if theirs.fields:
         mesh = theirs.fields.mesh
         text += f"{len(mesh.hexahedra)} solids, {len(mesh.points)} nodes, {theirs.frames} states. "

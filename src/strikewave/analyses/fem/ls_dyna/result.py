@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY
+from strikewave.base.shock_quantities import FORCE, MICROSECONDS
 from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
 from strikewave.exchange.ls_dyna.folder import ContactPulse, EnergyHistory, Extreme, LsDynaContact, pulse_of
 from strikewave.fem.measures import EnergyExtent
@@ -37,7 +38,7 @@ class ReadRun:
 
     folder: str = declare.word("folder that was read")
     files: list[str] = declare.word("files that were read")
-    span: tuple[float, float] = declare.history("s", "first and last instant of anything")
+    span: tuple[float, float] = declare.history(MICROSECONDS, "first and last instant of anything")
     states: int = declare.count("instants of its fields", headline="states of d3plot")
     contacts: tuple[LsDynaContact, ...] = declare.rows(LsDynaContact, "its contacts")
     contact_count: int = declare.count("how many these are", headline="contacts", in_document=False)
@@ -148,7 +149,9 @@ class LsDynaResult(measured.AskedResult):
     def preview(self) -> Curve | None:
         """Return the force of the first contact in LS-DYNA."""
         for contact in self.found.ls_dyna.contacts[:1]:
-            return history_curve(contact.first.time, contact.first.size, "N", "kN", f"force of contact {contact.name}")
+            return history_curve(
+                contact.first.time, contact.first.size, *FORCE.units, f"force of contact {contact.name}"
+            )
         return None
 
     def texts(self) -> dict[str, str]:

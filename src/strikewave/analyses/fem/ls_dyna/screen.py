@@ -8,11 +8,12 @@ from pathlib import Path
 
 from strikewave.analyses.fem.ls_dyna.report import contact_table, energy_table, field_table, ls_dyna_words, pair_table
 from strikewave.analyses.fem.ls_dyna.result import LsDynaResult, folder_name
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.exchange.ls_dyna.comparison import RunComparison, compare_runs, read_strikewave
 from strikewave.exchange.ls_dyna.folder import LsDynaRun, read_folder
 from strikewave.exchange.units import UnitSystem
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.numbers import with_unit
+from strikewave.reporting.faces import amount
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import case_hash, number, report_table, tell
@@ -78,7 +79,7 @@ def _show(result: LsDynaResult) -> None:
 
 
 def _show_read(theirs: LsDynaRun) -> None:
-    first, last = number(theirs.span[0], "s", "us"), with_unit(theirs.span[1], "s", "us")
+    first, last = number(theirs.span[0], *MICROSECONDS.units), amount(MICROSECONDS, theirs.span[1])
     fields = theirs.fields
     solids = f"; {len(fields.mesh.hexahedra)} solids, {theirs.frames} states" if fields else ""
     tell(f"read: {', '.join(path.name for path in theirs.files)}; from {first} to {last}{solids}")

@@ -14,11 +14,13 @@ from strikewave.analyses.fem.figures.cut import (
     wave_figure,
 )
 from strikewave.analyses.fem.report.largest import instant_words, largest_words, place_words
+from strikewave.base.shock_quantities import MICROSECONDS, STRESS
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.measures import contact_measure
 from strikewave.fem.skin import blow_contact, faces_on
 from strikewave.fem.snapshots import Snapshot, SnapshotRecorder, recorder_from_frames
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.faces import amount
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Part, Picture, Section, written
 
 if TYPE_CHECKING:
@@ -97,7 +99,7 @@ def _whole(film: SnapshotRecorder, pressed: PeakContact | None) -> Picture:
     largest = float(von_mises(still.stress.astype(float)).max(initial=0.0))
     caption = f"Von Mises stress in the bodies cut open at {_instant(still)}, {when}"
     caption += f", and at {_instant(stills[-1])}, the last instant." if len(shown) > 1 else "."
-    caption += f" The largest value in view at {_instant(still)} is {with_unit(largest, 'Pa', 'MPa')}."
+    caption += f" The largest value in view at {_instant(still)} is {amount(STRESS, largest)}."
     return Picture(cut_figure(film.skin, shown), f"{caption} {_END_OF_SCALE}")
 
 
@@ -131,7 +133,7 @@ def _wave(film: SnapshotRecorder) -> list[Part]:
         f"The first wave through the bodies, {len(film.wave)} instants from first touch on, which is at "
         f"{instant_words(film.touched)}: the stress along the blow, blue compression and red tension, "
         f"at {listed([_instant(still) for still in film.wave])}. A wave takes "
-        f"{with_unit(film.transit, 's', 'us')} from there to the far end, at the speed sqrt(E/rho) of the body there. "
+        f"{amount(MICROSECONDS, film.transit)} from there to the far end, at the speed sqrt(E/rho) of the body there. "
         f"One scale for all instants. {_END_OF_SCALE}"
     )
     return [Picture(wave_figure(film.skin, film.wave), caption)]

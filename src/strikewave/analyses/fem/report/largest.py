@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.base.shock_quantities import MICROSECONDS, STRESS
+from strikewave.reporting.faces import amount
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import written
 
 if TYPE_CHECKING:
@@ -18,7 +20,7 @@ def largest_words(film: SnapshotRecorder, mesh: Mesh) -> str:
     """Say where von Mises stress and plastic strain are largest of all elements, seen or not; nothing where none is."""
     names, places = {"von_mises": "von Mises stress", "plastic_strain": "plastic strain"}, []
     for name, spot in film.largest.items():
-        value = with_unit(spot.value, "Pa", "MPa") if name == "von_mises" else written(spot.value)
+        value = amount(STRESS, spot.value) if name == "von_mises" else written(spot.value)
         places.append(f"{names[name]} {value} in {place_words(mesh, spot.element)} at {instant_words(spot.time)}")
     if not places:
         return ""
@@ -35,4 +37,4 @@ def place_words(mesh: Mesh, element: int) -> str:
 
 def instant_words(time: float) -> str:
     """Write a time with its unit; the time 0 as the start."""
-    return with_unit(time, "s", "us") if time > 0.0 else "the start"
+    return amount(MICROSECONDS, time) if time > 0.0 else "the start"

@@ -13,6 +13,7 @@ from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture,
 from strikewave.analyses.fem.report.blows import blows_section
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.sectors import unlike_sectors
+from strikewave.base.shock_quantities import LENGTH, MASS, STEP
 from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.measures import ALIGNED, EnergyExtent
 from strikewave.fem.quality import PartQuality, quality_report
@@ -21,8 +22,8 @@ from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook, ZerilliArmstrong
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
-from strikewave.reporting.faces import FaceRow, columns_of, face_columns, face_rows, face_table, text_of
-from strikewave.reporting.numbers import listed, percent, with_unit
+from strikewave.reporting.faces import FaceRow, amount, columns_of, face_columns, face_rows, face_table, text_of
+from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
 from strikewave.reporting.table_columns import TableColumn, page_table
 from strikewave.signal.pulse import WIDTH_FRACTION
@@ -202,10 +203,10 @@ def _what_ran(solution: FemSolution) -> Section:
     if zone is not None:
         near = dataclasses.replace(view, near=zone)
         name = getattr(blow_contact(model), "name", "")
-        caption = f"The mesh within {with_unit(zone[1], 'm', 'mm', 3)} of where {name} is nearest."
+        caption = f"The mesh within {amount(LENGTH, zone[1], digits=3)} of where {name} is nearest."
         pictures.append(Picture(mesh_picture(model.mesh, near), caption))
-    pace = f"{run.steps} steps, the smallest {with_unit(run.step, 's', 'ns')}, took {run.seconds:.3g} s."
-    added = f" Mass scaling added {with_unit(run.added_mass, 'kg', 'gram', 3)}." if run.added_mass > 0.0 else ""
+    pace = f"{run.steps} steps, the smallest {amount(STEP, run.step)}, took {run.seconds:.3g} s."
+    added = f" Mass scaling added {amount(MASS, run.added_mass, digits=3)}." if run.added_mass > 0.0 else ""
     parts: list[Part] = [_solid_table(solution), _condition_table(model), _quality_table(model), *pictures]
     return Section("Model and method", f"{_METHOD}\n\n{pace}{added}", parts)
 

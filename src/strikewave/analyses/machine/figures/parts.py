@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.machine.figures.geometry import StrikeGeometry
-from strikewave.analyses.machine.kind import PartEntry, PartNumber
+from strikewave.analyses.machine.kind import DROP_HEIGHT, PartEntry, PartNumber
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.units import in_unit
 from strikewave.reporting.curves import shortened
@@ -67,6 +67,11 @@ def mass(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in kg, below a tenth in g."""
     small = value is not None and value.si < 0.1
     return quantity(name, value, "kg", "gram" if small else "kg", "g" if small else "kg")
+
+
+def fall(height: Value | None, friction: Value | None) -> list[PartNumber]:
+    """Return the entries of a free fall: its height, and the friction on the way as a share of the weight."""
+    return [*quantity(DROP_HEIGHT.label, height, *DROP_HEIGHT.units), *quantity("friction of weight", friction)]
 
 
 def provenance_words(parts: Sequence[PartEntry]) -> str:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
+from strikewave.analyses.machine.kind import DROP_HEIGHT, Drawing, LaunchedKind, PartEntry, Release
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import DropHeight, Mass, MaybeGap, MaybeShare, Restitution
@@ -54,7 +54,7 @@ class Amplifier(LaunchedKind):
         "last one, the striker, on the object is followed in full. The run begins just before that first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("floor", "bodies", "striker", "contact", "nose", "frame", "assembly")
-    settings: ClassVar[tuple[ShownSetting, ...]] = (ShownSetting("height", "m", "m", "drop height"),)
+    settings: ClassVar = {"height": DROP_HEIGHT}
     sources: ClassVar[tuple[str, ...]] = ("rodgers-2009",)
     falls: ClassVar = "both"
 
@@ -118,9 +118,9 @@ class Amplifier(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import length, mass, quantity
+        from strikewave.analyses.machine.figures.parts import fall, length, mass, quantity
 
-        drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
+        drop = fall(self.height, self.friction)
         drop += quantity("restitution, floor", self.restitution)
         parts = [PartEntry("floor", "fall and floor", drop)]
         for row in self.body:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
+from strikewave.analyses.machine.kind import DROP_HEIGHT, Drawing, LaunchedKind, PartEntry, Release
 from strikewave.base.quantities import DropHeight, MaybePositiveForce, MaybeShare, MaybeSpringRate
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ class Drop(LaunchedKind):
         *("ground", "mount of the anvil, where there is one", "anvil", "pulse shaper"),
         *("nose", "frame", "assembly"),
     )
-    settings: ClassVar[tuple[ShownSetting, ...]] = (ShownSetting("height", "m", "m", "drop height"),)
+    settings: ClassVar = {"height": DROP_HEIGHT}
     sources: ClassVar[tuple[str, ...]] = ("jesd22-b104",)
     falls: ClassVar = "object"
     mount: ClassVar = "optional"
@@ -52,9 +52,9 @@ class Drop(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import quantity, shown, stiffness
+        from strikewave.analyses.machine.figures.parts import fall, quantity, shown, stiffness
 
-        drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
+        drop = fall(self.height, self.friction)
         drop += quantity("cords, force at the anvil", self.cord_force, "N", "N")
         drop += stiffness("cords, stiffness", self.cord_stiffness)
         parts = [PartEntry("fall", "fall", drop), s.object_part(case, "table with load")]
@@ -66,7 +66,7 @@ class Drop(LaunchedKind):
         sketch.block((4.4, 1.6), (5.6, 2.0), "stop")
         sketch.number("contact", (6.1, 2.0))
         sketch.block((1.6, 0.7), (8.4, 1.6), "striker", "striker")
-        sketch.dimension((3.4, 2.0), (3.4, 5.2), shown(self.height, "m", "m"))
+        sketch.dimension((3.4, 2.0), (3.4, 5.2), shown(self.height, *DROP_HEIGHT.units))
         sketch.number("fall", (3.0, 3.6))
         sketch.line((3.1, 2.0), (4.4, 2.0), dashed=True)
         sketch.arrow((5.0, 5.1), (5.0, 3.6), "falls")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
+from strikewave.analyses.machine.kind import DROP_HEIGHT, Drawing, LaunchedKind, PartEntry, Release
+from strikewave.base.declare import Quantity
 from strikewave.base.quantities import DropHeight, Length, MaybeDamping, MaybeShare, Restitution, SpringRate
 from strikewave.base.result import Notice
 
@@ -39,10 +40,10 @@ class DualMassAmplifier(LaunchedKind):
         *("anvil", "pulse shaper", "table", "pad, and cushions beside it"),
         *("nose", "frame", "assembly of the second mass"),
     )
-    settings: ClassVar[tuple[ShownSetting, ...]] = (
-        ShownSetting("height", "m", "m", "drop height"),
-        ShownSetting("gap", "m", "mm", "gap"),
-    )
+    settings: ClassVar = {
+        "height": DROP_HEIGHT,
+        "gap": Quantity("m", "mm", "gap"),
+    }
     sources: ClassVar[tuple[str, ...]] = ("jesd22-b104", "rodgers-2009")
     falls: ClassVar = "both"
 
@@ -97,9 +98,9 @@ class DualMassAmplifier(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import damping, quantity, shown, stiffness
+        from strikewave.analyses.machine.figures.parts import damping, fall, quantity, shown, stiffness
 
-        drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
+        drop = fall(self.height, self.friction)
         shaper = [*stiffness("stiffness", self.shaper_stiffness), *quantity("restitution", self.shaper_restitution)]
         cushions = [
             *stiffness("stiffness, all", self.cushion_stiffness),
@@ -128,7 +129,7 @@ class DualMassAmplifier(LaunchedKind):
             sketch.spring((x, 4.7), (x, 6.2))
         sketch.number("cushions", (7.65, 5.4))
         sketch.block((2.4, 6.2), (7.6, 7.0), "body", "object")
-        sketch.dimension((3.6, 1.9), (3.6, 3.9), shown(self.height, "m", "m"))
+        sketch.dimension((3.6, 1.9), (3.6, 3.9), shown(self.height, *DROP_HEIGHT.units))
         sketch.number("fall", (3.2, 2.9))
         sketch.dimension((4.9, 5.0), (4.9, 6.2), shown(self.gap, "m", "mm"))
         sketch.arrow((5.0, 3.8), (5.0, 2.6), "both fall")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release, ShownSetting
+from strikewave.analyses.machine.kind import DROP_HEIGHT, FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release
 from strikewave.base.quantities import DropHeight, MaybeShare
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ class FallingBall(LaunchedKind):
         "just before first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("falling ball", *FREE_OBJECT)
-    settings: ClassVar[tuple[ShownSetting, ...]] = (ShownSetting("height", "m", "m", "drop height"),)
+    settings: ClassVar = {"height": DROP_HEIGHT}
     falls: ClassVar = "striker"
 
     def release(self, case: Case, mass: float) -> Release:
@@ -40,15 +40,15 @@ class FallingBall(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import quantity, shown
+        from strikewave.analyses.machine.figures.parts import fall, shown
 
-        drop = [*quantity("drop height", self.height, "m", "m"), *quantity("friction of weight", self.friction)]
+        drop = fall(self.height, self.friction)
         parts = [PartEntry("fall", "fall", drop), s.striker_part(case, "ball"), s.contact_part(case, "contact")]
         sketch = s.Schematic([*parts, s.object_part(case, "object")])
         sketch.ball((5.0, 6.8), 0.6, "striker", "striker")
         sketch.arrow((5.0, 6.0), (5.0, 4.4), "falls")
         sketch.blow((8.6, 5.2), (8.6, 3.6))
-        sketch.dimension((3.2, 3.0), (3.2, 6.2), shown(self.height, "m", "m"))
+        sketch.dimension((3.2, 3.0), (3.2, 6.2), shown(self.height, *DROP_HEIGHT.units))
         sketch.number("fall", (2.8, 4.6))
         sketch.line((2.9, 6.2), (4.6, 6.2), dashed=True)
         sketch.block((3.6, 2.2), (6.4, 3.0), "body", "object")

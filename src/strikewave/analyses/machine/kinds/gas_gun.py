@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release, ShownSetting
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release
+from strikewave.base.declare import Quantity
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import (
     MaybeAmbient,
@@ -53,10 +54,10 @@ class GasGun(LaunchedKind):
         "first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("projectile", *FREE_OBJECT)
-    settings: ClassVar[tuple[ShownSetting, ...]] = (
-        ShownSetting("speed", "m/s", "m/s", "speed"),
-        ShownSetting("pressure", "Pa", "bar", "pressure, absolute"),
-    )
+    settings: ClassVar = {
+        "speed": Quantity("m/s", "m/s", "speed"),
+        "pressure": Quantity("Pa", "bar", "pressure, absolute"),
+    }
     sources: ClassVar[tuple[str, ...]] = ("rohrbach-2012", "siegel-1965")
 
     def release(self, case: Case, mass: float) -> Release:

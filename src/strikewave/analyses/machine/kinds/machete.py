@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release, ShownSetting
+from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.quantities import Count, Inertia, Length, MaybeAngle, MaybeLength, MaybeMass, MaybeTorque
 from strikewave.base.result import Notice
@@ -50,11 +51,11 @@ class Machete(LaunchedKind):
         "The run begins just before first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("anvil", "contact", "nose", "frame", "assembly")
-    settings: ClassVar[tuple[ShownSetting, ...]] = (
-        ShownSetting("teeth", "", "", "teeth"),
-        ShownSetting("weight", "kg", "kg", "weight"),
-        ShownSetting("radius", "m", "m", "radius"),
-    )
+    settings: ClassVar = {
+        "teeth": Quantity(NO_UNIT, NO_UNIT, "teeth"),
+        "weight": Quantity("kg", "kg", "weight"),
+        "radius": Quantity("m", "m", "radius"),
+    }
     mount: ClassVar = "optional"
 
     def release(self, case: Case, mass: float) -> Release:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release, ShownSetting
+from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.declare import Quantity
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.quantities import Length, Mass, MaybeInertia, MaybeTime, SwingAngle
 
@@ -38,10 +39,10 @@ class Pendulum(LaunchedKind):
         "begins just before first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("arm", "mount", "striker", *FREE_OBJECT)
-    settings: ClassVar[tuple[ShownSetting, ...]] = (
-        ShownSetting("angle", "rad", "deg", "release angle"),
-        ShownSetting("radius", "m", "m", "radius"),
-    )
+    settings: ClassVar = {
+        "angle": Quantity("rad", "deg", "release angle"),
+        "radius": Quantity("m", "m", "radius"),
+    }
     sources: ClassVar[tuple[str, ...]] = ("iso-148-2",)
     mount: ClassVar = "needed"
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, ClassVar
 
-from strikewave.analyses.machine.kind import Drawing, MachineKind, ShownSetting
+from strikewave.analyses.machine.kind import Drawing, MachineKind
+from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.cases.tables.machine import RotaryTable
 
 if TYPE_CHECKING:
@@ -30,11 +31,11 @@ class Rotary(RotaryTable, MachineKind):
         *("turntable", "mount", "striker", "contact", "nose", "frame", "assembly"),
         *("spring, damper, stop", "carriage of the feed"),
     )
-    settings: ClassVar[tuple[ShownSetting, ...]] = (
-        ShownSetting("speed", "rad/s", "rpm", ""),
-        ShownSetting("strikers", "", "", "strikers"),
-        ShownSetting("engagement", "m", "mm", "engagement"),
-    )
+    settings: ClassVar = {
+        "speed": Quantity("rad/s", "rpm"),
+        "strikers": Quantity(NO_UNIT, NO_UNIT, "strikers"),
+        "engagement": Quantity("m", "mm", "engagement"),
+    }
     reference_law: ClassVar[str] = "the printed contact law"
 
     def rigid_contact(self, case: Case, machine: Machine) -> tuple[AnyContact, float]:
