@@ -17,7 +17,7 @@ TABLES = ("base/units.py", "base/declare.py", "reporting/shown_units.py", "recor
 """Modules that know units themselves: how they convert, what is offered, which ones files have."""
 PICTURES = ("reporting/curves.py", "reporting/wave_curves.py", "reporting/wave_field.py", "web/charts.py")
 """Modules that draw, beside those in `figures`: an axis may say its own units."""
-NOT_YET = ("analyses/fem/", "analyses/machine/", "studies/scatter/")
+NOT_YET = ("studies/scatter/",)
 """Folders whose sentences still type units. This list only shrinks."""
 
 

@@ -76,6 +76,8 @@ USUAL: dict[tuple[str, str], float] = {(si, si): 1.0 for si in DIMENSIONS} | {
     (unit, si): factor
     for si, factors in {
         "m": {"mm": 1e-3, "um": 1e-6},
+        "m^2": {"mm^2": 1e-6, "cm^2": 1e-4},
+        "m^3": {"cm^3": 1.0000000000000002e-6},
         "kg": {"gram": 1e-3},
         "s": {"ms": 1e-3, "us": 1e-6, "ns": 1e-9},
         "rad": {"deg": math.pi / 180.0},
@@ -84,7 +86,7 @@ USUAL: dict[tuple[str, str], float] = {(si, si): 1.0 for si in DIMENSIONS} | {
         "N": {"kN": 1e3, "MN": 1e6},
         "N/m": {"kN/m": 1e3, "MN/m": 1e6, "GN/m": 1e9},
         "N s/m": {"kN s/m": 1e3},
-        "Pa": {"MPa": 1e6, "GPa": 1e9},
+        "Pa": {"MPa": 1e6, "GPa": 1e9, "bar": 1e5},
         "Hz": {"kHz": 1e3, "MHz": 1e6},
     }.items()
     for unit, factor in factors.items()

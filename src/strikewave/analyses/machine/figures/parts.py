@@ -9,14 +9,17 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.machine.figures.geometry import StrikeGeometry
 from strikewave.analyses.machine.kind import DROP_HEIGHT, PartEntry, PartNumber
 from strikewave.base.quantities import PROVENANCES
-from strikewave.base.units import in_unit
+from strikewave.base.units import USUAL, in_unit
 from strikewave.reporting.curves import shortened
+from strikewave.reporting.numbers import spelled
 from strikewave.reporting.parts import written
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
     from strikewave.cases.case import Case
 
+DRAWN = {"deg": "°", "gram": "g", "rpm": "r/min"}
+"""Units that drawings spell otherwise than sentences do."""
 MOST_LAYERS = 6
 """Layers of a stack that are listed one by one."""
 
@@ -32,46 +35,41 @@ def significant(value: float, digits: int = 4) -> str:
     return written(value + 0.0, digits)  # no zero has a sign
 
 
-def quantity(name: str, value: Value | None, si: str = "", unit: str = "", spelled: str = "") -> list[PartNumber]:
-    """Return one entry for a value of a case, none where it is absent."""
-    if value is None:
-        return []
-    number = in_unit(value.si, si, unit) if unit else value.si
-    unit = spelled or unit
-    words = f"{significant(float(number))}{'' if unit in ('', '°') else ' '}{unit}"
-    return [PartNumber(name, words, value.provenance)]
+def quantity(name: str, value: Value | None, unit: str = "") -> list[PartNumber]:
+    """Return one entry for a value of a case in a unit, none where it is absent."""
+    return [] if value is None else [PartNumber(name, shown(value, unit), value.provenance)]
 
 
-def shown(value: Value, si: str, unit: str) -> str:
+def shown(value: Value, unit: str) -> str:
     """Write a value of a case in a unit, as a drawing shows it."""
-    return quantity("", value, si, unit)[0].shown
+    number = in_unit(value.si, dict(USUAL.keys())[unit], unit) if unit else value.si
+    return f"{significant(float(number))}{'' if unit in ('', 'deg') else ' '}{DRAWN.get(unit, spelled(unit))}"
 
 
 def length(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in mm."""
-    return quantity(name, value, "m", "mm")
+    return quantity(name, value, "mm")
 
 
 def stiffness(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in kN/m, from a million on in MN/m."""
     unit = "kN/m" if value is None or value.si < 1e6 else "MN/m"
-    return quantity(name, value, "N/m", unit)
+    return quantity(name, value, unit)
 
 
 def damping(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in N s/m."""
-    return quantity(name, value, "", "", "N s/m")
+    return quantity(name, value, "N s/m")
 
 
 def mass(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in kg, below a tenth in g."""
-    small = value is not None and value.si < 0.1
-    return quantity(name, value, "kg", "gram" if small else "kg", "g" if small else "kg")
+    return quantity(name, value, "gram" if value is not None and value.si < 0.1 else "kg")
 
 
 def fall(height: Value | None, friction: Value | None) -> list[PartNumber]:
     """Return the entries of a free fall: its height, and the friction on the way as a share of the weight."""
-    return [*quantity(DROP_HEIGHT.label, height, *DROP_HEIGHT.units), *quantity("friction of weight", friction)]
+    return [*quantity(DROP_HEIGHT.label, height, DROP_HEIGHT.usual), *quantity("friction of weight", friction)]
 
 
 def provenance_words(parts: Sequence[PartEntry]) -> str:
@@ -94,9 +92,9 @@ def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
         "turntable",
         "turntable",
         [
-            *quantity("speed", machine.speed, "rad/s", "rpm", "r/min"),
-            *quantity("inertia", machine.inertia, "", "", "kg m²"),
-            *quantity("drive, at most", machine.torque, "", "", "N m"),
+            *quantity("speed", machine.speed, "rpm"),
+            *quantity("inertia", machine.inertia, "kg m^2"),
+            *quantity("drive, at most", machine.torque, "N m"),
         ],
     )
     yield PartEntry(
@@ -118,7 +116,7 @@ def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
         "strike",
         [
             *length("engagement q", machine.engagement),
-            *quantity("blow to radius", machine.blow_angle, "rad", "deg", "°"),
+            *quantity("blow to radius", machine.blow_angle, "deg"),
             *length("face width", machine.face_width),
             PartNumber("angle from first touch", meets, "computed"),
             PartNumber("approach, nominal", speed, "computed"),
@@ -132,7 +130,7 @@ def _object(case: Case) -> Iterator[PartEntry]:
     for layer in layers[:MOST_LAYERS]:
         entries = length("length", layer.length)
         entries += length("diameter", layer.diameter)
-        entries += quantity("area", layer.area, "m^2", "mm^2", "mm²") if layer.diameter is None else []
+        entries += quantity("area", layer.area, "mm^2") if layer.diameter is None else []
         yield PartEntry(f"layer {layer.name}", shortened(layer.name, 16), entries)
     if layers:
         if len(layers) > MOST_LAYERS:
@@ -149,13 +147,13 @@ def _held_by(case: Case) -> Iterator[PartEntry]:
     """Yield what holds and feeds the object."""
     tables = case.rotary_tables()
     struck, feed = tables.object, tables.feed
-    preload = quantity("preload", struck.preload, "", "", "N")
+    preload = quantity("preload", struck.preload, "N")
     yield PartEntry("spring", "heavy-load spring", [*stiffness("rate", struck.spring), *preload])
     yield PartEntry("damper", "damper", damping("damping", struck.damper))
     restitution = quantity("restitution", struck.stop_restitution)
     yield PartEntry("stop", "stop", [*stiffness("stiffness", struck.stop_stiffness), *restitution])
-    carried = quantity("gravity along blow", struck.gravity, "", "", "m/s²")
-    carried += quantity("friction of the rails", struck.friction, "", "", "N")
+    carried = quantity("gravity along blow", struck.gravity, "m/s^2")
+    carried += quantity("friction of the rails", struck.friction, "N")
     yield PartEntry("carriage", "carriage", carried)
-    time = quantity("stroke time", feed.stroke_time, "s", "ms")
+    time = quantity("stroke time", feed.stroke_time, "ms")
     yield PartEntry("feed", "feed", [*length("stroke s", feed.stroke), *time])

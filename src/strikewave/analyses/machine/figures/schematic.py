@@ -131,7 +131,7 @@ class Schematic:
 def striker_part(case: Case, name: str) -> PartEntry:
     """Return [striker] as a part, called as its machine calls it."""
     striker = case.impact().striker
-    entries = [*mass("mass", striker.mass), *quantity("nose radius", striker.nose_radius, "m", "mm")]
+    entries = [*mass("mass", striker.mass), *quantity("nose radius", striker.nose_radius, "mm")]
     entries += [*stiffness("mount", striker.mount_stiffness), *damping("mount, damping", striker.mount_damping)]
     return PartEntry("striker", name, entries)
 
@@ -150,14 +150,14 @@ def contact_part(case: Case, name: str) -> PartEntry:
     """Return [contact] as a part, called as its machine calls it."""
     contact = case.impact().contact
     entries = [*quantity("restitution", contact.restitution)]
-    entries += quantity("force at depth", contact.reference_force, "N", "kN")
-    entries += [*quantity("depth", contact.reference_depth, "m", "mm"), *quantity("exponent", contact.exponent)]
+    entries += quantity("force at depth", contact.reference_force, "kN")
+    entries += [*quantity("depth", contact.reference_depth, "mm"), *quantity("exponent", contact.exponent)]
     law, pad = contact.law, contact.cushion
     if pad is not None:
         law = f"{contact.law} ({pad.material or pad.law})"
-        entries += [*quantity("thickness", pad.thickness, "m", "mm"), *quantity("diameter", pad.diameter, "m", "mm")]
-        entries += [*quantity("area", pad.area, "m^2", "cm^2"), *quantity("plateau", pad.plateau, "Pa", "MPa")]
-        entries += [*quantity("modulus", pad.modulus, "Pa", "MPa"), *quantity("stress", pad.stress, "Pa", "MPa")]
+        entries += [*quantity("thickness", pad.thickness, "mm"), *quantity("diameter", pad.diameter, "mm")]
+        entries += [*quantity("area", pad.area, "cm^2"), *quantity("plateau", pad.plateau, "MPa")]
+        entries += [*quantity("modulus", pad.modulus, "MPa"), *quantity("stress", pad.stress, "MPa")]
     return PartEntry("contact", f"{name}, {law}", entries)
 
 

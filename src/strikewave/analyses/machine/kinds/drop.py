@@ -55,7 +55,7 @@ class Drop(LaunchedKind):
         from strikewave.analyses.machine.figures.parts import fall, quantity, shown, stiffness
 
         drop = fall(self.height, self.friction)
-        drop += quantity("cords, force at the anvil", self.cord_force, "N", "N")
+        drop += quantity("cords, force at the anvil", self.cord_force, "N")
         drop += stiffness("cords, stiffness", self.cord_stiffness)
         parts = [PartEntry("fall", "fall", drop), s.object_part(case, "table with load")]
         sketch = s.Schematic([*parts, s.contact_part(case, "shaper"), s.striker_part(case, "anvil")])
@@ -66,7 +66,7 @@ class Drop(LaunchedKind):
         sketch.block((4.4, 1.6), (5.6, 2.0), "stop")
         sketch.number("contact", (6.1, 2.0))
         sketch.block((1.6, 0.7), (8.4, 1.6), "striker", "striker")
-        sketch.dimension((3.4, 2.0), (3.4, 5.2), shown(self.height, *DROP_HEIGHT.units))
+        sketch.dimension((3.4, 2.0), (3.4, 5.2), shown(self.height, DROP_HEIGHT.usual))
         sketch.number("fall", (3.0, 3.6))
         sketch.line((3.1, 2.0), (4.4, 2.0), dashed=True)
         sketch.arrow((5.0, 5.1), (5.0, 3.6), "falls")

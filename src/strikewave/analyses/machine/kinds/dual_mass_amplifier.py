@@ -106,7 +106,7 @@ class DualMassAmplifier(LaunchedKind):
             *stiffness("stiffness, all", self.cushion_stiffness),
             *damping("damping, all", self.cushion_damping),
         ]
-        cushions += quantity("gap to the pad", self.gap, "m", "mm")
+        cushions += quantity("gap to the pad", self.gap, "mm")
         parts = [
             PartEntry("fall", "fall", drop),
             PartEntry("shaper", "pulse shaper", shaper),
@@ -129,9 +129,9 @@ class DualMassAmplifier(LaunchedKind):
             sketch.spring((x, 4.7), (x, 6.2))
         sketch.number("cushions", (7.65, 5.4))
         sketch.block((2.4, 6.2), (7.6, 7.0), "body", "object")
-        sketch.dimension((3.6, 1.9), (3.6, 3.9), shown(self.height, *DROP_HEIGHT.units))
+        sketch.dimension((3.6, 1.9), (3.6, 3.9), shown(self.height, DROP_HEIGHT.usual))
         sketch.number("fall", (3.2, 2.9))
-        sketch.dimension((4.9, 5.0), (4.9, 6.2), shown(self.gap, "m", "mm"))
+        sketch.dimension((4.9, 5.0), (4.9, 6.2), shown(self.gap, "mm"))
         sketch.arrow((5.0, 3.8), (5.0, 2.6), "both fall")
         sketch.blow((8.9, 5.0), (8.9, 6.4))
         return sketch.drawing("The dual-mass shock amplifier")

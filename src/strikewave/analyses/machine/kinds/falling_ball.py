@@ -48,7 +48,7 @@ class FallingBall(LaunchedKind):
         sketch.ball((5.0, 6.8), 0.6, "striker", "striker")
         sketch.arrow((5.0, 6.0), (5.0, 4.4), "falls")
         sketch.blow((8.6, 5.2), (8.6, 3.6))
-        sketch.dimension((3.2, 3.0), (3.2, 6.2), shown(self.height, *DROP_HEIGHT.units))
+        sketch.dimension((3.2, 3.0), (3.2, 6.2), shown(self.height, DROP_HEIGHT.usual))
         sketch.number("fall", (2.8, 4.6))
         sketch.line((2.9, 6.2), (4.6, 6.2), dashed=True)
         sketch.block((3.6, 2.2), (6.4, 3.0), "body", "object")

@@ -97,13 +97,13 @@ class GasGun(LaunchedKind):
         from strikewave.analyses.machine.figures import schematic as s
         from strikewave.analyses.machine.figures.parts import length, quantity
 
-        gas = [*quantity("speed", self.speed, "m/s", "m/s"), *quantity("pressure", self.pressure, "Pa", "bar")]
+        gas = [*quantity("speed", self.speed, "m/s"), *quantity("pressure", self.pressure, "bar")]
         gas += [
-            *quantity("volume", self.volume, "m^3", "cm^3", "cm³"),
+            *quantity("volume", self.volume, "cm^3"),
             *length("bore", self.bore),
             *length("barrel", self.length),
         ]
-        gas += quantity("friction", self.friction, "", "", "N")
+        gas += quantity("friction", self.friction, "N")
         parts = [PartEntry("gun", "gun", gas), s.striker_part(case, "projectile"), s.contact_part(case, "contact")]
         sketch = s.Schematic([*parts, s.object_part(case, "object")])
         sketch.block((0.3, 3.2), (2.2, 4.8), "disc", "gun")

@@ -111,10 +111,10 @@ class Machete(LaunchedKind):
         from strikewave.analyses.machine.figures.parts import length, mass, quantity
 
         arm = [*quantity("teeth", self.teeth), *quantity("teeth of the wheel", self.wheel_teeth)]
-        arm += [*quantity("inertia", self.inertia, "", "", "kg m²"), *length("shaft to head", self.radius)]
+        arm += [*quantity("inertia", self.inertia, "kg m^2"), *length("shaft to head", self.radius)]
         arm += [*mass("mass", self.mass), *length("shaft to centre", self.centre)]
-        arm += quantity("strike angle", self.strike_angle, "rad", "deg", "°")
-        arm += quantity("friction", self.friction, "", "", "N m")
+        arm += quantity("strike angle", self.strike_angle, "deg")
+        arm += quantity("friction", self.friction, "N m")
         weight = [*mass("mass", self.weight), *length("radius of its drum", self.drum)]
         parts = [PartEntry("arm", "arm and ratchet", arm), PartEntry("weight", "weight", weight)]
         parts += [s.object_part(case, "object in the head"), s.contact_part(case, "contact")]

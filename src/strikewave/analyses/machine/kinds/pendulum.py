@@ -100,9 +100,9 @@ class Pendulum(LaunchedKind):
         from strikewave.analyses.machine.figures import schematic as s
         from strikewave.analyses.machine.figures.parts import length, mass, quantity
 
-        arm = [*quantity("release angle", self.angle, "rad", "deg", "°"), *mass("mass", self.mass)]
+        arm = [*quantity("release angle", self.angle, "deg"), *mass("mass", self.mass)]
         arm += [*length("pivot to centre", self.centre), *length("pivot to striker", self.radius)]
-        arm += [*quantity("inertia", self.inertia, "", "", "kg m²"), *quantity("period", self.period, "s", "s")]
+        arm += [*quantity("inertia", self.inertia, "kg m^2"), *quantity("period", self.period, "s")]
         parts = [PartEntry("arm", "arm", arm), s.striker_part(case, "striker"), s.contact_part(case, "contact")]
         sketch = s.Schematic([*parts, s.object_part(case, "object")])
         pivot, reach = (5.0, 7.2), 5.0
