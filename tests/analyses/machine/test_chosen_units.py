@@ -6,6 +6,7 @@ from html import unescape
 import pytest
 
 from strikewave import load_case, run_case
+from strikewave.analyses.machine.chapters import blow_table
 from strikewave.analyses.machine.report import report
 from strikewave.analyses.machine.screen import show
 from strikewave.reporting.shown_units import ShownUnits, showing
@@ -34,3 +35,11 @@ def test_no_usual_unit_stands_beside_the_chosen_ones(name, capsys):
         if head not in AS_TYPED:
             text = unescape(re.sub(r"<[^>]+>", "|", section)).replace("\n", " ")
             assert USUAL.findall(text) == [], head
+
+
+def test_what_stands_beside_the_blows_is_in_the_chosen_unit_of_a_speed():
+    solution = run_case(load_case("jesd22-b111-b"))
+    with showing(ShownUnits.read("km/h")):
+        words = blow_table(solution).text
+    assert re.search(r"at the nominal [\d.]+ km/h and", words)
+    assert "m/s " not in words
