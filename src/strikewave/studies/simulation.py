@@ -7,19 +7,17 @@ from collections.abc import Mapping
 from typing import Any
 
 from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.base.declare import banded_quantities
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.result import Verdict
+from strikewave.base.shock_quantities import ACCELERATION
 from strikewave.base.variables import LabelledArrays
 from strikewave.cases.case import Case
 from strikewave.cases.tables.machine import RotaryTable
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.studies.accuracy import FINER_TOLERANCE
 
-OF_BAR = {
-    "peak_force": "N", "peak_stress": "Pa", "peak_velocity": "m/s", "peak_acceleration": "m/s^2", "peak": "m/s^2",
-}  # fmt: skip
-"""SI unit of a result of a layered bar by the last part of its name."""
 STRESS = ".peak_stress"
 """End of the name of the stress at a tap of a bar."""
 BALANCE = {"energy_error": "energy", "momentum_error": "momentum", "hourglass_share": "hourglass"}
@@ -151,9 +149,11 @@ def number_units(case: Case) -> dict[str, str]:
         left_out = ("first.force_width", "first.force_over_mass")  # of elements
         return {name: unit for name, unit in PUBLISHED_QUANTITIES.items() if name not in left_out}
     if case.command == "wave":
-        names = [f"tap.{tap.name}.{what}" for tap in case.tap for what in OF_BAR if what != "peak"]
-        names += [f"sensor.{sensor.name}.peak" for sensor in case.sensor]
-        return {name: OF_BAR[name.rpartition(".")[2]] for name in names}
+        from strikewave.analyses.wave.result import TapPeaks
+
+        of_tap = banded_quantities(TapPeaks).items()
+        units = {f"tap.{tap.name}.{name}": quantity.si for tap in case.tap for name, quantity in of_tap}
+        return units | {f"sensor.{sensor.name}.peak": ACCELERATION.si for sensor in case.sensor}
     return OF_MODEL | OF_BODY | OF_PART
 
 

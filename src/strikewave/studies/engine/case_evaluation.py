@@ -73,8 +73,6 @@ OF_CONTACT = ("contact_time", "rebound_speed", "restitution", "indentation", "re
 """Numbers of the contact of the first blow."""
 NOT_FAST = ("total_peak", "wave_peak", "sensor_peak", "sensor_width", "peak_force", *OF_CONTACT)
 """Numbers of the first blow that the fast run has not."""
-OF_IMPACT = {"approach_speed": "m/s", "peak_force": "N", "peak_acceleration": "m/s^2", "duration": "s"}
-"""Numbers of an impact, and their SI units."""
 BLOW_UNITS = {
     name: OF_BLOW[name].si or NO_UNIT
     for name in ("time", "rigid_peak", "width", "velocity_change", "approach_speed", "largest_displacement", "kind")
@@ -97,11 +95,15 @@ def numbers_of(case: Case, analysis: str) -> dict[str, str]:
     ('1', False)
     """
     if analysis == "impact":
-        return OF_IMPACT
+        from strikewave.analyses.machine.result import RigidReference
+
+        return {name: one.quantity.si for name, one in declarations(RigidReference).items()}
     units = number_units(case)
     if analysis in ("run", "fast"):
         of_train = OF_TRAIN | (OF_FAST if analysis == "fast" else {})
-        units |= {"typical.velocity_change": "m/s"} | {name: one.si for name, one in of_train.items()}
+        units |= {"typical.velocity_change": OF_BLOW["velocity_change"].si} | {
+            name: one.si for name, one in of_train.items()
+        }
     left_out = NOT_FAST if analysis == "fast" else ()
     return {name: unit for name, unit in units.items() if name.partition(".")[2] not in left_out}
 
