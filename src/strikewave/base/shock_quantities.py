@@ -39,6 +39,8 @@ MODULUS = Quantity("Pa", "GPa", digits=5)
 BAR_SPEED = Quantity("m/s", "m/s", digits=6)
 SECONDS = Quantity("s", "s")
 MILLISECONDS = Quantity("s", "ms")
+SHOWN_OF_CHANNELS = dict([ACCELERATION.units])
+"""Unit in which a channel is shown as a rule, where that is not its own unit: on each face."""
 OF_CHANNEL = Quantity.of_data("each channel's unit")
 OF_INTEGRAL = Quantity.of_data("each channel's unit, times s")
 SCORE = Quantity(NO_UNIT, NO_UNIT, decimals=3, digits=0)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 from strikewave.base.result import Notice
+from strikewave.base.shock_quantities import SHOWN_OF_CHANNELS
 from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.layout import KEY, MORE
 from strikewave.reporting.numbers import doubted, listed, shown, spelled, with_unit
@@ -73,7 +74,7 @@ def usual_unit(clause: Clause) -> str:
     if clause.unit == "s":
         largest = max((abs(one) for one in (clause.low, clause.high) if math.isfinite(one)), default=0.0)
         return "ms" if largest >= 1e-3 else "us"
-    return {"m/s^2": "g"}.get(clause.unit, clause.unit)
+    return SHOWN_OF_CHANNELS.get(clause.unit, clause.unit)
 
 
 def amount(clause: Clause, value: float, digits: int = 4) -> str:

@@ -17,7 +17,16 @@ from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
 from strikewave.base.result import Band
-from strikewave.base.shock_quantities import FREQUENCY, KILOHERTZ, MICROSECONDS, RATIO, SCORE, SHARE
+from strikewave.base.shock_quantities import (
+    FREQUENCY,
+    KILOHERTZ,
+    MICROSECONDS,
+    MILLISECONDS,
+    RATIO,
+    SCORE,
+    SECONDS,
+    SHARE,
+)
 from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.banded_numbers import band_text
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -98,7 +107,8 @@ class ShiftTaken:
         if self.align == "none":
             return "none"
         size = abs(self.value)
-        (second, unit) = axis_unit("s", "us" if size < LONGEST_IN_US else "ms" if size < LONGEST_IN_MS else "s")
+        of = MICROSECONDS if size < LONGEST_IN_US else MILLISECONDS if size < LONGEST_IN_MS else SECONDS
+        second, unit = axis_unit(*of.units)
         doubt = self.uncertainty / second
         decimals = min(max(1 - math.floor(math.log10(doubt)), 0), MOST_DECIMALS) if doubt > 0.0 else DECIMALS
         value = f"{rounded(self.value / second, decimals)} {unit}"
@@ -259,9 +269,9 @@ class CompareResult(AskedResult):
     def interval_words(self) -> str:
         """Return begin, end and length of the interval."""
         begin, end = self.interval
-        usual = "us" if end - begin < LONGEST_INTERVAL_IN_US else "ms"
-        ends = f"{written(shown(begin, 's', usual), 6)} to {written(shown(end, 's', usual), 6)}"
-        return f"{ends} {axis_unit('s', usual)[1]} ({with_unit(end - begin, 's', usual)})"
+        of = MICROSECONDS if end - begin < LONGEST_INTERVAL_IN_US else MILLISECONDS
+        ends = f"{written(shown(begin, *of.units), 6)} to {written(shown(end, *of.units), 6)}"
+        return f"{ends} {axis_unit(*of.units)[1]} ({amount(of, end - begin)})"
 
     above_nyquist = declare.computed(
         declare.number(RATIO, "share of the RMS of the finer history above half the sampling rate of the other")

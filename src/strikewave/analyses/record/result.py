@@ -14,7 +14,7 @@ from strikewave.analyses.record.chosen import advised_filter, sources_of
 from strikewave.analyses.record.moved import MotionRow, RecordMotion, all_moved, motion_columns
 from strikewave.analyses.record.paired import PAIR_COLUMNS, PairRow, RecordPair, all_pairs, transfer_columns
 from strikewave.analyses.record.responses import ResponseSummary, responding, response_columns, summaries
-from strikewave.analyses.record.rows import SHOWN, BlowRow, CampaignRow, FileRow, blow_rows, units_given
+from strikewave.analyses.record.rows import BlowRow, CampaignRow, FileRow, blow_rows, units_given
 from strikewave.analyses.record.sensor_trials import SensorRow, SensorTrials
 from strikewave.analyses.record.shock_columns import shock_columns
 from strikewave.base import declare
@@ -22,7 +22,7 @@ from strikewave.base.declare import NOT_MEASURED, GivenUnits, Quantity, declarat
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import FAILED, Notice
-from strikewave.base.shock_quantities import FREQUENCY, OF_CHANNEL, OF_INTEGRAL
+from strikewave.base.shock_quantities import FREQUENCY, OF_CHANNEL, OF_INTEGRAL, SHOWN_OF_CHANNELS
 from strikewave.records.budget.contributions import Budget
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
@@ -300,7 +300,8 @@ class RecordResult(AskedResult):
         for pulse in reading.pulses[:1]:
             span = pulse.end - pulse.begin
             chosen = (channel.time >= pulse.begin - span) & (channel.time <= pulse.end + 2.0 * span)
-        return history_curve(channel.time[chosen], channel.values[chosen], unit, SHOWN.get(unit, unit), channel.name)
+        usual = SHOWN_OF_CHANNELS.get(unit, unit)
+        return history_curve(channel.time[chosen], channel.values[chosen], unit, usual, channel.name)
 
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""

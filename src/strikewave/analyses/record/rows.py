@@ -11,7 +11,7 @@ from strikewave.analyses.record.chosen import cutoff_for
 from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
 from strikewave.base.declare import KEY, GivenUnits
-from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, OF_CHANNEL, OF_INTEGRAL, RATIO
+from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, OF_CHANNEL, OF_INTEGRAL, RATIO, SHOWN_OF_CHANNELS
 from strikewave.records.band_split import BandSplit
 from strikewave.records.budget.blows import BudgetLine, FigureUncertainty
 from strikewave.records.budget.contributions import RECORD
@@ -26,8 +26,6 @@ from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s"}
 """Unit of the integral over time of each unit."""
-SHOWN = {"m/s^2": "g"}
-"""Unit in which a channel is shown as a rule, where that is not its SI unit: on each face."""
 NOT_SEPARATED = dict.fromkeys(("peak", "width", "peak_uncertainty", "width_uncertainty"), math.nan)
 """Figures that a band split has not where it cannot be separated."""
 
@@ -41,7 +39,7 @@ def units_given(unit: str) -> GivenUnits:
     (('N', 'N'), ('V s', 'V s'))
     """
     integral = INTEGRALS.get(unit, f"{unit} s") if unit else ""
-    return {OF_CHANNEL.given_by: (unit, SHOWN.get(unit, unit)), OF_INTEGRAL.given_by: (integral, integral)}
+    return {OF_CHANNEL.given_by: (unit, SHOWN_OF_CHANNELS.get(unit, unit)), OF_INTEGRAL.given_by: (integral, integral)}
 
 
 @declare.dataclass

@@ -13,7 +13,7 @@ from strikewave.analyses.compare.agreement import CurveAgreement, agreement
 from strikewave.analyses.compare.curve import FIGURES, SHOWN_IN, ComparedCurve
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
-from strikewave.base.shock_quantities import OF_FIGURE, RATIO, SCORE
+from strikewave.base.shock_quantities import MICROSECONDS, OF_FIGURE, RATIO, SCORE
 from strikewave.reporting.numbers import shown, with_unit
 from strikewave.reporting.parts import Tag, written
 from strikewave.signal.pulse import Pulse
@@ -34,7 +34,7 @@ HALVINGS = 12
 """Times that a drawn place is halved towards the best one at most: to 1/4000 of the bounds."""
 CHECK_STREAM = 31
 """Key of the draws."""
-USUAL = {**SHOWN_IN, "s": "us"}
+USUAL = dict([*SHOWN_IN.items(), MICROSECONDS.units])
 """Unit in which a figure is shown as a rule."""
 OF_NUMBER = Quantity.of_data("as the number")
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from strikewave.base.shock_quantities import VARIATION
-from strikewave.reporting import chapters
+from strikewave.base.shock_quantities import ACCELERATION, VARIATION
+from strikewave.reporting import chapters, faces
 from strikewave.reporting.faces import amount, columns_of, face_table, text_of
-from strikewave.reporting.numbers import listed, with_unit
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Picture, Section
 from strikewave.reporting.table_columns import page_table
 from strikewave.studies.scatter.figures import scatter_picture
@@ -29,7 +29,7 @@ def scatter_report(study: ScatterStudy) -> str:
 
 def scatter_words(study: ScatterStudy) -> str:
     """Say in words what the tolerances do."""
-    low, high = (with_unit(value, "m/s^2", "g") for value in study.peaks()[[0, 2], 0])
+    low, high = (faces.amount(ACCELERATION, value) for value in study.peaks()[[0, 2], 0])
     words = [
         f"{len(study.completed)} full runs with every one of {_count(len(study.tolerances), 'tolerance')} drawn anew."
         + (f" {study.verdicts.sentence}" if study.verdicts.words else ""),

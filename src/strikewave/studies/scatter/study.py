@@ -22,7 +22,7 @@ from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Source, Verdicts
-from strikewave.base.shock_quantities import VARIATION
+from strikewave.base.shock_quantities import ACCELERATION, VARIATION
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.case_result import ResultOfCase
@@ -369,7 +369,7 @@ class ScatterStudy(ResultOfCase):
 
     def preview(self) -> Curve:
         """Return the median peak of each blow over the runs."""
-        size, name = axis_unit("m/s^2", "g")
+        size, name = axis_unit(*ACCELERATION.units)
         median = self.peaks()[1]
         return Curve(np.arange(1.0, median.size + 1.0), median / size, "blow", f"median peak ({name})")
 

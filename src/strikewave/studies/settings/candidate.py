@@ -19,9 +19,11 @@ from strikewave.base.percents import percent
 from strikewave.base.result import BALANCE_LIMIT, RUN_BROKEN, status_of
 from strikewave.base.shock_quantities import (
     ENERGY,
+    FORCE,
     LENGTH,
     PULSE_WIDTH,
     RATIO,
+    STRESS,
     VARIATION,
     VELOCITY_CHANGE,
 )
@@ -69,6 +71,8 @@ DAMPING = Quantity("N s/m", "N s/m")
 MILLISECONDS = Quantity("s", "ms")
 TYPICAL, FIRST, WORST = "median of the later full blows", "of the first blow", "of the blow farthest from the goal"
 SCATTER, MISS = "standard deviation over mean of all struck blows", "by how much of itself the goal is missed"
+SHOWN_IN = dict(one.units for one in (STRESS, LENGTH, FORCE))
+"""Unit in which a limit is shown, by its own; others are shown in their own."""
 OWN_UNIT = "its unit"
 
 
@@ -130,7 +134,7 @@ class Limit:
     @property
     def given_units(self) -> declare.GivenUnits:
         """Its unit, and the one in which it is shown."""
-        return {OWN_UNIT: (self.unit, {"Pa": "MPa", "m": "mm", "N": "kN"}.get(self.unit, self.unit))}
+        return {OWN_UNIT: (self.unit, SHOWN_IN.get(self.unit, self.unit))}
 
 
 @declare.dataclass
