@@ -17,6 +17,7 @@ from strikewave.analyses.fem.drawn import picture
 from strikewave.analyses.fem.report.page import fem_report, fem_words
 from strikewave.analyses.fem.run import run_fem
 from strikewave.analyses.fem.screen import show
+from strikewave.reporting.shown_units import ShownUnits, showing
 from strikewave.studies.simulation import Simulation, number_units
 from strikewave.web.pages.case.elements_view import history_charts
 
@@ -235,6 +236,13 @@ def test_the_report_shows_the_numbers_of_whole_bodies(solved):
     assert len(expected) > len(of_words(solved("whole")))
     for line, values in expected.items():
         assert got[line] == pytest.approx(values, rel=SAME), line
+
+
+def test_parts_and_their_solids_stand_on_the_page_in_the_chosen_units(solved):
+    with showing(ShownUnits.read("Pa,km/h,gram/cm^3")):
+        page = fem_report(solved("quarter"))
+    heads = ("density (gram/cm³)", "E (Pa)", "initial velocity (km/h)")
+    assert [head for head in heads if f">{head}<" not in page] == []
 
 
 @pytest.mark.parametrize("face", FACES)

@@ -16,10 +16,10 @@ from strikewave.analyses.machine.words import (
     reference_law,
     restitution_words,
 )
-from strikewave.base.shock_quantities import PULSE_WIDTH, RIGID_PEAK
+from strikewave.base.shock_quantities import KILOGRAMS, PULSE_WIDTH, RIGID_PEAK
 from strikewave.reporting.chapters import balance_table, layer_steps
 from strikewave.reporting.faces import amount, face_table, text_of
-from strikewave.reporting.numbers import listed
+from strikewave.reporting.numbers import headed, listed, shown
 from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag
 from strikewave.reporting.table_columns import page_table
 
@@ -205,14 +205,14 @@ def _marked(solution: Solution) -> bool:
 
 def checks(solution: Solution) -> Section:
     """List balances, masses and phases."""
-    masses: list[list[Cell]] = [[name, mass] for name, mass in solution.masses.items()]
+    masses: list[list[Cell]] = [[name, shown(mass, *KILOGRAMS.units)] for name, mass in solution.masses.items()]
     return Section(
         "Balances, masses and phases",
         "Energy: what the balance of work and losses misses, over the energy that flowed. Momentum: impulse of all "
         "forces less change of momentum, over the contact impulse; the worst blow.",
         [
             balance_table(solution.balance_checks),
-            Table("Masses", ["body", "mass (kg)"], masses, empty="No mass is listed."),
+            Table("Masses", ["body", headed("mass", *KILOGRAMS.units)], masses, empty="No mass is listed."),
             *launch_tables(solution),
             face_table(
                 solution, "phase_rows", caption=f"Phases, from {solution.case.time_zero}", empty="No phase is listed."

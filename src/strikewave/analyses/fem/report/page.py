@@ -13,7 +13,7 @@ from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture,
 from strikewave.analyses.fem.report.blows import blows_section
 from strikewave.analyses.fem.report.fields import fields_section
 from strikewave.analyses.fem.sectors import unlike_sectors
-from strikewave.base.shock_quantities import LENGTH, MASS, STEP
+from strikewave.base.shock_quantities import DENSITY, LENGTH, MASS, MODULUS, STEP, STRESS, VELOCITY
 from strikewave.fem.blow_measures import still_presses
 from strikewave.fem.measures import ALIGNED, EnergyExtent
 from strikewave.fem.quality import PartQuality, quality_report
@@ -23,7 +23,7 @@ from strikewave.fem.solids import Bilinear, JohnsonCook, ZerilliArmstrong
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.faces import FaceRow, amount, columns_of, face_columns, face_rows, face_table, text_of
-from strikewave.reporting.numbers import listed, percent
+from strikewave.reporting.numbers import headed, listed, percent, shown
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
 from strikewave.reporting.table_columns import TableColumn, page_table
 from strikewave.signal.pulse import WIDTH_FRACTION
@@ -220,7 +220,7 @@ def _solid_table(solution: FemSolution) -> Table:
     for name in model.mesh.names:
         solid = model.solids[name]
         kind = _SOLIDS.get(type(solid).__name__, type(solid).__name__)
-        velocity = ", ".join(f"{v:g}" for v in model.velocity.get(name, (0.0, 0.0, 0.0)))
+        velocity = ", ".join(f"{shown(v, *VELOCITY.units):g}" for v in model.velocity.get(name, (0.0, 0.0, 0.0)))
         rigid = any(r.part == name for r in model.rigid)
         elements = len(model.mesh.hexahedra[model.mesh.elements_of(name)])
         rows.append(
@@ -229,8 +229,8 @@ def _solid_table(solution: FemSolution) -> Table:
                 _SHARES.get(solution.sectors[name].pieces, "whole"),
                 "rigid" if rigid else kind + _yield_words(solid),
                 NONE if rigid else "full" if name in model.controls.full else "one point",
-                f"{solid.density:g}",
-                f"{solid.youngs_modulus / 1e9:g}",
+                f"{shown(solid.density, *DENSITY.units):g}",
+                f"{shown(solid.youngs_modulus, *MODULUS.units):g}",
                 f"{solid.poissons_ratio:g}",
                 str(elements),
                 velocity,
@@ -241,11 +241,11 @@ def _solid_table(solution: FemSolution) -> Table:
         "meshed",
         "solid",
         "integration",
-        "density (kg/m³)",
-        "E (GPa)",
+        headed("density", *DENSITY.units),
+        headed("E", *MODULUS.units),
         "Poisson's ratio",
         "elements",
-        "initial velocity (m/s)",
+        headed("initial velocity", *VELOCITY.units),
     ]
     return Table("Parts and their solids", heads, rows)
 
@@ -253,14 +253,18 @@ def _solid_table(solution: FemSolution) -> Table:
 def _yield_words(solid: AnySolid) -> str:
     """Say how a solid yields."""
     if isinstance(solid, Bilinear):
-        text = f", yields at {solid.yield_strength / 1e6:g} MPa, then {solid.tangent_modulus / 1e6:g} MPa"
+        text = f", yields at {_stress(solid.yield_strength)}, then {_stress(solid.tangent_modulus)}"
         return text + (f", {percent(solid.kinematic, 0)} kinematic" if solid.kinematic else "")
     if isinstance(solid, JohnsonCook):
-        return f", A {solid.A / 1e6:g} MPa, B {solid.B / 1e6:g} MPa, n {solid.n:g}, C {solid.C:g}, m {solid.m:g}"
+        return f", A {_stress(solid.A)}, B {_stress(solid.B)}, n {solid.n:g}, C {solid.C:g}, m {solid.m:g}"
     if isinstance(solid, ZerilliArmstrong):
-        stresses = (f"{name} {getattr(solid, name) / 1e6:g} MPa" for name in ("C0", "C1", "C2", "C5"))
+        stresses = (f"{name} {_stress(getattr(solid, name))}" for name in ("C0", "C1", "C2", "C5"))
         return f", {', '.join(stresses)}, n {solid.n:g}, C3 {solid.C3:g} /K, C4 {solid.C4:g} /K"
     return ""
+
+
+def _stress(value: float) -> str:
+    return amount(STRESS, value, digits=6)
 
 
 def _condition_table(model: Model) -> Table:
