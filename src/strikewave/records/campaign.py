@@ -137,8 +137,9 @@ def statistic(values: ArrayLike, files: ArrayLike | None = None) -> Statistic:
 
     Examples
     --------
-    >>> [round(float(v), 4) for v in statistic([1.0, 2.0, 3.0])[:5]]
-    [2.0, 0.5, -0.4841, 4.4841, 3.0]
+    >>> found = statistic([1.0, 2.0, 3.0])
+    >>> [round(float(value), 4) for value in (found.mean, found.cv, found.low, found.high)]
+    [2.0, 0.5, -0.4841, 4.4841]
     >>> statistic([1.0, 1.0, 2.0, 2.0, 3.0, 3.0], files=[0, 0, 1, 1, 2, 2]).high == statistic([1.0, 2.0, 3.0]).high
     True
     """

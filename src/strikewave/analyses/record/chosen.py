@@ -1,9 +1,10 @@
-"""Which of several records stand for all: those that may be used, and the one whose spectrum is shown."""
+"""Which of several records stand for all: those that may be used, whose spectrum is shown, what they are called."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, worst
@@ -71,3 +72,14 @@ def sources_of(files: Sequence[FileReading], campaigns: Sequence[Campaign], filt
     keys += ["smallwood-1981", "iso-18431-4"] if shown_response(files) is not None else []
     j211 = filter_ is None or "J211" in str(filter_)
     return tuple(keys + (["sae-j211"] if j211 and read else []))
+
+
+def name_of(paths: Sequence[Path]) -> str:
+    """Return the name of the only file without its ending, or of the folder of several.
+
+    Examples
+    --------
+    >>> name_of([Path("shots/a.csv")]), name_of([Path("shots/a.csv"), Path("shots/b.csv")])
+    ('a', 'shots')
+    """
+    return paths[0].stem if len(paths) == 1 else paths[0].absolute().parent.name or "records"

@@ -8,9 +8,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from strikewave.analyses.record.chosen import name_of
 from strikewave.analyses.record.filter_options import filtered
 from strikewave.analyses.record.paired import read_pair
-from strikewave.analyses.record.result import RecordResult, name_of, record_result
+from strikewave.analyses.record.result import RecordResult, record_result
 from strikewave.analyses.record.verdicts.judged import with_verdict
 from strikewave.analyses.record.verdicts.options import RecordSpecificationOptions
 from strikewave.base.errors import InputError, StrikewaveError

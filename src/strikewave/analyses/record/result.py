@@ -329,17 +329,6 @@ class RecordResult(AskedResult):
         return [one._replace(si=known[one.name].quantity.within(given).si) for one in columns]
 
 
-def name_of(paths: Sequence[Path]) -> str:
-    """Return the name of the only file without its ending, or of the folder of several.
-
-    Examples
-    --------
-    >>> name_of([Path("shots/a.csv")]), name_of([Path("shots/a.csv"), Path("shots/b.csv")])
-    ('a', 'shots')
-    """
-    return paths[0].stem if len(paths) == 1 else paths[0].absolute().parent.name or "records"
-
-
 def counted(files: Sequence[FileReading]) -> list[str]:
     """Return how many files there are of each status, in words."""
     statuses = [file.status for file in files]

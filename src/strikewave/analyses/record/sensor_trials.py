@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.rows import units_given
@@ -16,7 +17,6 @@ from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, WARNING, Notice
 from strikewave.base.shock_quantities import ACCELERATION, BANDWIDTH, FREQUENCY, LENGTH, MASS, RATIO, SECONDS
-from strikewave.cases.sensor_file import StatedSensor
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
 from strikewave.records.record import Channel
@@ -24,6 +24,9 @@ from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import amount
 from strikewave.sensors.trial import NOISE, TAKES, SensorTrial, lowest_resonance, try_sensor
 from strikewave.signal.filters import Filter
+
+if TYPE_CHECKING:
+    from strikewave.cases.sensor_file import StatedSensor
 
 BEFORE, AFTER, PERIODS = 2.0, 2.0, 2.0
 """Lengths of a blow that are tried before and after it, and periods of the lowest resonance if they are longer: the

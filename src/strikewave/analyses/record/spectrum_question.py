@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+from strikewave.analyses.record.chosen import name_of
 from strikewave.analyses.record.file_spectra import FilesAsked, judged_spectra_of
 from strikewave.analyses.record.filter_options import filtered
-from strikewave.analyses.record.result import name_of
 from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.analyses.record.spectrum import KINDS, SpectrumOptions, SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.options import SpecificationOptions
@@ -127,7 +127,7 @@ def shock_spectra(
     ...     np.savetxt(file, np.column_stack([time, pulse]), delimiter=",", header="time (s),frame (g)", comments="")
     ...     found = strikewave.shock_spectra(file, q=math.inf, frequencies=["810 Hz", "8 kHz"])
     >>> found.highlights()
-    [('Q', 'undamped'), ('absolute', '884.2 g at 810 Hz')]
+    [('largest absolute response, at 810 Hz', '884.2 g'), ('quality factor', 'undamped')]
     """
     calibration = {
         "unit": unit,

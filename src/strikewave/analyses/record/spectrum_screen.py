@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from strikewave.analyses.record.chosen import name_of
 from strikewave.analyses.record.file_spectra import FilesAsked, judged_spectra_of
 from strikewave.analyses.record.filter_options import filtered_folder
-from strikewave.analyses.record.result import name_of
 from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge, print_spectra_verdict
 from strikewave.base.result import Source

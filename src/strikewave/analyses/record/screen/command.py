@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
+from strikewave.analyses.record.chosen import name_of
 from strikewave.analyses.record.filter_options import filtered_folder
 from strikewave.analyses.record.motion_chapter import motion_table
 from strikewave.analyses.record.pair_chapter import LEFT_OUT_FIRST, pair_reasons, pair_table
 from strikewave.analyses.record.question import completed, examined
-from strikewave.analyses.record.result import RecordResult, name_of
+from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.screen.budgets import print_budget
 from strikewave.analyses.record.screen.campaigns import print_campaigns
 from strikewave.analyses.record.screen.files import MOST_REASONS, print_files, print_rebounds
