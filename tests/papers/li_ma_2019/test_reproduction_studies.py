@@ -3,6 +3,7 @@
 import dataclasses
 import json
 
+import numpy as np
 import pytest
 
 from strikewave.base import declare
@@ -18,9 +19,12 @@ from strikewave.papers.li_ma_2019.assumed import (
     changed,
     mesh_rows,
 )
+from strikewave.papers.li_ma_2019.bodies import SimpleAnswer
+from strikewave.papers.li_ma_2019.body_rows import BodyRow
 from strikewave.papers.li_ma_2019.execution import executing
 from strikewave.papers.li_ma_2019.further import STAGES
-from strikewave.papers.li_ma_2019.report.studies import blow_table, dimension_table, mesh_table
+from strikewave.papers.li_ma_2019.report.studies import blow_table, body_table, dimension_table, mesh_table
+from strikewave.reporting.shown_units import ShownUnits, showing
 
 BASE = Answer(20e3, 2e-4, 2.0, 4e4, 0.01)
 ROW = DimensionRow("top wall", "mesh.part.frame.top", 0.005, "assumed", dataclasses.replace(BASE, width=2.2e-4), BASE)
@@ -64,6 +68,17 @@ def test_meshes_report_their_progress_and_grow_finer():
     assert dataclasses.astuple(rows[0])[0] == 4.0
 
 
+def test_bodies_stand_in_the_chosen_units():
+    answer = SimpleAnswer("lumped", np.zeros(0), np.zeros(0), 19685.34, 2.2e-4, 2.5, 1.1e-4, 2, 40e3)
+    row = BodyRow("li-ma-2019-fem-rigid", "johnson", answer, answer)
+    plain_cells = body_table([row]).rows[0][3:]
+    assert plain_cells == ["19.69", "110", "220", "2", "2.5", "4079", "–"]
+    with showing(ShownUnits.read("N,ms")):
+        table = body_table([row])
+    assert table.columns[3:5] == ["peak force (N)", "first pulse (ms)"]
+    assert table.rows[0][3:5] == ["19685", "0.11"]
+
+
 @pytest.mark.verify
 def test_blows_are_those_of_whole_bodies():
     from strikewave.analyses.fem.run import run_fem
@@ -79,6 +94,11 @@ def test_blows_are_those_of_whole_bodies():
     assert float(first["peak force (kN)"]) == pytest.approx(4.0 * modelled.peak / 1e3, rel=1e-3)
     assert float(first["impulse (N s)"]) == pytest.approx(4.0 * modelled.impulse, rel=1e-3)
     assert float(first["taken by yield (J)"]) == pytest.approx(4.0 * solution.model_run.energy["plastic"][-1], rel=5e-3)
+    with showing(ShownUnits.read("N,mJ")):
+        table = blow_table(solution)
+    chosen = dict(zip(table.columns, table.rows[0], strict=True))
+    assert float(chosen["peak force (N)"]) == pytest.approx(1e3 * float(first["peak force (kN)"]), rel=1e-4)
+    assert float(chosen["taken by yield (mJ)"]) == pytest.approx(1e3 * float(first["taken by yield (J)"]), rel=5e-3)
 
 
 def test_stages_leave_time_for_the_dimensions():

@@ -6,14 +6,15 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.percents import percent
+from strikewave.base.shock_quantities import ACCELERATION, ENERGY, FORCE, IMPULSE, MICROSECONDS
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE, Answer, MeshRow
 from strikewave.papers.li_ma_2019.body_reasons import Reason
 from strikewave.reporting.faces import columns_of
+from strikewave.reporting.numbers import headed, shown
 from strikewave.reporting.parts import NONE, Cell, Part, Table, Tag, written
-from strikewave.reporting.table_columns import page_table
+from strikewave.reporting.table_columns import TableColumn, page_table
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
@@ -37,24 +38,20 @@ def study_tables(result: Reproduction) -> Iterator[Part]:
 
 def body_table(found: Sequence[BodyRow]) -> Table:
     """Set masses on springs and layers of a bar beside the elements, for the same bodies; nothing in them is fitted."""
-    rows: list[list[Cell]] = []
-    for row in found:
-        one = row.answer
-        cells = [one.peak / 1e3, one.first_width * 1e6, one.width * 1e6, one.pulses, one.impulse]
-        cells.append(one.rigid_peak / STANDARD_GRAVITY)
-        watched = None if one.watched_peak is None else one.watched_peak / STANDARD_GRAVITY
-        rows.append([row.case, row.model, row.law or NONE, *(written(cell) for cell in cells), written(watched)])
-    heads = [
-        "case",
-        "model",
-        "contact law",
-        "peak force (kN)",
-        "first pulse (µs)",
-        "first to last tenth (µs)",
-        "pulses",
+    columns: list[TableColumn[BodyRow]] = [
+        TableColumn("case", lambda row: row.case),
+        TableColumn("model", lambda row: row.model),
+        TableColumn("contact law", lambda row: row.law or None),
+        TableColumn("peak force", lambda row: row.answer.peak, *FORCE.units),
+        TableColumn("first pulse", lambda row: row.answer.first_width, *MICROSECONDS.units),
+        TableColumn("first to last tenth", lambda row: row.answer.width, *MICROSECONDS.units),
+        TableColumn("pulses", lambda row: str(row.answer.pulses)),
+        TableColumn("impulse", lambda row: row.answer.impulse, *IMPULSE.units),
+        TableColumn("force over mass", lambda row: row.answer.rigid_peak, *ACCELERATION.units),
+        TableColumn("sensor's peak", lambda row: row.answer.watched_peak, *ACCELERATION.units),
     ]
     words = "The same bodies as elements, as masses on springs, and as layers of a bar; nothing is fitted"
-    return Table(words, [*heads, "impulse (N s)", "force over mass (g)", "sensor's peak (g)"], rows)
+    return page_table(words, columns, found)
 
 
 def reason_table(found: Sequence[Reason]) -> Table:
@@ -91,18 +88,13 @@ def blow_table(solution: FemSolution) -> Table:
         touched, back = blow.contacts[contact], measure.restitution[contact]
         if touched is None:
             continue
-        rows.append(
-            [
-                str(measure.blow),
-                written(touched.peak / 1e3, 5),
-                written(touched.duration * 1e6, 5),
-                written(touched.impulse, 5),
-                NONE if back is None else f"{back:.4f}",
-                written(sum(measure.plastic_energy.values()), 3),
-                written(max(measure.plastic_strain.values(), default=math.nan), 3),
-            ]
-        )
-    heads = [*_answer_heads()[:3], "restitution", "taken by yield (J)", "plastic strain"]
+        strain = max(measure.plastic_strain.values(), default=math.nan)
+        found = Answer(touched.peak, touched.duration, touched.impulse, math.nan, strain)
+        *cells, _, strained = (column.cell(found) for column in columns_of(Answer))
+        given = NONE if back is None else f"{back:.4f}"
+        work = written(shown(sum(measure.plastic_energy.values()), *ENERGY.units), 3)
+        rows.append([str(measure.blow), *cells, given, work, strained])
+    heads = [*_answer_heads()[:3], "restitution", headed("taken by yield", *ENERGY.units), "plastic strain"]
     words = f"{solution.case.name} struck again on the surface that the blow before left, whole bodies"
     return Table(words, ["blow", *heads], rows)
 
