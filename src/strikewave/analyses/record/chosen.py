@@ -83,3 +83,9 @@ def name_of(paths: Sequence[Path]) -> str:
     ('a', 'shots')
     """
     return paths[0].stem if len(paths) == 1 else paths[0].absolute().parent.name or "records"
+
+
+def counted(files: Sequence[FileReading]) -> list[str]:
+    """Return how many files there are of each status, in words."""
+    statuses = [file.status for file in files]
+    return [f"{statuses.count(status)} {status}" for status in STATUSES if status in statuses]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from strikewave.analyses.record.chosen import advised_filter, sources_of
+from strikewave.analyses.record.chosen import advised_filter, counted, sources_of
 from strikewave.analyses.record.moved import MotionRow, RecordMotion, all_moved, motion_columns
 from strikewave.analyses.record.paired import PAIR_COLUMNS, PairRow, RecordPair, all_pairs, transfer_columns
 from strikewave.analyses.record.responses import ResponseSummary, responding, response_columns, summaries
@@ -327,12 +327,6 @@ class RecordResult(AskedResult):
         given, known = units_given(units.pop() if len(units) == 1 else ""), declarations(PairRow)
         columns = [one for one in data_columns(self, "pair_rows") if one.name in PAIR_COLUMNS]
         return [one._replace(si=known[one.name].quantity.within(given).si) for one in columns]
-
-
-def counted(files: Sequence[FileReading]) -> list[str]:
-    """Return how many files there are of each status, in words."""
-    statuses = [file.status for file in files]
-    return [f"{statuses.count(status)} {status}" for status in STATUSES if status in statuses]
 
 
 def record_result(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
+from strikewave.analyses.record.chosen import counted
 from strikewave.analyses.record.pair_chapter import pair_words
 from strikewave.analyses.record.response_chapter import response_words
-from strikewave.analyses.record.result import RecordResult, counted
 from strikewave.analyses.record.tables import amount, between, called, percent, plus_minus, rows_of, short_names
 from strikewave.analyses.record.verdicts.words import sentence
 from strikewave.base.first_few import are_many, first_few
@@ -17,6 +18,9 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
 from strikewave.records.siblings import COPY
 from strikewave.reporting.numbers import listed
+
+if TYPE_CHECKING:
+    from strikewave.analyses.record.result import RecordResult
 
 MOST_REASONS = 4
 """Reasons of bad records that the summary gives: more are counted, and stand in the table of findings."""

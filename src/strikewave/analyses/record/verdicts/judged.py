@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import TYPE_CHECKING
 
-from strikewave.analyses.record.result import RecordResult
 from strikewave.base.result import FAILED, WARNING, Notice
 from strikewave.reporting.clause_words import verdict_words
 from strikewave.reporting.numbers import listed
@@ -12,6 +12,9 @@ from strikewave.specifications.decisions import CANNOT_TELL, FAIL
 from strikewave.specifications.judged_records import Asked, judge_records
 from strikewave.specifications.judging import Clause
 from strikewave.specifications.reading import Specification
+
+if TYPE_CHECKING:
+    from strikewave.analyses.record.result import RecordResult
 
 
 def with_verdict(result: RecordResult, specification: Specification, asked: Asked) -> RecordResult:
