@@ -114,8 +114,8 @@ def test_words_in_a_list_stand_behind_one_another_and_none_are_a_dash():
 
         names: list[str] = declare.word("names", column=MAIN)
 
-    [column] = faces.columns_of(Listed)
-    assert [column.text(Listed(names)) for names in (["a", "b"], ("c",), [])] == ["a, b", "c", "–"]
+    [column] = faces.columns_of(Listed, [Listed(names) for names in (["a", "b"], ("c",), [])])
+    assert column.texts() == ["a, b", "c", "–"]
 
 
 def test_a_truth_that_is_wanted_is_good_where_it_holds():
@@ -126,10 +126,10 @@ def test_a_truth_that_is_wanted_is_good_where_it_holds():
         kept: bool = declare.word("whether it is kept", column=MAIN, is_tag=True)
         cut: bool = declare.word("whether it was cut", label="cut off", column=MAIN)
 
-    columns = faces.columns_of(Kept)
-    assert [[column.cell(row) for column in columns] for row in (Kept(True, False), Kept(False, True))] == [
-        [Tag("yes", "good"), Tag("no")],
-        [Tag("no", "bad"), Tag("cut off", "bad")],
+    columns = faces.columns_of(Kept, [Kept(True, False), Kept(False, True)])
+    assert [column.cells() for column in columns] == [
+        [Tag("yes", "good"), Tag("no", "bad")],
+        [Tag("no"), Tag("cut off", "bad")],
     ]
 
 
@@ -148,8 +148,8 @@ def test_a_band_of_a_row_is_found_by_its_name_whatever_that_is(result):
 
 
 def test_a_band_of_a_column_takes_digits_of_all_its_rows(result):
-    columns = faces.columns_of(Row, bands={"peak": [Band(800.0 * G, 1500.0 * G, 0.95)]})
-    assert [columns[1].text(row) for row in result.places] == ["1000", "2000"]
+    columns = faces.columns_of(Row, result.places, bands={"peak": [Band(800.0 * G, 1500.0 * G, 0.95)]})
+    assert columns[1].texts() == ["1000", "2000"]
 
 
 def test_notebook_shows_what_is_not_left_out_first_and_python_has_all(result):
@@ -283,7 +283,7 @@ def test_a_number_that_is_chosen_has_unit_and_digits_of_its_own():
         ["cv", "1.00 %", "from 1.00 %"], ["peak", "30000 g", "from 30000 g"], ["none", "–", "–"],
         ["late", "100.00 %", "from 100.00 %"],
     ]  # fmt: skip
-    assert [column.words for column in faces.columns_of(Ranged)] == [True, False, False]
+    assert [column.words for column in faces.columns_of(Ranged, rows)] == [True, False, False]
 
 
 def test_key_numbers_are_taken_of_so_many_rows():
@@ -361,18 +361,19 @@ class Sampled:
 
 
 def test_bounds_stand_in_a_column_of_their_own_and_a_standard_error_beside_its_share():
-    columns = faces.columns_of(Sampled)
-    assert [one.head for one in columns] == ["mean", "95 % bounds", "share (%)", "95 % bounds of the share (%)"]
-    assert [one.priority for one in columns] == [MAIN, MAIN, MAIN, MORE]
     rows = (
         Sampled(1234.56 * G, 0.25, 1234.0 * G, 1235.04 * G, 0.03),
         Sampled(G, 0.25, float("nan"), G),
         Sampled(G, 1e-9, standard_error=float("inf")),
     )
-    assert [[one.text(row) for one in columns] for row in rows] == [
-        ["1234.6 g", "1234 to 1235.0", "25 ± 3", "< 1e-4 to 50"],
-        ["1 g", "–", "25", "< 1e-4 to 50"],
-        ["1 g", "0 to 0.20394", "< 1e-4", "< 1e-4 to 50"],
+    columns = faces.columns_of(Sampled, rows)
+    assert [one.head for one in columns] == ["mean", "95 % bounds", "share (%)", "95 % bounds of the share (%)"]
+    assert [one.priority for one in columns] == [MAIN, MAIN, MAIN, MORE]
+    assert [one.texts() for one in columns] == [
+        ["1234.6 g", "1 g", "1 g"],
+        ["1234 to 1235.0", "–", "0 to 0.20394"],
+        ["25 ± 3", "25", "< 1e-4"],
+        ["< 1e-4 to 50"] * 3,
     ]
     assert faces.text_of(rows[2], "share") == "< 1e-4 %"
 
@@ -405,7 +406,7 @@ def test_key_numbers_of_a_part_are_those_of_its_fields(result):
 
 def test_per_cent_and_a_number_with_a_sign_have_the_same_decimals_in_tables_and_sentences():
     early = Closing(-0.5, -2e-6)
-    assert [column.text(early) for column in faces.columns_of(Closing)] == ["-50.00", "-2.0"]
+    assert [column.texts() for column in faces.columns_of(Closing, [early])] == [["-50.00"], ["-2.0"]]
     assert [faces.text_of(early, name) for name in ("off", "late")] == ["-50.00 %", "-2.0 µs"]
     assert faces.text_of(Closing(float("nan"), None), "off") == faces.text_of(Closing(0.0, None), "late") == "–"
     assert faces.text_of(Closing(0.0, 0.0), "late") == "+0.0 µs"
@@ -467,8 +468,9 @@ def test_a_part_says_who_gave_its_numbers_and_nothing_is_a_dash():
         title: str = declare.word("title", column=KEY)
         theirs: Reading | None = declare.part(Reading, "of another code", label="theirs")
 
-    assert [one.head for one in faces.columns_of(Pair)] == ["title", "planted peak, theirs (g)", "clipped, theirs"]
-    assert [one.text(Pair("", None)) for one in faces.columns_of(Pair)] == ["\N{EN DASH}"] * 3
+    columns = faces.columns_of(Pair, [Pair("", None)])
+    assert [one.head for one in columns] == ["title", "planted peak, theirs (g)", "clipped, theirs"]
+    assert [one.texts() for one in columns] == [["\N{EN DASH}"]] * 3
     assert [leaf.headline for _, leaf in faces.leaves(Pair) if leaf.headline] == ["sensor {name}, theirs"]
 
 

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import (
     KEY,
     MORE,
-    ScreenColumn,
     cut,
     keys,
     length,
@@ -37,7 +37,7 @@ def tables(draw):
     """Return columns and rows as a command may have them: the first names the row."""
     columns = [draw(st.sampled_from([*keys("case"), *numerals("#", priority=KEY)]))]
     for _ in range(draw(st.integers(1, 9))):
-        columns.append(ScreenColumn(draw(HEAD), draw(st.integers(1, 4)), draw(st.booleans())))
+        columns.append(Column("", (), label=draw(HEAD), priority=draw(st.integers(1, 4)), words=draw(st.booleans())))
     cells = [draw(st.lists(SENTENCE if c.words else NUMBER, min_size=3, max_size=3)) for c in columns]
     return columns, [list(row) for row in zip(*cells, strict=True)]
 

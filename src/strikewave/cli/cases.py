@@ -44,5 +44,5 @@ def command(shown: Shown) -> int:
         print_json({**head({}), **declare.content(listed)})
     else:
         tell(f"{len(read)} built-in cases.")
-        print_rows("Built-in cases", columns_of(ListedCase), listed.cases)
+        print_rows("Built-in cases", columns_of(ListedCase, listed.cases))
     return 0

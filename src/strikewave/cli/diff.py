@@ -72,7 +72,7 @@ def command(
         print_json({**head({}), **declare.content(found)})
     elif paths:
         tell(f"{a} (A) and {b} (B) differ in {len(paths)} field{'s' if len(paths) > 1 else ''}.")
-        print_rows("Differences", columns_of(CaseDifference), found.differences)
+        print_rows("Differences", columns_of(CaseDifference, found.differences))
     else:
         tell("the cases are equal")
     return 0

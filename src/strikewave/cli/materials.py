@@ -30,5 +30,5 @@ def command(*, show: Show = None, shown: Shown) -> int:
         return 0
     with showing(show):
         tell(f"{len(listed.materials)} materials; --json has the source of each.")
-        print_rows("Materials", columns_of(Material), listed.materials)
+        print_rows("Materials", columns_of(Material, listed.materials))
     return 0

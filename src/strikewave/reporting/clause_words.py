@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, TypeVar
+from typing import Any
 
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import SHOWN_OF_CHANNELS
 from strikewave.records.budget.contributions import Budget
+from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import KEY, MORE
 from strikewave.reporting.numbers import doubted, listed, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Tag, written
 from strikewave.reporting.shown_units import shown_unit
-from strikewave.reporting.table_columns import TableColumn
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judging import Clause
 
-Row = TypeVar("Row")
 SHOWN = {PASS: "PASS", FAIL: "FAIL", CANNOT_TELL: "CANNOT TELL", NOT_JUDGED: "not judged"}
 """Verdicts as they are written."""
 LOOKS = {PASS: "good", FAIL: "bad", CANNOT_TELL: "warned", NOT_JUDGED: ""}
@@ -223,19 +222,19 @@ def tag_of(verdict: str) -> Tag:
     return Tag(SHOWN[verdict], LOOKS[verdict])
 
 
-def clause_columns(clause_of: Callable[[Row], Clause]) -> list[TableColumn[Row]]:
-    """Return the columns of clauses, of rows that have one each, for screen and page.
+def clause_columns(clauses: Sequence[Clause]) -> list[Column]:
+    """Return the columns of clauses for screen and page.
 
     Examples
     --------
     >>> from strikewave.specifications.judging import Limits, judged
     >>> clause = judged("peak", 490.0, Limits(392.266, 588.399, "quoted"), "m/s^2")
-    >>> [column.text(clause) for column in clause_columns(lambda one: one)][:4]
-    ['peak', 'PASS', '40 to 60 g', '49.97 g']
+    >>> [column.texts() for column in clause_columns([clause])][:4]
+    [['peak'], ['PASS'], ['40 to 60 g'], ['49.97 g']]
     """
 
-    def column(name: str, said: Callable[[Clause], str | Tag], **rest: Any) -> TableColumn[Row]:
-        return TableColumn(name, lambda row: said(clause_of(row)), **rest)
+    def column(name: str, said: Callable[[Clause], str | Tag], **rest: Any) -> Column:
+        return Column(name, [said(one) for one in clauses], **rest)
 
     return [
         column("clause", lambda one: clause_name(one.clause), priority=KEY, words=True),
@@ -248,6 +247,6 @@ def clause_columns(clause_of: Callable[[Row], Clause]) -> list[TableColumn[Row]]
     ]
 
 
-CLAUSE_COLUMNS = clause_columns(lambda clause: clause)
-WHY = TableColumn[Clause]("why", lambda one: one.reason or None, priority=MORE, words=True)
-"""Columns of clauses by themselves, and why nothing can be said, or where one fails."""
+def why_column(clauses: Sequence[Clause]) -> Column:
+    """Return why nothing can be said of a clause, or where it fails."""
+    return Column("why", [one.reason or None for one in clauses], priority=MORE, words=True)

@@ -3,32 +3,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.declare import KEY, MORE, NO_UNIT, Declaration, GivenUnits, Quantity, declarations
 from strikewave.base.first_few import first_few
 from strikewave.base.result import Band, Result
 from strikewave.reporting.banded_numbers import table_decimals, with_band
-from strikewave.reporting.columns import Column
+from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.numbers import (
     FEWEST_DIGITS,
     LEAST_SHARE,
     decimals_of,
     fixed,
-    headed,
     share_with_error,
     shown,
     spelled,
 )
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.reporting.shown_units import shown_unit
-from strikewave.reporting.table_columns import TableColumn, page_table
 
 MOST_LISTED = 5
 """Values of a history that a cell lists, such as the openings of a joint: a row stays one line; documents have all."""
@@ -75,25 +72,28 @@ def _labelled(leaf: Declaration, label: str, of: str) -> Declaration:
 
 
 def at(value: Any, path: Path) -> Any:
-    """Return what lies at the end of a way; None where a part on it is missing."""
+    """Return what lies at the end of a way; None where a value on it is missing."""
     for name in path:
-        value = None if value is None else value.get(name) if isinstance(value, Mapping) else getattr(value, name)
+        value = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
     return value
 
 
 def columns_of(
     kind: type,
+    rows: Sequence[Any],
     table: str = "",
     bands: Bands | None = None,
     least: int | None = None,
     given: GivenUnits = MappingProxyType({}),
-) -> list[TableColumn[Any]]:
+) -> list[Column]:
     """Return the columns of rows of a declared class for screen, page, notebook and app.
 
     Parameters
     ----------
     kind : type
         Class of the rows.
+    rows : sequence
+        Of that class; a dash stands for what is missing.
     table : str, optional
         Which of the tables of such rows, where there are several.
     bands : mapping, optional
@@ -104,17 +104,16 @@ def columns_of(
         Units of numbers whose unit the data decide, where all rows have one: `Result.given_units`. Where they have
         not, each cell has its unit beside it.
     """
-    return _columns(kind, table, least, given, lambda row: (row, bands or {}))
+    return _columns(kind, [(row, bands or {}) for row in rows], table, least, given)
 
 
 def _columns(
-    kind: type, table: str, least: int | None, given: GivenUnits, parts_of: Callable[[Any], tuple[Any, Bands]]
-) -> list[TableColumn[Any]]:
-    """Return columns of what ``parts_of`` makes of a row: a value of the class, and bands."""
+    kind: type, rows: Sequence[tuple[Any, Bands]], table: str, least: int | None, given: GivenUnits
+) -> list[Column]:
+    """Return columns of rows: each a value of the class, and its bands."""
 
-    def column(path: Path, one: Declaration) -> TableColumn[Any]:
-        def cell(row: Any) -> float | str | Tag | None:
-            value, bands = parts_of(row)
+    def column(path: Path, one: Declaration) -> Column:
+        def cell(value: Any, bands: Bands) -> float | str | Tag | None:
             error = at(value, (*path[:-1], one.error)) if one.error else None
             if error is not None and LEAST_SHARE < error < math.inf:
                 return share_with_error(at(value, path), error).removesuffix(f" {PERCENT}")
@@ -125,11 +124,11 @@ def _columns(
         label, quantity = label_of(path[-1], one), one.quantity.within(given)
         words = one.kind == "word" and not (quantity.si or quantity.given_by)
         priority = KEY if one.column is None else one.column
-        return TableColumn(label, cell, quantity.si, quantity.usual, quantity.digits, priority=priority, words=words)
+        column = Column.of(label, [cell(value, bands) for value, bands in rows], quantity)
+        return column._replace(digits=quantity.digits, priority=priority, words=words)
 
-    def bounds(path: Path, one: Declaration, is_first: bool) -> TableColumn[Any]:
-        def cell(row: Any) -> str | None:
-            value, _ = parts_of(row)
+    def bounds(path: Path, one: Declaration, is_first: bool) -> Column:
+        def cell(value: Any) -> str | None:
             own = one.quantity.within({**given, **getattr(value, "given_units", {})})
             ends = [_bare(one, at(value, (*path[:-1], name)), own) for name in one.bounds.split()]
             return None if NONE in ends else " to ".join(ends)
@@ -137,7 +136,7 @@ def _columns(
         quantity = one.quantity.within(given)
         called = BOUNDS if is_first else f"{BOUNDS} of the {label_of(path[-1], one)}"
         priority = (one.column or KEY) + (not is_first)
-        return TableColumn(called, cell, quantity.si, quantity.usual, priority=priority)
+        return Column.of(called, [cell(value) for value, _ in rows], quantity)._replace(priority=priority)
 
     shown_ones = [(path, one) for path, one in leaves(kind) if one.column is not None]
     kept = [
@@ -145,7 +144,7 @@ def _columns(
         for path, one in sorted(shown_ones, key=lambda pair: pair[1].order)
         if (least is None or (one.column or 0) <= least) and table in ("", *one.tables.split())
     ]
-    columns = list[TableColumn[Any]]()
+    columns = list[Column]()
     bounded = [one for _, one in kept if one.bounds]
     for path, one in kept:
         columns += [column(path, one), *([bounds(path, one, one is bounded[0])] if one.bounds else [])]
@@ -155,8 +154,8 @@ def _columns(
 def _bare(one: Declaration, value: float | None, quantity: Quantity) -> str:
     """Return what a cell shows of a number that measures a quantity, without its unit."""
     declared = replace(one, quantity=quantity)
-    si, usual, digits = quantity.si, quantity.usual, quantity.digits
-    return TableColumn[Any]("", lambda _: cell_of(declared, value), si, usual, digits).text(None)
+    [text] = Column.of("", [cell_of(declared, value)], quantity)._replace(digits=quantity.digits).texts()
+    return text
 
 
 def own_unit_cell(one: Declaration, value: Any, row: Any) -> str | None:
@@ -223,25 +222,29 @@ def _bands_of_row(result: Result, one: Declaration, called: str, row: Any) -> Ba
     return {**bands, **(further(bands) if further else {})}
 
 
-def face_columns(result: Result, name: str, table: str = "", least: int | None = None) -> list[TableColumn[FaceRow]]:
-    """Return the columns of such rows, as `columns_of` does; named parts begin with their name."""
+def face_columns(
+    result: Result, name: str, table: str = "", least: int | None = None, rows: Sequence[FaceRow] | None = None
+) -> list[Column]:
+    """Return the columns of such rows, or of some of them, as `columns_of` does; named parts begin with their name."""
     one = declarations(type(result))[name]
     assert one.of is not None
-    called = [TableColumn[FaceRow](label_of(name, one), lambda row: row.name, priority=KEY, words=True)]
-    rows = _columns(one.of, table, least, result.given_units, lambda row: (row.value, row.bands))
-    return called * (one.kind == "named") + rows
+    rows = face_rows(result, name) if rows is None else rows
+    called = [Column(label_of(name, one), [row.name for row in rows], shown="", priority=KEY, words=True)]
+    columns = _columns(one.of, [(row.value, row.bands) for row in rows], table, least, result.given_units)
+    return called * (one.kind == "named") + columns
 
 
 def numbers_of(value: Any, bands: Bands) -> list[tuple[str, str]]:
     """Return the numbers of a declared value that have a column, each as text with its unit; none that is missing."""
-    columns = [one for one in columns_of(type(value), bands=bands) if one.si and one.value(value) is not None]
-    return [(column.text(value), shown_unit(column.si, column.usual)) for column in columns]
+    columns = columns_of(type(value), [value], bands=bands)
+    kept = [one for one in columns if one.si and one.values[0] is not None]
+    return [(one.texts()[0], shown_unit(one.si, one.shown or "")) for one in kept]
 
 
 def face_table(result: Result, name: str, table: str = "", caption: str = "", empty: str = Table.empty) -> Table:
     """Return such rows as a table of a page, under their meaning or another caption; ``empty`` where there are none."""
     caption = caption or _sentence(declarations(type(result))[name].meaning)
-    return page_table(caption, face_columns(result, name, table), face_rows(result, name), empty)
+    return page_table(caption, face_columns(result, name, table), empty)
 
 
 def part_tables(result: Result, name: str, caption: str = "") -> list[Table]:
@@ -265,8 +268,8 @@ def line_table(
 
     ``kind`` is its class, where it is a dictionary.
     """
-    columns = [one for one in columns_of(kind or type(value), table, given=given) if one.value(value) is not None]
-    lines: list[list[Cell]] = [[column.head, column.cell(value)] for column in columns]
+    columns = columns_of(kind or type(value), [value], table, given=given)
+    lines: list[list[Cell]] = [[one.head, *one.cells()] for one in columns if one.values[0] is not None]
     return Table(caption, [head, "value"], lines)
 
 
@@ -401,8 +404,7 @@ def shown_rows(
     """Return heads and cells of such rows, or of a table, as notebooks and the app show them."""
     if declarations(type(result))[name].kind == "table":
         return shown_columns(getattr(result, name), most, is_history)
-    columns, rows = face_columns(result, name, least=MORE), face_rows(result, name)[:most]
-    return [column.head for column in columns], [[column.text(row) for column in columns] for row in rows]
+    return shown_columns(face_columns(result, name, least=MORE, rows=face_rows(result, name)[:most]))
 
 
 def shown_columns(
@@ -416,13 +418,9 @@ def shown_columns(
     (['peak (g)'], [['1000'], ['–']])
     """
     kept = [one for one in columns if one.shown is not None]
-    heads = [headed(one.label or one.name.replace("_", " "), one.si, one.shown or "") for one in kept]
-    shown_of = (_spread(one.values, most) if is_history and most is not None else one.values[:most] for one in kept)
-    cells = (
-        [_column_cell(value, one.si, one.shown or "") for value in values]
-        for one, values in zip(kept, shown_of, strict=True)
-    )
-    return heads, [list(row) for row in zip(*cells, strict=True)]
+    some = (_spread(one.values, most) if is_history and most is not None else one.values[:most] for one in kept)
+    cells = (one._replace(values=values).texts() for one, values in zip(kept, some, strict=True))
+    return [one.head for one in kept], [list(row) for row in zip(*cells, strict=True)]
 
 
 def _spread(values: Sequence[Any] | NDArray[Any], most: int) -> list[Any]:
@@ -430,18 +428,3 @@ def _spread(values: Sequence[Any] | NDArray[Any], most: int) -> list[Any]:
     count = len(values)
     places = range(count) if count <= most else [round(k * (count - 1) / (most - 1)) for k in range(most)]
     return [values[place] for place in places]
-
-
-def _column_cell(value: Any, si: str, usual: str) -> str:
-    """Return a cell as it is shown.
-
-    Examples
-    --------
-    >>> _column_cell(True, "", ""), _column_cell("full", "", "")
-    ('yes', 'full')
-    """
-    if isinstance(value, bool | np.bool_):
-        return "yes" if value else "no"
-    if (si in ("", NO_UNIT) and usual != PERCENT) or value is None or value != value:
-        return written(value.item() if isinstance(value, np.generic) else value)
-    return written(shown(float(value), si, usual))

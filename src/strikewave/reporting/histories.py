@@ -34,7 +34,7 @@ def history_tables(result: Result) -> dict[str, list[Column]]:
     >>> tables = history_tables(run_case(load_case("li-ma-2019", ["feed.blows=1"])))
     >>> list(tables)
     ['histories', 'histories-pulse', 'histories-record']
-    >>> [column.head for column in tables["histories-pulse"]]
+    >>> [column.file_head for column in tables["histories-pulse"]]
     ['time [s]', 'pulse_force of blow 1 [N]', 'pulse_acceleration of blow 1 [m/s^2]']
     """
     tables: dict[str, list[Column]] = {}
@@ -116,7 +116,7 @@ def write_parquet(columns: Sequence[Column], path: Path) -> None:
         pyarrow.array(np.asarray(one.converted(), dtype=float) if one.unit else list(one.values)) for one in columns
     ]
     fields = [
-        pyarrow.field(one.head, array.type, metadata={"unit": one.unit})
+        pyarrow.field(one.file_head, array.type, metadata={"unit": one.unit})
         for one, array in zip(columns, arrays, strict=True)
     ]
     parquet.write_table(pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields)), path)

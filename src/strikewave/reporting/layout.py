@@ -8,12 +8,12 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 from strikewave.base.declare import KEY as KEY
 from strikewave.base.declare import MAIN as MAIN
 from strikewave.base.declare import MORE as MORE
+from strikewave.reporting.columns import Column
 
 GAP = "  "
 """Between two columns."""
@@ -34,25 +34,6 @@ _GLUED = re.compile(rf"(?<!\S)({_NUMBER}) (?=[%°µA-Za-z])|(?<=\S) (?=± )|(?<=
 _UNIT = re.compile(r"(.*\S) (\([^()]*\))", re.DOTALL)
 
 
-@dataclass(frozen=True)
-class ScreenColumn:
-    """A column of a table.
-
-    Attributes
-    ----------
-    head : str
-        What it holds, with the unit in brackets at the end.
-    priority : int
-        `KEY`, `MAIN` or `MORE`; a larger number is left out earlier.
-    words : bool
-        Whether its cells are words, which stand to the left and may take several lines. Numbers stand to the right.
-    """
-
-    head: str
-    priority: int = MAIN
-    words: bool = False
-
-
 class Line(NamedTuple):
     """A line of text with its style: plain (empty), bold or dim."""
 
@@ -60,19 +41,19 @@ class Line(NamedTuple):
     style: str = ""
 
 
-def keys(*heads: str) -> list[ScreenColumn]:
+def keys(*heads: str) -> list[Column]:
     """Return columns of words that name their row."""
-    return [ScreenColumn(head, KEY, words=True) for head in heads]
+    return texts(*heads, priority=KEY)
 
 
-def texts(*heads: str, priority: int = MAIN) -> list[ScreenColumn]:
+def texts(*heads: str, priority: int = MAIN) -> list[Column]:
     """Return columns of words."""
-    return [ScreenColumn(head, priority, words=True) for head in heads]
+    return [Column("", (), label=head, priority=priority, words=True) for head in heads]
 
 
-def numerals(*heads: str, priority: int = MAIN) -> list[ScreenColumn]:
+def numerals(*heads: str, priority: int = MAIN) -> list[Column]:
     """Return columns of numbers."""
-    return [ScreenColumn(head, priority) for head in heads]
+    return [Column("", (), label=head, priority=priority) for head in heads]
 
 
 def plain(text: str) -> str:
@@ -158,7 +139,7 @@ def cut(text: str, width: float, end: str = "…") -> str:
 
 
 def table_lines(
-    title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], width: float, wide: bool = False
+    title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], width: float, wide: bool = False
 ) -> list[Line]:
     r"""Return a table as lines: with all columns that fit the width, or as a list where not even the main ones do.
 
@@ -166,9 +147,9 @@ def table_lines(
     ----------
     title : str
         What it shows; none if empty.
-    columns : sequence of ScreenColumn
-        Its columns. Of those beyond `MAIN`, the first that does not fit and all that matter no more are left out,
-        and named below.
+    columns : sequence of Column
+        Its columns; head, priority and whether they are words matter here. Of those beyond `MAIN`, the first that does
+        not fit and all that matter no more are left out, and named below.
     rows : iterable of sequences of str
         Its cells.
     width : float
@@ -230,7 +211,7 @@ def _longest(texts: Iterable[str]) -> int:
 class _Grid:
     """Columns with their cells, and the widths that they take."""
 
-    def __init__(self, columns: Sequence[ScreenColumn], rows: Sequence[Sequence[str]]) -> None:
+    def __init__(self, columns: Sequence[Column], rows: Sequence[Sequence[str]]) -> None:
         self.columns, self.rows = columns, rows
         cells = [[row[place] for row in rows] for place in range(len(columns))]
         self.least = [self._least(column, texts) for column, texts in zip(columns, cells, strict=True)]
@@ -240,7 +221,7 @@ class _Grid:
         ]
 
     @staticmethod
-    def _least(column: ScreenColumn, cells: Sequence[str]) -> int:
+    def _least(column: Column, cells: Sequence[str]) -> int:
         """Return the characters without which a column would break a word, or its head stand too high."""
         named, unit = _head_parts(column.head)
         parts = [token for text in cells for token in tokens(text.replace("\n", " "))] if column.words else cells

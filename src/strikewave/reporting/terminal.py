@@ -7,7 +7,6 @@ files were written. A pipe or a file gets lines of `PIPE_WIDTH`, or of the envir
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import hashlib
 import math
 import os
@@ -15,7 +14,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
-from typing import TYPE_CHECKING, Any, NamedTuple, TextIO, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from strikewave.base.compile_progress import WORDS, compiling_shown
 from strikewave.base.interrupts import interrupts_as_such
@@ -23,12 +22,12 @@ from strikewave.base.json_document import json_text
 from strikewave.base.result import FAILED, INFO, WARNING
 from strikewave.reporting import banded_numbers, numbers
 from strikewave.reporting.bands import BAND_HEADS, band_rows
+from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import (
     KEY,
     MAIN,
     MORE,
     Line,
-    ScreenColumn,
     clean,
     cut,
     keys,
@@ -44,10 +43,7 @@ if TYPE_CHECKING:
     from strikewave.base.result import Band, Comparison, Notice, Result
     from strikewave.cases.losses_of_case import FittedLoss
     from strikewave.reporting.parts import Table
-    from strikewave.reporting.table_columns import TableColumn
     from strikewave.sensors.channel import SensorChannel
-
-Row = TypeVar("Row")
 
 STARTED = time.perf_counter()
 """When the program started, but for what is imported before this module."""
@@ -318,7 +314,7 @@ def significant(value: float, digits: int) -> str:
     return written(float(value), digits)
 
 
-def table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
+def table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
     """Print a table on stdout, with the columns that fit; see `strikewave.reporting.layout.table_lines`.
 
     Heads end with their usual units, such as ``peak (kN)``, and are shown with those chosen; cells are written by
@@ -327,22 +323,20 @@ def table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[s
     _table(title, shown_columns(columns), rows, detail)
 
 
-def print_rows(title: str, columns: Sequence[TableColumn[Row]], rows: Iterable[Row], detail: bool = False) -> None:
-    """Print a table of things of one kind on stdout, as `table` does."""
-    cells = [[column.text(row) for column in columns] for row in rows]
-    _table(title, [column.on_screen for column in columns], cells, detail)
+def print_rows(title: str, columns: Sequence[Column], detail: bool = False) -> None:
+    """Print columns of equal length on stdout, as `table` does."""
+    _table(title, columns, zip(*(column.texts() for column in columns), strict=True), detail)
 
 
 def print_face(result: Result, name: str, title: str, table: str = "") -> None:
     """Print rows that a result declares, as `faces.face_table` shows them on a page; nothing where there are none."""
     from strikewave.reporting.faces import face_columns, face_rows
 
-    rows = face_rows(result, name)
-    if rows:
-        print_rows(title, face_columns(result, name, table), rows)
+    if face_rows(result, name):
+        print_rows(title, face_columns(result, name, table))
 
 
-def _table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
+def _table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
     """Print a table as `table` does, with its heads as they are."""
     width = screen_width(sys.stdout)
     if detail and not is_wide():
@@ -350,22 +344,26 @@ def _table(title: str, columns: Sequence[ScreenColumn], rows: Iterable[Sequence[
         _write([Line(line, "dim") for line in wrapped(named, width)], sys.stdout)
         return
     title = _showable(title, sys.stdout)
-    columns = [dataclasses.replace(column, head=_showable(column.head, sys.stdout)) for column in columns]
+    columns = [_with_head(column, _showable(column.head, sys.stdout)) for column in columns]
     cells = [[_showable(cell, sys.stdout) for cell in row] for row in rows]
     _write([Line(""), *table_lines(title, columns, cells, width, is_wide())], sys.stdout)
 
 
-def shown_columns(columns: Sequence[ScreenColumn]) -> list[ScreenColumn]:
+def shown_columns(columns: Sequence[Column]) -> list[Column]:
     """Return columns whose heads end with their usual units with the units shown in their places."""
     heads = shown_heads(*(column.head for column in columns))
-    return [dataclasses.replace(column, head=head) for column, head in zip(columns, heads, strict=True)]
+    return [_with_head(column, head) for column, head in zip(columns, heads, strict=True)]
+
+
+def _with_head(column: Column, head: str) -> Column:
+    return column._replace(name="", label=head, si="", shown="")
 
 
 def report_table(shown: Table, keys: int = 1, more: Sequence[str] = ()) -> None:
     """Print a table of a report: its first columns name the rows, and those in ``more`` are left out first."""
     rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in shown.cells()]
     columns = [
-        ScreenColumn(head, KEY if place < keys else MORE if head in more else MAIN, words=not numeric)
+        Column("", (), label=head, priority=KEY if place < keys else MORE if head in more else MAIN, words=not numeric)
         for place, (head, numeric) in enumerate(zip(shown.columns, shown.numeric(), strict=True))
     ]
     _table(shown.caption, columns, rows)

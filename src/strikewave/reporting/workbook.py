@@ -88,7 +88,7 @@ def _sheets(result: Result) -> Iterator[tuple[str, Sequence[str], Rows]]:
     yield "summary", ["what", "value"], _summary(result)
     columns: Sequence[Column] = getattr(result, "columns", tuple)()
     if columns:
-        yield getattr(result, "table_name", "table"), [column.head for column in columns], _rows(columns)
+        yield getattr(result, "table_name", "table"), [column.file_head for column in columns], _rows(columns)
     yield "band", ["result", "low", "high", "unit", "level", "inputs that matter most"], _bands(result)
     heads = ["quantity", "unit", "published", "origin", "role", "computed", "difference [1]", "note"]
     yield "comparison", heads, _comparisons(result)
@@ -101,7 +101,7 @@ def _sheets(result: Result) -> Iterator[tuple[str, Sequence[str], Rows]]:
             words = f"{one_in(every)} instant: a sheet holds {MOST_ROWS} rows; the NetCDF file has them all"
             say(f"{WORKBOOK}, sheet {stem}: {words}")
             histories[0] = histories[0]._replace(name=f"time ({words})")
-        yield stem, [column.head for column in histories], _rows(histories)
+        yield stem, [column.file_head for column in histories], _rows(histories)
 
 
 def _add(book: Any, title: str, heads: Sequence[str], rows: Rows) -> None:

@@ -114,7 +114,7 @@ def test_answers_that_differ_are_on_screen_and_page_and_others_are_not(capsys):
     show(yielding)
     said = capsys.readouterr()
     assert title in said.out
-    assert answer_columns(yielding.contact)[0].cell(yielding.contact.rows[2]) == "yielding (this run)"
+    assert answer_columns(yielding.contact)[0].cells()[2] == "yielding (this run)"
     assert "0.7 asked of the damping" in said.out
     assert [part.caption for part in blow_table(yielding).parts][-1].startswith(title)
     # a nose so wide that first yield is passed by a third, but the lowest pressure never reached

@@ -279,12 +279,12 @@ def test_predictions_are_told_by_bands_biases_and_agreement():
     assert "width -5.0 %" in words
     assert words.endswith("Predictions agree to 0.88 of 1 by ISO/TS 18571.")
     assert check_words(Checks(figures, ())).endswith("-5.0 %.")
-    columns = columns_of(PredictedFigure)
-    assert [column.text(figures[0]) for column in columns] == [
+    bare = PredictedFigure("a", "first.restitution", "", 0.5, 0.4, 0.3, 0.45)
+    columns = columns_of(PredictedFigure, [figures[0], bare])
+    assert [column.texts()[0] for column in columns] == [
         "a", "peak", "10 g", "11 g", "9.177 to 11.22 g", "+10.0", "inside"
     ]  # fmt: skip
-    bare = PredictedFigure("a", "first.restitution", "", 0.5, 0.4, 0.3, 0.45)
-    assert [column.text(bare) for column in columns][1:5] == ["first.restitution", "0.5", "0.4", "0.3 to 0.45"]
+    assert [column.texts()[1] for column in columns][1:5] == ["first.restitution", "0.5", "0.4", "0.3 to 0.45"]
 
 
 def test_residuals_and_correlations_have_a_row_each_the_largest_first():
@@ -327,7 +327,7 @@ def test_a_report_has_a_correlation_of_two_values_and_says_of_which_records_pict
 @pytest.mark.parametrize(("count", "told"), [(20, 0), (21, 1)])
 def test_the_screen_lists_twenty_residuals_and_the_correlation_of_several_values(monkeypatch, count, told):
     printed, said = {}, []
-    monkeypatch.setattr(screen, "print_rows", lambda title, columns, rows: printed.update({title: list(rows)}))
+    monkeypatch.setattr(screen, "print_rows", lambda title, columns: printed.update({title: columns[0].values}))
     monkeypatch.setattr(screen, "report_table", lambda table: printed.update({table.caption: table.rows}))
     monkeypatch.setattr(screen, "tell", said.append)
     study = study_of((FORCE,))
@@ -336,7 +336,7 @@ def test_the_screen_lists_twenty_residuals_and_the_correlation_of_several_values
     command = screen.FitCommand(CASE, None, None, None, place=None, fresh=False)
     command.show(study)
     assert list(printed) == ["Fitted values", "Residuals"]
-    assert [row.misfit.called for row in printed["Residuals"]] == [str(k) for k in range(count)][::-1][:20]
+    assert list(printed["Residuals"]) == [str(k) for k in range(count)][::-1][:20]
     assert len(said) == told
     two = study_of()
     two.verdicts_of_measured = lambda: [""]
@@ -378,13 +378,11 @@ def test_an_interval_says_from_what_it_is():
     study = study_of((FORCE, LOW), [0.01, np.inf])
     force, height = study.parameters
     followed = FittedParameter(force.field, force.value, force.standard_error, 1.0, 2.0, profile=())
-    columns = columns_of(FittedParameter)
-    states = [columns[3].text(one) for one in (followed, force, height)]
-    assert states == ["profile", "parabola", "not determined"]
-    texts = [columns[2].text(one) for one in (force, height)]
-    assert texts == ["78.96 to 7896 kN", "0.2 to 0.4 m (bounds)"]
+    columns = columns_of(FittedParameter, [followed, force, height])
+    assert columns[3].texts() == ["profile", "parabola", "not determined"]
+    assert columns[2].texts()[1:] == ["78.96 to 7896 kN", "0.2 to 0.4 m (bounds)"]
     row = MisfitOfRun(Misfit("a", 1.0, 0.034, 9.9, False), "")
-    assert [column.text(row) for column in columns_of(MisfitOfRun)[1:4]] == ["3.4", "1", "9"]
+    assert [column.texts() for column in columns_of(MisfitOfRun, [row])[1:4]] == [["3.4"], ["1"], ["9"]]
 
 
 def test_values_stand_in_the_unit_that_was_chosen_with_its_name():
@@ -394,6 +392,6 @@ def test_values_stand_in_the_unit_that_was_chosen_with_its_name():
     assert value.words == "790 ± 20 kN"
     with showing(ShownUnits.read("N")):
         assert value.words == "789640 ± 20200 N"
-        assert [column.text(value) for column in columns_of(FittedParameter)[2:]] == [
-            "7e+05 to 8e+05 N", "parabola", "789600 N"
+        assert [column.texts() for column in columns_of(FittedParameter, [value])[2:]] == [
+            ["7e+05 to 8e+05 N"], ["parabola"], ["789600 N"]
         ]  # fmt: skip

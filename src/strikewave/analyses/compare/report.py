@@ -11,18 +11,18 @@ from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import (
-    CLAUSE_COLUMNS,
     SHOWN,
-    WHY,
+    clause_columns,
     clause_words,
     held_words,
     verdict_sentence,
     verdict_tag,
+    why_column,
 )
+from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, columns_of, face_table, line_table
 from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Part, Picture, Section, Table
-from strikewave.reporting.table_columns import page_table
 from strikewave.signal.iso18571 import RATE, SAMPLES
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 
@@ -67,7 +67,8 @@ def specification_words(judged: SpecificationVerdict) -> str:
 
 def clause_table(judged: SpecificationVerdict) -> Table:
     """Return the clauses of a specification with what came out."""
-    return page_table(f"By {judged.specification.title}", [*CLAUSE_COLUMNS, WHY], judged.found.clauses)
+    clauses = judged.found.clauses
+    return page_table(f"By {judged.specification.title}", [*clause_columns(clauses), why_column(clauses)])
 
 
 def budget_words(result: CompareResult) -> str:
@@ -80,7 +81,7 @@ def budget_words(result: CompareResult) -> str:
 def agreement_tables(result: CompareResult) -> list[Table]:
     """Return figures of both, what is measured of both together, and the scores of ISO/TS 18571."""
     together = line_table(result, TOGETHER, "Agreement", "of both together", result.given_units)
-    scores = page_table("ISO/TS 18571", columns_of(IsoScores), [result.metrics.iso18571])
+    scores = page_table("ISO/TS 18571", columns_of(IsoScores, [result.metrics.iso18571]))
     return [face_table(result, "pairs"), together, scores]
 
 

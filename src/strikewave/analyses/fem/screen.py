@@ -99,7 +99,7 @@ def check_element_case(case: Case, json: bool, threads: int = 1) -> int:
     if json:
         print_json(_check_document(case, model, parts))
     else:
-        print_rows("Mesh", columns_of(CheckedPart), parts)
+        print_rows("Mesh", columns_of(CheckedPart, parts))
     return 0
 
 
@@ -271,9 +271,9 @@ def show(solution: FemSolution) -> None:
 
 
 def _show_balance(solution: FemSolution) -> None:
-    run, columns = solution.run, zip(declarations(Energies), columns_of(Energies), strict=True)
+    run, columns = solution.run, zip(declarations(Energies), columns_of(Energies, [solution.energy]), strict=True)
     there = [column for name, column in columns if name == "initial" or run.energy[name].any()]
-    print_rows("Energy at the end", there, [solution.energy])
+    print_rows("Energy at the end", there)
     tell("balance: " + ", ".join(check.words for check in solution.balance_checks))
     tell(f"{run.steps} steps of {amount(STEP, run.step, digits=3)} or more, {run.speed / 1e6:.3g} M element-steps/s")
     tell(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])

@@ -14,7 +14,7 @@ from strikewave.contact.identification import DESCRIBED, Identified, identify
 from strikewave.contact.impact import reduced_mass
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.faces import face_columns, face_rows, text_of
+from strikewave.reporting.faces import face_columns, text_of
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write
@@ -151,7 +151,7 @@ def _identified(
 def _print(result: IdentifyResult) -> None:
     contact = result.contact
     title = f"Contact of {Path(result.file).name}, {result.reading.channel.name}: F = K d^n (1 + chi d'/v0)"
-    print_rows(title, face_columns(result, "identified_rows"), face_rows(result, "identified_rows"))
+    print_rows(title, face_columns(result, "identified_rows"))
     noise, misfit = text_of(contact, "noise"), text_of(contact, "residual")
     tell(f"noise {noise}, misfit {misfit} of the peak, {contact.time.size} samples")
     shared = result.found.correlated("exponent", "restitution")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -32,12 +32,12 @@ from strikewave.contact import (
 from strikewave.contact.cushions import cushion_laws
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
+from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import FaceRow, columns_of, face_columns, face_rows, face_table
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write
-from strikewave.reporting.table_columns import TableColumn
 from strikewave.reporting.terminal import print_rows, say, table, tell
 
 ASKED = (0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
@@ -211,8 +211,8 @@ class LawsCommand(Command[LawsResult]):
             _print_each(result)
             return
         for kind in KINDS:
-            columns = [*face_columns(result, kind, "list"), *(_given_columns() if kind == "damping" else ())]
-            print_rows(face_table(result, kind).caption, columns, face_rows(result, kind))
+            given = _given_columns(face_rows(result, kind)) if kind == "damping" else []
+            print_rows(face_table(result, kind).caption, [*face_columns(result, kind, "list"), *given])
         tell("")
         tell(
             "one law in full: strikewave laws NAME; a law of your own: name it as an entry point in the "
@@ -295,20 +295,18 @@ def _asked(laws: Laws, kind: str, law: Law) -> tuple[list[float] | None, list[fl
     return None if given is None else list(ASKED), given
 
 
-def _given_columns() -> list[TableColumn[FaceRow]]:
+def _given_columns(rows: Sequence[FaceRow]) -> list[Column]:
     """Return columns of what comes out for every other restitution asked for."""
-
-    def column(place: int) -> TableColumn[FaceRow]:
-        named = f"e = {ASKED[place]:g}"
-        return TableColumn(named, lambda row: row.value.given[place], decimals=4, priority=MORE)
-
-    return [column(place) for place in range(0, len(ASKED), 2)]
+    return [
+        Column(f"e = {ASKED[place]:g}", [row.value.given[place] for row in rows], decimals=4, priority=MORE)
+        for place in range(0, len(ASKED), 2)
+    ]
 
 
 def _print_each(result: LawsResult) -> None:
     for row in result.every_law:
         law = row.law
-        told = [(one.head, one.text(law)) for one in columns_of(type(law), "full") if one.value(law)]
+        told = [(one.head, *one.texts()) for one in columns_of(type(law), [law], "full") if one.values[0]]
         table(f"{law.name}, {KINDS[row.kind]}", [*keys(""), *texts("")], [*told, *law.symbols.items()])
     for asked in result.damping:
         _print_given(asked, "Restitution of the damping law")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from strikewave.analyses.impact.figures.contact import impact_sheet
-from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, blow_table
+from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, blow_columns
 from strikewave.base.shock_quantities import KILOGRAMS, VELOCITY
 from strikewave.reporting import chapters
+from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, face_table, part_tables
 from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Picture, Section
-from strikewave.reporting.table_columns import page_table
 
 
 def impact_report(result: ImpactResult) -> str:
@@ -45,4 +45,4 @@ def impact_words(result: ImpactResult) -> str:
 
 def _blows(result: ImpactResult) -> Section:
     some = f"The first and last {MOST_ROWS // 2} of {len(result.blows)} blows." if len(result.blows) > MOST_ROWS else ""
-    return Section("Blows", some, [page_table("Blows on the same spot", *blow_table(result))])
+    return Section("Blows", some, [page_table("Blows on the same spot", blow_columns(result))])

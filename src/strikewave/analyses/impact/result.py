@@ -25,7 +25,6 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import FaceRow, face_columns, face_rows
 from strikewave.reporting.shown_result import Curve, history_curve
-from strikewave.reporting.table_columns import TableColumn
 
 ERRORS = {"closed form": 1e-9, "integrator": 1e-6}
 """Difference of restitutions, by the method, from which on it is no rounding."""
@@ -386,10 +385,10 @@ def _stiffness_words(setup: Setup) -> str:
     return f"slope {stiffness.slope:.6g} N/m, load {stiffness.load:.6g} N"
 
 
-def blow_table(result: ImpactResult) -> tuple[list[TableColumn[FaceRow]], list[FaceRow]]:
-    """Return columns and rows of the blows on the same spot: of many, the first and the last."""
-    number = TableColumn[FaceRow]("blow", lambda row: row.name, priority=KEY)
+def blow_columns(result: ImpactResult) -> list[Column]:
+    """Return the columns of the blows on the same spot: of many, the first and the last."""
     rows = [replace(row, name=str(k)) for k, row in enumerate(face_rows(result, "spot_blows"), start=1)]
     if len(rows) > MOST_ROWS:
         rows[MOST_ROWS // 2 : -MOST_ROWS // 2] = [FaceRow("...", None)]
-    return [number, *face_columns(result, "spot_blows")], rows
+    number = Column("blow", [row.name for row in rows], priority=KEY)
+    return [number, *face_columns(result, "spot_blows", rows=rows)]

@@ -11,7 +11,7 @@ from strikewave.analyses.impact.result import (
     ImpactResult,
     _blows,
     _notices,
-    blow_table,
+    blow_columns,
 )
 from strikewave.analyses.impact.setup import Setup
 from strikewave.base.result import Source
@@ -81,6 +81,6 @@ def _print(result: ImpactResult) -> None:
     if result.differ:
         report_table(face_table(result, "contact_answers"))
     if many:
-        print_rows("Blows on the same spot", *blow_table(result))
+        print_rows("Blows on the same spot", blow_columns(result))
     if len(result.blows) > MOST_ROWS:
         tell(f"the first and last {MOST_ROWS // 2} of {len(result.blows)} blows; --json and --out have them all")

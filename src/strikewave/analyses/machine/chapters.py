@@ -18,10 +18,10 @@ from strikewave.analyses.machine.words import (
 )
 from strikewave.base.shock_quantities import KILOGRAMS, PULSE_WIDTH, RIGID_PEAK
 from strikewave.reporting.chapters import balance_table, layer_steps
+from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, face_table, text_of
 from strikewave.reporting.numbers import headed, listed, shown
 from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag
-from strikewave.reporting.table_columns import page_table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -96,8 +96,8 @@ def _drawing(case: Case) -> list[Part]:
 
 def blow_table(solution: Solution) -> Section:
     """List the blows, in the units and columns of the command line."""
-    columns = blow_columns("blows", solution.band)
-    table = page_table("Blows", columns, solution.blows, empty="No blow: no striker passed the object.")
+    columns = blow_columns("blows", solution.blows, solution.band)
+    table = page_table("Blows", columns, "No blow: no striker passed the object.")
     reference = solution.reference
     beside = (
         f"\n\nFor comparison, {reference_law(solution.case)} on a rigid object, at the nominal "
@@ -122,7 +122,7 @@ def _contacts(solution: Solution) -> list[Table]:
     )
     struck = solution.struck
     shown = {"contact": contact, "sliding": sliding} if solution.slides else {"contact": contact}
-    return [page_table(caption, blow_columns(which), struck) for which, caption in shown.items() if struck]
+    return [page_table(caption, blow_columns(which, struck)) for which, caption in shown.items() if struck]
 
 
 def _answers(solution: Solution) -> list[Table]:
@@ -136,7 +136,7 @@ def _answers(solution: Solution) -> list[Table]:
         f"{ANSWERS_CALLED}. The weaker material first yields inside at {passed}. Low and high are the ends of what is "
         f"known of the pressure that the contact bears. {asked[0].upper()}{asked[1:]}."
     )
-    return [page_table(caption, answer_columns(answers, solution.band), answers.rows)]
+    return [page_table(caption, answer_columns(answers, solution.band))]
 
 
 def pulse_pictures(solution: Solution, moving: str = "") -> Section:

@@ -94,7 +94,7 @@ class MachineCommand(Command[Solution]):
 def show(solution: Solution) -> None:
     """Print the settings, the blows, the waves, the contact, published numbers and the balance of a run."""
     tell(f"{solution.case.name}: {', '.join(settings(solution))}", "  ")
-    print_rows(solution.title, blow_columns("blows", solution.band), solution.blows)
+    print_rows(solution.title, blow_columns("blows", solution.blows, solution.band))
     print_bands(solution, solution.figures)
     _print_waves(solution)
     _print_struck(solution, "contact", "Contact, blow by blow")
@@ -127,13 +127,13 @@ def _print_answers(solution: Solution) -> None:
     if answers is None:
         return
     if answers.differ:
-        print_rows(ANSWERS_CALLED, answer_columns(answers, bands), answers.rows)
+        print_rows(ANSWERS_CALLED, answer_columns(answers, bands))
     tell(restitution_words(answers))
 
 
 def _print_struck(solution: Solution, which: str, title: str) -> None:
     """Print a table of the blows that struck."""
-    print_rows(title, blow_columns(which), solution.struck, detail=True)
+    print_rows(title, blow_columns(which, solution.struck), detail=True)
 
 
 def _print_waves(solution: Solution) -> None:
@@ -157,4 +157,4 @@ def _print_waves(solution: Solution) -> None:
 def _print_collisions(solution: Solution) -> None:
     """Print the collisions of the bodies of an amplifier."""
     if solution.collisions:
-        print_rows("Collisions in the line, by restitution alone", columns_of(LineCollision), solution.collisions)
+        print_rows("Collisions in the line, by restitution alone", columns_of(LineCollision, solution.collisions))

@@ -15,11 +15,11 @@ from strikewave.base.shock_quantities import KILOGRAMS, PULSE_WIDTH, RIGID_PEAK,
 from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.yield_pressure import YIELDING
 from strikewave.machines import Blow
+from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import amount, bands_below, columns_of, part_tables, text_of
 from strikewave.reporting.layout import KEY
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import NONE, Table
-from strikewave.reporting.table_columns import TableColumn, page_table
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
@@ -49,16 +49,11 @@ def reference_law(case: Case) -> str:
     return kind_of(case).reference_law
 
 
-def answer_columns(
-    answers: ContactAnswers, bands: Mapping[str, Band] | None = None
-) -> list[TableColumn[ContactAnswer]]:
+def answer_columns(answers: ContactAnswers, bands: Mapping[str, Band] | None = None) -> list[Column]:
     """Return the columns of the answers of a contact, with the digits that the bands leave."""
-
-    def called(row: ContactAnswer) -> str:
-        return row.name + (" (this run)" if row.name == answers.taken else "")
-
-    _, *rest = columns_of(ContactAnswer, bands=blow_bands(bands or {}))
-    return [TableColumn("contact", called, priority=KEY, words=True), *rest]
+    called = [row.name + (" (this run)" if row.name == answers.taken else "") for row in answers.rows]
+    _, *rest = columns_of(ContactAnswer, answers.rows, bands=blow_bands(bands or {}))
+    return [Column("contact", called, priority=KEY, words=True), *rest]
 
 
 def blow_bands(bands: Mapping[str, Band]) -> dict[str, list[Band]]:
@@ -66,15 +61,15 @@ def blow_bands(bands: Mapping[str, Band]) -> dict[str, list[Band]]:
     return bands_below(bands, ("first", "typical"))
 
 
-def blow_columns(table: str, bands: Mapping[str, Band] | None = None) -> list[TableColumn[Blow]]:
+def blow_columns(table: str, blows: Sequence[Blow], bands: Mapping[str, Band] | None = None) -> list[Column]:
     """Return the columns of a table of blows, ``blows``, ``contact`` or ``sliding``, for screen, page and app.
 
     Examples
     --------
-    >>> [column.head for column in blow_columns("contact")][:4]
+    >>> [column.head for column in blow_columns("contact", [])][:4]
     ['#', 'approach speed (m/s)', 'rebound speed (m/s)', 'contact time (µs)']
     """
-    return columns_of(Blow, table, blow_bands(bands or {}))
+    return columns_of(Blow, blows, table, blow_bands(bands or {}))
 
 
 def restitution_words(answers: ContactAnswers) -> str:
@@ -92,7 +87,7 @@ def launch_tables(solution: Solution) -> list[Table]:
     tables = part_tables(solution, "launch", "Up to first touch")
     if solution.collisions:
         caption = "Collisions in the line, by restitution alone; speeds upwards, time after the lowest met the floor"
-        tables.append(page_table(caption, columns_of(LineCollision), solution.collisions))
+        tables.append(page_table(caption, columns_of(LineCollision, solution.collisions)))
     return tables
 
 

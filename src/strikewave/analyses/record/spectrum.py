@@ -514,7 +514,7 @@ class SpectrumResult(measured.AskedResult):
         kept = []
         for one in columns:
             name = one.name.replace("p95_50", "P95/50").replace("expanded uncertainty", "± U")
-            no_unit = {} if self.is_acceleration or one.si == "Hz" else {"si": "", "shown": ""}
+            no_unit: dict[str, Any] = {} if self.is_acceleration or one.si == "Hz" else {"si": "", "shown": ""}
             own = name.replace(NO_ACCELERATION, " (file's own)")
             kept.append(one._replace(name=own, values=one.values[::step], **no_unit))
         return shown_columns(kept)

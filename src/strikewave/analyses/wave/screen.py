@@ -98,18 +98,17 @@ def show(solution: WaveSolution) -> None:
     stack = solution.run.stack
     name, transit = solution.case.name, amount(MICROSECONDS, stack.transit)
     tell(f"{name}: {len(stack.layers)} layers, {stack.mass:.4g} kg, transit {transit}", "  ")
-    taps = face_columns(solution, "tap_histories"), face_rows(solution, "tap_histories")
-    print_rows(f"{solution.title}: largest values at the taps", *taps)
+    print_rows(f"{solution.title}: largest values at the taps", face_columns(solution, "tap_histories"))
     if solution.method != "spectral":
         more = len(stack.layers) - MOST_LAYERS
         title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
         rows = face_rows(solution, "layers")[:MOST_LAYERS]
-        print_rows(title, face_columns(solution, "layers", "lengths"), rows, detail=True)
+        print_rows(title, face_columns(solution, "layers", "lengths", rows=rows), detail=True)
     print_fits(solution.losses)
     for shown in wave_tables(solution):
         report_table(shown)
     if solution.channels:
-        print_rows("What the sensors read", face_columns(solution, "sensors"), face_rows(solution, "sensors"))
+        print_rows("What the sensors read", face_columns(solution, "sensors"))
         print_losses(solution.channels)
     print_bands(solution, solution.figures)
     tell(error_words(solution))

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 
 from strikewave.reporting import chapters
+from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import columns_of, part_tables, text_of
 from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Picture, Section, Tag
-from strikewave.reporting.table_columns import page_table
 from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, StackGasket, distinct
 from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
 from strikewave.studies.buffer.result import MARKED, BufferStudy, stack_columns
@@ -84,8 +84,8 @@ def _ranking_section(study: BufferStudy) -> Section:
         "held so that they cannot slip"
     )
     tables = [
-        page_table(f"Stacks by rank ({MARKED})", stack_columns("page", rows), rows),
-        page_table(moduli, stack_columns("moduli", rows), [one for one in rows if one.stack and one.leading]),
+        page_table(f"Stacks by rank ({MARKED})", stack_columns("page", rows)),
+        page_table(moduli, stack_columns("moduli", [one for one in rows if one.stack and one.leading])),
     ]
     return Section("Stacks", text, tables)
 
@@ -96,7 +96,7 @@ def _gasket_section(study: BufferStudy, first: BufferCandidate) -> Section:
         f"From the surface up. The stack is {text_of(first, 'height')} high and sags by {text_of(first, 'sag')} under "
         f"its load; loss factors are held within {percent(first.loss_error)} from 1 to 100 kHz."
     )
-    table = page_table("Gaskets", columns_of(StackGasket), first.gaskets or [])
+    table = page_table("Gaskets", columns_of(StackGasket, first.gaskets or []))
     return Section("Gaskets of the first stack", text, [table])
 
 

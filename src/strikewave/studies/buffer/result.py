@@ -17,12 +17,11 @@ from strikewave.base.result import Source
 from strikewave.base.shock_quantities import BANDWIDTH, MASS, RATIO
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
-from strikewave.reporting.columns import HISTORY_DIGITS, csv_table
+from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.measured_files import UNKNOWN
 from strikewave.reporting.numbers import hertz
 from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
-from strikewave.reporting.table_columns import TableColumn
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.sensors.mounting import RESOLVED
@@ -254,10 +253,10 @@ class BufferStudy(ShownResult):
         return {"buffers.csv": csv_table(columns, HISTORY_DIGITS)}
 
 
-def stack_columns(table: str, stacks: Sequence[BufferCandidate]) -> list[TableColumn[BufferCandidate]]:
+def stack_columns(table: str, stacks: Sequence[BufferCandidate]) -> list[Column]:
     """Return the columns of a table of stacks, on the "screen", the "page", or of other "moduli".
 
     That readings are cut off is said only where one is.
     """
     cut = any(one.clipped for one in stacks)
-    return [column for column in columns_of(BufferCandidate, table) if cut or column.name != CUT_OFF]
+    return [column for column in columns_of(BufferCandidate, stacks, table) if cut or column.name != CUT_OFF]

@@ -241,7 +241,7 @@ def _print(study: BufferStudy) -> None:
     shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
     rows = [one for one in study.stacks if one in shown or one is study.present]
     title = f"{study.keeping} stacks keep {amount(READING, study.limit, digits=5)}; {study.order} ({MARKED})"
-    print_rows(title, stack_columns("screen", rows), rows)
+    print_rows(title, stack_columns("screen", rows))
     if len(study.candidates) > len(shown):
         tell(
             f"stacks with peak and bandwidth of one above within {percent(ALIKE, 0)} are left out here; --json and the "

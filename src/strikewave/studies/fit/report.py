@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from strikewave.reporting import chapters
+from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table, written
-from strikewave.reporting.table_columns import page_table
 from strikewave.studies.fit.checking import Checks, PredictedFigure, PulseAgreement
 from strikewave.studies.fit.corner import corner_figure
 from strikewave.studies.fit.figures import MOST_DRAWN, overlay, profile_figures, values_figure
@@ -100,7 +100,7 @@ def fit_report(study: FitStudy) -> str:
         Section(
             "Residuals",
             _residual_text(study),
-            [page_table("Measured and computed", columns_of(MisfitOfRun), residual_rows(study))],
+            [page_table("Measured and computed", columns_of(MisfitOfRun, residual_rows(study)))],
         ),
         *([_tries(study)] if study.tries else []),
         *([_checks(study.checks)] if study.checks is not None else []),
@@ -113,7 +113,7 @@ def fit_report(study: FitStudy) -> str:
 
 
 def _values(study: FitStudy) -> Section:
-    parts: list[Part] = [page_table("Fitted values", columns_of(FittedParameter), study.parameters)]
+    parts: list[Part] = [page_table("Fitted values", columns_of(FittedParameter, study.parameters))]
     caption = "Each value between its bounds; the bar is its 95 % interval, red where the data do not determine it."
     parts.append(Picture(values_figure(study), caption))
     if len(study.parameters) > 1:
@@ -137,7 +137,7 @@ def _posterior(study: FitStudy, posterior: Posterior) -> Section:
         "other scales. The likelihood has the covariance of the fit, so that colour of the noise, what is left beyond "
         f"it, and scatter from shot to shot are in it. {posterior_words(posterior)}"
     )
-    table = page_table(POSTERIOR_TITLE, columns_of(PosteriorValue), study.posterior_values())
+    table = page_table(POSTERIOR_TITLE, columns_of(PosteriorValue, study.posterior_values()))
     return Section("Posterior", text, [table, Picture(corner_figure(study), caption)])
 
 
@@ -162,13 +162,13 @@ def _tries(study: FitStudy) -> Section:
         "Root mean square residuals over noise or uncertainty. Kept out: each record, or tenth of them, predicted by "
         "a fit to the others (cross-validation), by which choices are ranked."
     )
-    return Section("Choices", text, [page_table("Choices, the best first", columns_of(TriedChoice), study.tries)])
+    return Section("Choices", text, [page_table("Choices, the best first", columns_of(TriedChoice, study.tries))])
 
 
 def _checks(checks: Checks) -> Section:
-    parts: list[Part] = [page_table("Predictions", columns_of(PredictedFigure), checks.figures)]
+    parts: list[Part] = [page_table("Predictions", columns_of(PredictedFigure, checks.figures))]
     if checks.pulses:
-        parts.append(page_table("Whole pulses, by ISO/TS 18571", columns_of(PulseAgreement), checks.pulses))
+        parts.append(page_table("Whole pulses, by ISO/TS 18571", columns_of(PulseAgreement, checks.pulses)))
     text = (
         f"{check_words(checks)} A band holds values drawn from the fit, what the same figure was off in the records of "
         "the fit, and the noise of the record."

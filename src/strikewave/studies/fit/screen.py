@@ -122,20 +122,20 @@ class FitCommand(ResumableCommand[FitStudy]):
 
     def show(self, result: FitStudy) -> None:
         """Print values, correlation and residuals."""
-        print_rows("Fitted values", columns_of(FittedParameter), result.parameters)
+        print_rows("Fitted values", columns_of(FittedParameter, result.parameters))
         if len(result.parameters) > 1:
             report_table(correlation_table(result))
         if result.posterior is not None:
-            print_rows(POSTERIOR_TITLE, columns_of(PosteriorValue), result.posterior_values())
+            print_rows(POSTERIOR_TITLE, columns_of(PosteriorValue, result.posterior_values()))
             tell(posterior_words(result.posterior))
         rows = residual_rows(result)
         if len(rows) > MOST_ROWS:
             tell(f"of {len(rows)} residuals the {MOST_ROWS} largest; the report and fit.json have all")
-        print_rows("Residuals", columns_of(MisfitOfRun), rows[:MOST_ROWS])
+        print_rows("Residuals", columns_of(MisfitOfRun, rows[:MOST_ROWS]))
         if result.tries:
-            print_rows("Choices, the best first", columns_of(TriedChoice), result.tries)
+            print_rows("Choices, the best first", columns_of(TriedChoice, result.tries))
         if result.checks is not None:
-            print_rows("Predictions of what was kept out", columns_of(PredictedFigure), result.checks.figures)
+            print_rows("Predictions of what was kept out", columns_of(PredictedFigure, result.checks.figures))
 
     def draw(self, result: FitStudy, folder: Path) -> list[str]:
         """Write page and picture."""

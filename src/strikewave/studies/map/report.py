@@ -69,7 +69,7 @@ def setting_table(study: MapStudy, caption: str) -> Table:
         [f"{axis.path} ({axis.shown_unit or '1'})", *(f"{axis.shown(values[k]):.5g}" for values, _ in settings)]
         for k, axis in enumerate(study.axes)
     ]
-    rows += [[one.head, *(one.text(cell) for _, cell in settings)] for one in columns_of(MapCell)]
+    rows += [[one.head, *one.texts()] for one in columns_of(MapCell, [cell for _, cell in settings])]
     return Table(caption, heads, rows)
 
 

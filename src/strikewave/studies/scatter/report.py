@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from strikewave.base.shock_quantities import ACCELERATION, VARIATION
 from strikewave.reporting import chapters, faces
+from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, columns_of, face_table, text_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Picture, Section
-from strikewave.reporting.table_columns import page_table
 from strikewave.studies.scatter.figures import scatter_picture
 from strikewave.studies.scatter.study import STATEMENTS, ScatterStudy, ShareRow
 from strikewave.uncertainty.shares import Shares
@@ -80,9 +80,9 @@ def _share_section(study: ScatterStudy) -> Section:
     """List the share of each tolerance in what scatters."""
     sobol = study.plan.shares == "sobol"
     how = "Sobol indices" if sobol else "each tolerance alone, all other inputs nominal"
-    columns = columns_of(ShareRow, "sobol" if sobol else "alone")
+    which = "sobol" if sobol else "alone"
     tables = [
-        page_table(f"Shares in the {one.of}; {one.runs} runs each", columns, study.share_rows(one))
+        page_table(f"Shares in the {one.of}; {one.runs} runs each", columns_of(ShareRow, study.share_rows(one), which))
         for one in study.shares
     ]
     sums = [f"{shares.of}: {sum_words(shares)}" for shares in study.shares]

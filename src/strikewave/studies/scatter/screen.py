@@ -114,5 +114,5 @@ def _print_shares(study: ScatterStudy, shares: Shares) -> None:
 
     sobol = study.plan.shares == "sobol"
     title = f"Shares in the {shares.of}, {'Sobol indices' if sobol else 'each alone'}, {shares.runs} runs each"
-    print_rows(title, columns_of(ShareRow, "sobol" if sobol else "alone"), study.share_rows(shares))
+    print_rows(title, columns_of(ShareRow, study.share_rows(shares), "sobol" if sobol else "alone"))
     tell(f"sum of the shares: {sum_words(shares)}")

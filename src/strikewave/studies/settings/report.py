@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from strikewave.base.declare import declarations
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import CLAUSE_COLUMNS
+from strikewave.reporting.clause_words import clause_columns
+from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.numbers import headed, percent, shown, spelled
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
-from strikewave.reporting.table_columns import TableColumn, page_table
-from strikewave.specifications.judging import Clause
 from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
 from strikewave.studies.settings.figures import settings_figure
 from strikewave.studies.settings.goal import goal_words
-from strikewave.studies.settings.result import LIMIT_COLUMNS, SettingsStudy, candidate_columns
+from strikewave.studies.settings.result import SettingsStudy, candidate_columns, limit_columns
 
 MOST_ROWS = 40
 """Candidates in the table: more would not be read; settings.json has all."""
@@ -80,7 +79,7 @@ def _first_section(study: SettingsStudy) -> Section:
         [
             Table("What was chosen", ["setting", "value"], chosen),
             Table("Blows", ["", "wanted", "typical", "first", "worst", "CV (%)"], blows),
-            page_table("Limits", LIMIT_COLUMNS, first.limits),
+            page_table("Limits", limit_columns(first.limits)),
             *_clauses(first),
         ],
     )
@@ -88,9 +87,10 @@ def _first_section(study: SettingsStudy) -> Section:
 
 def _clauses(first: SettingsCandidate) -> list[Table]:
     """Return the clauses of the specification, each by the blow that it judges worst; nothing without one."""
-    blow = TableColumn[Clause]("blow", lambda clause: str(clause.blow))
-    table = page_table("Clauses of the specification", [*CLAUSE_COLUMNS, blow], first.clauses or ())
-    return [table] if table.rows else []
+    if not first.clauses:
+        return []
+    blow = Column("blow", [str(clause.blow) for clause in first.clauses])
+    return [page_table("Clauses of the specification", [*clause_columns(first.clauses), blow])]
 
 
 def _ranking_section(study: SettingsStudy) -> Section:
@@ -102,10 +102,10 @@ def _ranking_section(study: SettingsStudy) -> Section:
         f"change of the peak with engagement.{f' settings.json has {more} more.' if more else ''}"
     )
     caption = f"Candidates, best first, for {spelled(goal_words(study.goal))}"
-    tables = [page_table(caption, candidate_columns(study.choice.vary), rows)]
+    tables = [page_table(caption, candidate_columns(study.choice.vary, rows))]
     if len(study.masses) > 1:
         caption = "What the mass of a striker costs, all else as the first"
-        tables.append(page_table(caption, candidate_columns(study.choice.vary, "mass"), study.masses))
+        tables.append(page_table(caption, candidate_columns(study.choice.vary, study.masses, "mass")))
     return Section("Candidates", text, tables)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from strikewave.base import declare
@@ -13,10 +13,10 @@ from strikewave.base.result import Source
 from strikewave.base.shock_quantities import FORCE, PULSE_WIDTH, RATIO
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
+from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.shown_result import ShownResult
-from strikewave.reporting.table_columns import TableColumn
 from strikewave.specifications.reading import Specification
 from strikewave.studies.settings.answer_files import name_at, other_cases
 from strikewave.studies.settings.candidate import INTERVAL, PEAK, WITHIN, Limit, SettingsCandidate
@@ -173,17 +173,16 @@ def _without_mass(candidate: SettingsCandidate) -> tuple[float, ...]:
     return tuple(values[path].si for path in ("machine.strikers", "object.spring", "object.preload", "object.damper"))
 
 
-def candidate_columns(varied: str, table: str = "ranking") -> list[TableColumn[SettingsCandidate]]:
+def candidate_columns(varied: str, rows: Sequence[SettingsCandidate], table: str = "ranking") -> list[Column]:
     """Return the columns of candidates, or of what the "mass" of a striker costs, without what was not varied."""
-    return [column for column in columns_of(SettingsCandidate, table) if column.name not in set(VARIED) - {varied}]
+    columns = columns_of(SettingsCandidate, rows, table)
+    return [column for column in columns if column.name not in set(VARIED) - {varied}]
 
 
 def _limit_result(limit: Limit) -> Tag:
     return Tag("kept", "good") if limit.kept else Tag("broken", "bad") if limit.decides else Tag("warned", "warned")
 
 
-LIMIT_COLUMNS: tuple[TableColumn[Limit], ...] = (
-    *columns_of(Limit),
-    TableColumn("result", _limit_result, words=True),
-)
-"""Limits of a candidate, each in its own unit."""
+def limit_columns(limits: Sequence[Limit]) -> list[Column]:
+    """Return the columns of limits of a candidate, each in its own unit."""
+    return [*columns_of(Limit, limits), Column("result", [_limit_result(one) for one in limits], words=True)]

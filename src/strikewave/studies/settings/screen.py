@@ -8,7 +8,7 @@ from pathlib import Path
 
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.clause_words import CLAUSE_COLUMNS
+from strikewave.reporting.clause_words import clause_columns
 from strikewave.reporting.faces import text_of
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
@@ -19,7 +19,7 @@ from strikewave.studies.engine.store import RunStore
 from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.candidate import SettingsCandidate
 from strikewave.studies.settings.goal import BlowGoal, SettingsChoices, goal_words, name_of
-from strikewave.studies.settings.result import LIMIT_COLUMNS, SettingsStudy, asked_line, candidate_columns
+from strikewave.studies.settings.result import SettingsStudy, asked_line, candidate_columns, limit_columns
 from strikewave.studies.settings.study import design_settings
 
 SHOWN = 6
@@ -86,17 +86,17 @@ def _print(study: SettingsStudy) -> None:
     first = study.candidates[0]
     others = {one.case.rotary_tables().machine.strikers.si: one for one in reversed(study.candidates)}
     shown = [one for one in study.candidates if one in study.candidates[:SHOWN] or one in others.values()]
-    print_rows(f"{study.met_count} settings give {goal_words(study.goal)}", candidate_columns(study.choice.vary), shown)
+    print_rows(f"{study.met_count} settings give {goal_words(study.goal)}", candidate_columns(study.choice.vary, shown))
     tell(
         "peak, width, interval: of the typical blow, the median of the later full ones; CV: scatter of all peaks; "
         "sensitivity: change of the peak with engagement"
     )
     tell(_header(study.case, study.goal, first))
-    print_rows("Limits of the first", LIMIT_COLUMNS, first.limits)
+    print_rows("Limits of the first", limit_columns(first.limits))
     if first.clauses:
-        print_rows("Clauses of the first, each by its worst blow", CLAUSE_COLUMNS, first.clauses)
+        print_rows("Clauses of the first, each by its worst blow", clause_columns(first.clauses))
     if len(study.masses) > 1:
-        print_rows("What the mass of a striker costs", candidate_columns(study.choice.vary, "mass"), study.masses)
+        print_rows("What the mass of a striker costs", candidate_columns(study.choice.vary, study.masses, "mass"))
     for count, why in study.left_out.items():
         tell(f"left out, {count} strikers: {why}")
     for why in study.failed[:SHOWN]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from strikewave.base.declare import declarations
@@ -11,10 +11,10 @@ from strikewave.exchange.ls_dyna.comparison import ForcePair, PulseDifferences
 from strikewave.exchange.ls_dyna.folder import ENERGIES, ContactPulse, Extreme
 from strikewave.fem.measures import EnergyExtent
 from strikewave.reporting import chapters
+from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import amount, columns_of, face_table, text_of
-from strikewave.reporting.numbers import headed, shown
+from strikewave.reporting.numbers import shown
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
-from strikewave.reporting.table_columns import TableColumn
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
@@ -102,10 +102,10 @@ def pair_table(pair: ForcePair) -> Table:
     """Return the numbers of a contact of both."""
     both, differs = (pair.ls_dyna, pair.strikewave), declarations(PulseDifferences)
     rows: list[list[Cell]] = [
-        [column.head, *_cells(column, *both), text_of(pair.differences, name) if name in differs else NONE]
-        for name, column in zip(declarations(ContactPulse), columns_of(ContactPulse), strict=True)
+        [column.head, *column.cells(), text_of(pair.differences, name) if name in differs else NONE]
+        for name, column in zip(declarations(ContactPulse), columns_of(ContactPulse, both), strict=True)
     ]
-    rows += [[column.head, column.cell(pair), NONE, NONE] for column in columns_of(ForcePair, "pair")]
+    rows += [[column.head, *column.cells(), NONE, NONE] for column in columns_of(ForcePair, [pair], "pair")]
     heads = ["", *RUNS, "difference"]
     return Table(f"Contact {pair.name}: contact {pair.contact.name} of LS-DYNA, side {pair.side}", heads, rows)
 
@@ -116,21 +116,12 @@ def contact_table(result: LsDynaResult) -> Table:
     return face_table(result, "sides", "contacts", "Contacts of LS-DYNA", empty)
 
 
-def _cells(column: TableColumn[Any], *both: object) -> list[Cell]:
-    """Return a column of LS-DYNA and of strikewave; a dash where there is nothing."""
-    return [NONE if one is None else column.cell(one) for one in both]
-
-
-def _table_of_both(caption: str, heads: list[str], kind: type, rows: Iterable[tuple[Any, ...]], empty: str) -> Table:
+def _table_of_both(caption: str, heads: list[str], kind: type, rows: Sequence[tuple[Any, ...]], empty: str) -> Table:
     """Return a table of columns of LS-DYNA and strikewave in turn; rows end with what they are of, None for nothing."""
-    columns = columns_of(kind)
-    named = [headed(f"{column.name}, {run}", column.si, column.usual) for column in columns for run in RUNS]
-    cells = [
-        [*names, *(cell for one in columns for cell in _cells(one, *both))]
-        for *names, a, b in rows
-        for both in [(a, b)]
-    ]
-    return Table(caption, [*heads, *named], cells, empty)
+    columns = [Column(head, [row[place] for row in rows]) for place, head in enumerate(heads)]
+    for pair in zip(*(columns_of(kind, [row[place] for row in rows]) for place in (-2, -1)), strict=True):
+        columns += [one._replace(name=f"{one.name}, {run}") for one, run in zip(pair, RUNS, strict=True)]
+    return page_table(caption, columns, empty)
 
 
 def _energies(result: LsDynaResult) -> Section:

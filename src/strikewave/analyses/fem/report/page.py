@@ -22,10 +22,10 @@ from strikewave.fem.skin import blow_contact
 from strikewave.fem.solids import Bilinear, JohnsonCook, ZerilliArmstrong
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
+from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import FaceRow, amount, columns_of, face_columns, face_rows, face_table, text_of
 from strikewave.reporting.numbers import headed, listed, percent, shown
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
-from strikewave.reporting.table_columns import TableColumn, page_table
 from strikewave.signal.pulse import WIDTH_FRACTION
 
 if TYPE_CHECKING:
@@ -192,8 +192,8 @@ def _contact_table(solution: FemSolution) -> Table:
             return "never touched"
         return "touches at the end" if still_presses(solution.run, row.name) else None
 
-    columns = [*face_columns(solution, "touched"), TableColumn("note", note)]
-    return page_table("Contacts and walls", columns, face_rows(solution, "touched"), "No contact is in the model.")
+    notes = Column("note", [note(row) for row in face_rows(solution, "touched")])
+    return page_table("Contacts and walls", [*face_columns(solution, "touched"), notes], "No contact is in the model.")
 
 
 def _what_ran(solution: FemSolution) -> Section:
@@ -314,7 +314,7 @@ def _metres(place: Sequence[float]) -> str:
 
 def _quality_table(model: Model) -> Table:
     caption = "Quality of the mesh, worst values; the scaled Jacobian is 1 for right angles and 0 for a flat corner"
-    return page_table(caption, columns_of(PartQuality), quality_report(model.mesh))
+    return page_table(caption, columns_of(PartQuality, quality_report(model.mesh)))
 
 
 def _energy_words(solution: FemSolution) -> str:
@@ -344,7 +344,6 @@ def _balances(solution: FemSolution) -> Section:
 
 def _energy_table(run: FemRun) -> Table:
     called = {name: name + (" (within internal)" if name == "plastic" else "") for name in ENERGIES}
-    columns = columns_of(EnergyExtent)
-    rows = [[called[name], *(one.cell(EnergyExtent.of(run.energy[name])) for one in columns)] for name in ENERGIES]
-    start = ["at the start, all", NONE, columns[-1].cell(EnergyExtent(math.nan, run.initial_energy))]
-    return Table("Energies", ["energy", *(one.head for one in columns)], [start, *rows])
+    rows = [EnergyExtent(math.nan, run.initial_energy), *(EnergyExtent.of(run.energy[name]) for name in ENERGIES)]
+    names = Column("energy", ["at the start, all", *called.values()])
+    return page_table("Energies", [names, *columns_of(EnergyExtent, rows)])

@@ -12,12 +12,12 @@ from strikewave.hopkinson import stress_difference, transits_to_uniform
 from strikewave.hopkinson.checks import StrikerCheck
 from strikewave.hopkinson.uniformity import UNIFORM
 from strikewave.reporting import chapters
+from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import cell_text, columns_of, face_table, numbers_of, text_of
 from strikewave.reporting.numbers import fixed, headed, percent, shown, spelled
 from strikewave.reporting.parts import Cell, Picture, Section, Table, written
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.style import WHOLE, one_diagram
-from strikewave.reporting.table_columns import page_table
 
 if TYPE_CHECKING:
     from strikewave.analyses.hopkinson.result import HopkinsonSolution
@@ -110,7 +110,7 @@ def _curve_table(solution: HopkinsonSolution) -> Table:
         f"{solution.title}: largest true strain and stress, median true rate, slope from 10 to 50 % of the largest "
         "stress (and within a sample of misalignment); * the one chosen"
     )
-    return page_table(caption, columns_of(AnalysedCurve), solution.analysed)
+    return page_table(caption, columns_of(AnalysedCurve, solution.analysed))
 
 
 def _balance_table(solution: HopkinsonSolution) -> Table:
@@ -164,15 +164,15 @@ def _alignment_table(solution: HopkinsonSolution) -> Table:
         f"{alignment.dispersion} up to {cell_text(alignment, 'band')}, largest shift allowed "
         f"{cell_text(alignment, 'window')}, the rise"
     )
-    return page_table(caption, columns_of(WaveDelay), alignment.delays)
+    return page_table(caption, columns_of(WaveDelay, alignment.delays))
 
 
 def _striker_table(solution: HopkinsonSolution) -> list[Table]:
     check = solution.striker_check
     if check is None:
         return []
-    pairs = zip(columns_of(StrikerCheck, "measured"), columns_of(StrikerCheck, "expected"), strict=True)
-    rows = [[measured.head, measured.cell(check), expected.cell(check)] for measured, expected in pairs]
+    measured, expected = (columns_of(StrikerCheck, [check], table) for table in ("measured", "expected"))
+    rows = [[one.head, *one.cells(), *other.cells()] for one, other in zip(measured, expected, strict=True)]
     caption = f"Incident pulse compared with the striker; the plateau corresponds to {cell_text(check, 'speed')}"
     return [Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows)]
 

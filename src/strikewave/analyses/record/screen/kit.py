@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from strikewave.analyses.record.rows import INTEGRALS
 from strikewave.base.shock_quantities import SHOWN_OF_CHANNELS
 from strikewave.base.units import DIMENSIONS
-from strikewave.reporting.layout import ScreenColumn
+from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.terminal import significant, table, tell
 
@@ -26,7 +26,7 @@ def tell_first(lines: Sequence[str], most: int, others: str, indent: str = "") -
         tell(f"{len(lines) - most} more {others}: see report and JSON", indent)
 
 
-def print_table(title: str, columns: Sequence[ScreenColumn], rows: Sequence[Sequence[str]]) -> None:
+def print_table(title: str, columns: Sequence[Column], rows: Sequence[Sequence[str]]) -> None:
     """Print a table, or its first rows."""
     if len(rows) > MOST_ROWS:
         title = f"{title}, the first {MOST_ROWS} of {len(rows)} rows"

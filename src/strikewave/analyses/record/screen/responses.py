@@ -12,8 +12,9 @@ from strikewave.analyses.record.screen.kit import print_table, value_text
 from strikewave.base.shock_quantities import FREQUENCY, MILLISECONDS
 from strikewave.records import FileReading
 from strikewave.records.response import MeasuredResponse
+from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import amount
-from strikewave.reporting.layout import MORE, ScreenColumn, keys, numerals, texts
+from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import percent
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.terminal import number, significant, table, tell
@@ -68,7 +69,7 @@ def _figures(one: MeasuredResponse, unit: str) -> dict[str, str]:
     }
 
 
-def _columns(keyed: Mapping[str, bool]) -> list[ScreenColumn]:
+def _columns(keyed: Mapping[str, bool]) -> list[Column]:
     """Return the columns of the table: file, channel and blow where there are several, then `_figures`."""
     columns = [*(keys("file") if keyed["file"] else []), *(texts("channel") if keyed["channel"] else [])]
     columns += [*(numerals("blow") if keyed["blow"] else []), *numerals("peak")]

@@ -28,13 +28,13 @@ from strikewave.analyses.record.words import named
 from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import clause_name
+from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.measured_files import digests_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Photo, Picture, Section, SignatureLines, Table, Tag
 from strikewave.reporting.run_and_write import drawing
-from strikewave.reporting.table_columns import page_table
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judged_records import RecordsVerdict
 
@@ -205,7 +205,7 @@ def _specification(found: RecordsVerdict) -> Section:
         words = f"{100.0 * band.time:g} % of the duration, {100.0 * band.amplitude:g} % of the peak"
         rows.append(AskedRow("tolerance band", words, found.limits.band_status))
     text = f"{found.specification.title} ({file.edition}).\n\n{_decision(found)}\n\n{limit_words_of(found)}"
-    table = page_table("What is asked of a shock", columns_of(AskedRow), rows)
+    table = page_table("What is asked of a shock", columns_of(AskedRow, rows))
     return Section("Specification and decision rule", text, [table])
 
 

@@ -12,8 +12,8 @@ from strikewave.reporting.clause_words import (
     doubted_words,
     tag_of,
 )
+from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
-from strikewave.reporting.table_columns import TableColumn, page_table
 from strikewave.specifications.decisions import NOT_JUDGED, WORST_FIRST
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 from strikewave.specifications.judging import Clause
@@ -44,14 +44,13 @@ def clause_table(found: RecordsVerdict, names: dict[str, str]) -> Table:
     """Return the clauses with what came out, each of several shocks where it came out worst."""
     several, many = _has_channels(found), len(found.shocks) > 1
 
-    def why(pair: tuple[Clause, JudgedShock | None]) -> str | None:
-        clause, shock = pair
+    def why(clause: Clause, shock: JudgedShock | None) -> str | None:
         named = many and shock is not None and clause.verdict != NOT_JUDGED
         return ": ".join([name_of_shock(shock, names, several)] * named + [clause.reason] * bool(clause.reason)) or None
 
-    columns: list[TableColumn[tuple[Clause, JudgedShock | None]]] = clause_columns(lambda pair: pair[0])
-    columns.append(TableColumn("where and why" if many else "why", why))
-    return page_table("Clauses" + (", each where it came out worst" if many else ""), columns, found.clauses)
+    columns = clause_columns([clause for clause, _ in found.clauses])
+    columns.append(Column("where and why" if many else "why", [why(*pair) for pair in found.clauses]))
+    return page_table("Clauses" + (", each where it came out worst" if many else ""), columns)
 
 
 def _has_channels(found: RecordsVerdict) -> bool:

@@ -14,17 +14,16 @@ from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.base.errors import InputError
 from strikewave.records.budget.contributions import Budget
-from strikewave.reporting.clause_words import CLAUSE_COLUMNS, WHY, clause_words, decision_words, verdict_words
+from strikewave.reporting.clause_words import clause_columns, clause_words, decision_words, verdict_words, why_column
+from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.layout import KEY
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.parts import Picture, Section
-from strikewave.reporting.table_columns import TableColumn, page_table
 from strikewave.reporting.terminal import print_rows, tell
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 from strikewave.specifications.judged_records import Asked
 from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict
-from strikewave.specifications.judging import Clause
 from strikewave.specifications.reading import Specification
 from strikewave.specifications.spectrum_limits import judge_spectrum
 
@@ -119,7 +118,7 @@ def spectra_sentence(found: SpectraVerdict) -> str:
 
 def print_spectra_verdict(found: SpectraVerdict) -> None:
     """Print the clauses of each spectrum."""
-    print_rows(f"By {found.specification.title}", _columns(found), found.clauses)
+    print_rows(f"By {found.specification.title}", _columns(found))
     tell(decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated))
     for one in found.spectra:
         for clause in one.clauses:
@@ -127,10 +126,11 @@ def print_spectra_verdict(found: SpectraVerdict) -> None:
                 tell(f"{one.name}, {clause.clause}: {clause.reason}", "  ")
 
 
-def _columns(found: SpectraVerdict) -> list[TableColumn[Clause]]:
-    names: dict[Any, str] = {(one.file, one.channel): one.name for one in found.spectra}
-    name = TableColumn[Clause]("spectrum", lambda one: names[one.file, one.channel], priority=KEY, words=True)
-    return [name, *(one for one in CLAUSE_COLUMNS if one.name != "of tolerance")]
+def _columns(found: SpectraVerdict) -> list[Column]:
+    named: dict[Any, str] = {(one.file, one.channel): one.name for one in found.spectra}
+    names = [named[one.file, one.channel] for one in found.clauses]
+    columns = [one for one in clause_columns(found.clauses) if one.name != "of tolerance"]
+    return [Column("spectrum", names, priority=KEY, words=True), *columns]
 
 
 def spectra_section(found: SpectraVerdict) -> Section:
@@ -145,5 +145,5 @@ def spectra_section(found: SpectraVerdict) -> Section:
     )
     text = f"{decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated)} {text}"
     picture = Picture(spectrum_limits_figure(found.limits, drawn, found.specification.title), "Spectra and tolerance.")
-    table = page_table("Clauses", [*_columns(found), WHY], found.clauses)
+    table = page_table("Clauses", [*_columns(found), why_column(found.clauses)])
     return Section("Verdict by the specification", text, [picture, table])

@@ -10,13 +10,12 @@ from strikewave.reporting.clause_words import (
     decision_words,
     value_words,
 )
+from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.parts import NONE
-from strikewave.reporting.table_columns import TableColumn
 from strikewave.reporting.terminal import print_rows, table, tell
 from strikewave.specifications.decisions import WORST_FIRST
-from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
-from strikewave.specifications.judging import Clause
+from strikewave.specifications.judged_records import RecordsVerdict
 
 MOST_SHOCKS = 20
 """Shocks of the table on the screen, the failed ones first; report and JSON have all."""
@@ -26,12 +25,11 @@ def print_verdict(found: RecordsVerdict, names: dict[str, str]) -> None:
     """Print the clauses, and the shocks where there are several."""
     several = len({shock.reading.channel.name for shock in found.shocks}) > 1
     many = len(found.shocks) > 1
-    columns: list[TableColumn[tuple[Clause, JudgedShock | None]]] = clause_columns(lambda pair: pair[0])
+    columns = clause_columns([clause for clause, _ in found.clauses])
     if many:
-        columns.append(
-            TableColumn("worst", lambda pair: name_of_shock(pair[1], names, several), priority=MORE, words=True)
-        )
-    print_rows(f"By {found.specification.title}", columns, found.clauses)
+        worst = [name_of_shock(shock, names, several) for _, shock in found.clauses]
+        columns.append(Column("worst", worst, priority=MORE, words=True))
+    print_rows(f"By {found.specification.title}", columns)
     tell(decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated))
     for clause, _ in found.clauses:
         if clause.reason:

@@ -15,7 +15,7 @@ from strikewave.base.json_document import head
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.faces import columns_of, face_columns, face_rows
+from strikewave.reporting.faces import columns_of, face_columns
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.run_and_write import Command, run_and_write
@@ -78,7 +78,7 @@ def list_specifications(output: Output) -> int:
         print_json({**head({}), **declare.content(SpecificationList(rows))})
         return 0
     tell(f"{len(rows)} built-in specifications; NAME:CONDITION asks for one condition.")
-    print_rows("Built-in specifications", columns_of(ListedSpecification), rows)
+    print_rows("Built-in specifications", columns_of(ListedSpecification, rows))
     return 0
 
 
@@ -123,7 +123,7 @@ class SpecificationCommand(Command[SpecificationResult]):
     def show(self, result: SpecificationResult) -> None:
         """Print what it asks, and its numbers."""
         print_face(result, "asked", "What it asks of a shock")
-        print_rows("Numbers", face_columns(result, "numbers", least=MORE), face_rows(result, "numbers"))
+        print_rows("Numbers", face_columns(result, "numbers", least=MORE))
         for one in result.specification.file.demand:
             tell(f"asked too, and not judged: {one.text}")
 

@@ -11,10 +11,10 @@ from strikewave.base.shock_quantities import ACCELERATION, ENERGY, FORCE, IMPULS
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE, Answer, MeshRow
 from strikewave.papers.li_ma_2019.body_reasons import Reason
+from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.numbers import headed, shown
 from strikewave.reporting.parts import NONE, Cell, Part, Table, Tag, written
-from strikewave.reporting.table_columns import TableColumn, page_table
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
@@ -38,37 +38,39 @@ def study_tables(result: Reproduction) -> Iterator[Part]:
 
 def body_table(found: Sequence[BodyRow]) -> Table:
     """Set masses on springs and layers of a bar beside the elements, for the same bodies; nothing in them is fitted."""
-    columns: list[TableColumn[BodyRow]] = [
-        TableColumn("case", lambda row: row.case),
-        TableColumn("model", lambda row: row.model),
-        TableColumn("contact law", lambda row: row.law or None),
-        TableColumn("peak force", lambda row: row.answer.peak, *FORCE.units),
-        TableColumn("first pulse", lambda row: row.answer.first_width, *MICROSECONDS.units),
-        TableColumn("first to last tenth", lambda row: row.answer.width, *MICROSECONDS.units),
-        TableColumn("pulses", lambda row: str(row.answer.pulses)),
-        TableColumn("impulse", lambda row: row.answer.impulse, *IMPULSE.units),
-        TableColumn("force over mass", lambda row: row.answer.rigid_peak, *ACCELERATION.units),
-        TableColumn("sensor's peak", lambda row: row.answer.watched_peak, *ACCELERATION.units),
+    answers = [row.answer for row in found]
+    columns = [
+        Column("case", [row.case for row in found]),
+        Column("model", [row.model for row in found]),
+        Column("contact law", [row.law or None for row in found]),
+        Column.of("peak force", [one.peak for one in answers], FORCE),
+        Column.of("first pulse", [one.first_width for one in answers], MICROSECONDS),
+        Column.of("first to last tenth", [one.width for one in answers], MICROSECONDS),
+        Column("pulses", [one.pulses for one in answers]),
+        Column.of("impulse", [one.impulse for one in answers], IMPULSE),
+        Column.of("force over mass", [one.rigid_peak for one in answers], ACCELERATION),
+        Column.of("sensor's peak", [one.watched_peak for one in answers], ACCELERATION),
     ]
     words = "The same bodies as elements, as masses on springs, and as layers of a bar; nothing is fitted"
-    return page_table(words, columns, found)
+    return page_table(words, columns)
 
 
 def reason_table(found: Sequence[Reason]) -> Table:
     """Say why masses and layers part from the elements: each cause alone, measured."""
     words = "Why they part: each cause alone, on elements twice as large"
-    return page_table(words, columns_of(Reason), found)
+    return page_table(words, columns_of(Reason, found))
 
 
 def mesh_table(case: str, rows: Sequence[MeshRow]) -> Table:
     """Say how peak, width and impulse converge with the mesh."""
     caption = f"{case} on {len(rows)} meshes, sizes relative to those of the case"
-    return page_table(caption, columns_of(MeshRow), rows)
+    return page_table(caption, columns_of(MeshRow, rows))
 
 
 def dimension_table(study: DimensionStudy) -> Table:
     """Say what each assumed dimension does to the answer."""
-    rows: list[list[Cell]] = [["as it stands", NONE, NONE, *(column.cell(study.base) for column in columns_of(Answer))]]
+    base = [column.texts()[0] for column in columns_of(Answer, [study.base])]
+    rows: list[list[Cell]] = [["as it stands", NONE, NONE, *base]]
     for row in study.rows:
         both = zip(row.larger.changes(study.base), row.smaller.changes(study.base), strict=True)
         changes = [f"{_percent(up)} / {_percent(down)}" for up, down in both]
@@ -90,7 +92,7 @@ def blow_table(solution: FemSolution) -> Table:
             continue
         strain = max(measure.plastic_strain.values(), default=math.nan)
         found = Answer(touched.peak, touched.duration, touched.impulse, math.nan, strain)
-        *cells, _, strained = (column.cell(found) for column in columns_of(Answer))
+        *cells, _, strained = (column.texts()[0] for column in columns_of(Answer, [found]))
         given = NONE if back is None else f"{back:.4f}"
         work = written(shown(sum(measure.plastic_energy.values()), *ENERGY.units), 3)
         rows.append([str(measure.blow), *cells, given, work, strained])
@@ -101,7 +103,7 @@ def blow_table(solution: FemSolution) -> Table:
 
 def _answer_heads() -> list[str]:
     """Return the heads of an answer."""
-    return [column.head for column in columns_of(Answer)]
+    return [column.head for column in columns_of(Answer, [])]
 
 
 def _percent(share: float) -> str:

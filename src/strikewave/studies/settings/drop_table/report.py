@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from strikewave.base.percents import percent
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import CLAUSE_COLUMNS, verdict_words
+from strikewave.reporting.clause_words import clause_columns, verdict_words
+from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import face_table, text_of
 from strikewave.reporting.parts import Cell, Picture, Section, Table, Tag
-from strikewave.reporting.table_columns import page_table
 from strikewave.studies.settings.drop_table.candidate import WITHIN, DropCandidate
 from strikewave.studies.settings.drop_table.figures import drop_figure
 from strikewave.studies.settings.drop_table.study import DropStudy, drop_columns, goal_words
-from strikewave.studies.settings.result import LIMIT_COLUMNS
+from strikewave.studies.settings.result import limit_columns
 
 MOST_ROWS = 60
 """Designs in the tables: more would not be read; settings.json has all."""
@@ -32,8 +32,8 @@ def drop_report(study: DropStudy) -> str:
             f"Provenance: {_provenances(first)}. All inputs stand below.",
             [
                 Table("What was chosen", ["setting", "value", "provenance"], _chosen(first)),
-                page_table("Clauses", CLAUSE_COLUMNS, first.verdict.clauses),
-                page_table("Limits", LIMIT_COLUMNS, first.limits),
+                page_table("Clauses", clause_columns(first.verdict.clauses)),
+                page_table("Limits", limit_columns(first.limits)),
             ],
         ),
         _ranking(study),
@@ -67,7 +67,7 @@ def _ranking(study: DropStudy) -> Section:
         "more height for the same velocity change, four times as much without any rebound."
     )
     heights = face_table(study, "heights", caption="Height of a free fall for this velocity change")
-    designs = page_table(f"Designs for {goal_words(study.goal)}", drop_columns(), study.candidates[:MOST_ROWS])
+    designs = page_table(f"Designs for {goal_words(study.goal)}", drop_columns(study.candidates[:MOST_ROWS]))
     return Section("Designs", text, [designs, heights])
 
 

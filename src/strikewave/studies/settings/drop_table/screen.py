@@ -8,8 +8,8 @@ from pathlib import Path
 
 from strikewave.cases.case import Case
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.clause_words import CLAUSE_COLUMNS
-from strikewave.reporting.faces import face_columns, face_rows
+from strikewave.reporting.clause_words import clause_columns
+from strikewave.reporting.faces import face_columns
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
@@ -28,7 +28,7 @@ from strikewave.studies.settings.drop_table.study import (
     goal_words,
     name_of,
 )
-from strikewave.studies.settings.result import LIMIT_COLUMNS
+from strikewave.studies.settings.result import limit_columns
 
 SHOWN = 8
 """First of the ranking in the table; the first of each other programmer follows."""
@@ -80,7 +80,7 @@ class DropCommand(ResumableCommand[DropStudy]):
         first = result.candidates[0]
         leading = {one.programmer.name: one for one in reversed(result.candidates)}.values()
         shown = [one for one in result.candidates if one in result.candidates[:SHOWN] or one in leading]
-        print_rows(f"{result.met_count} designs give {goal_words(result.goal)}", drop_columns(), shown)
+        print_rows(f"{result.met_count} designs give {goal_words(result.goal)}", drop_columns(shown))
         tell("peak, width: as a sensor reads them whose zero is taken in the fall; margin: least of all clauses")
         tell("rebound: coefficient of restitution of the programmer, speed back over speed of arrival")
         reasons: dict[str, list[str]] = {}
@@ -91,10 +91,9 @@ class DropCommand(ResumableCommand[DropStudy]):
             tell(f"{', '.join(places)}: {obstacles}")
         for name in dict.fromkeys(one.programmer.name for one in shown if one.programmer.assumed):
             tell(f"{name}: its law is assumed, nobody measured it")
-        heights = face_columns(result, "heights"), face_rows(result, "heights")
-        print_rows("Height of a free fall for this velocity change", *heights)
-        print_rows("Clauses of the first", CLAUSE_COLUMNS, first.verdict.clauses)
-        print_rows("Limits of the first", LIMIT_COLUMNS, first.limits)
+        print_rows("Height of a free fall for this velocity change", face_columns(result, "heights"))
+        print_rows("Clauses of the first", clause_columns(first.verdict.clauses))
+        print_rows("Limits of the first", limit_columns(first.limits))
         values = first.case.values()
         inputs = [[path, str(value.typed), value.provenance] for path, value in values.items() if path in _INPUTS]
         table("Its inputs", [*keys("field"), *numerals("value"), *texts("provenance")], inputs)

@@ -24,9 +24,9 @@ from strikewave.cases.contact_of_case import or_else
 from strikewave.cases.written_case import dump_case
 from strikewave.machines.launch import drop_for_half_sine
 from strikewave.reporting.clause_words import first_upper, tag_of
+from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import amount, columns_of, text_of
 from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
-from strikewave.reporting.table_columns import TableColumn
 from strikewave.specifications.ideal_pulses import HALF_SINE
 from strikewave.specifications.judged_records import rests_on_indicative
 from strikewave.specifications.reading import Specification
@@ -205,12 +205,11 @@ class DropStudy(ShownResult):
         return {"settings.json": self.document_text(), **other_cases(len(self.candidates), self.case_of)}
 
 
-def drop_columns() -> list[TableColumn[DropCandidate]]:
+def drop_columns(designs: Sequence[DropCandidate]) -> list[Column]:
     """Return the columns of designs, with verdicts as they are written."""
-    return [
-        replace(one, value=lambda row: tag_of(row.judged)) if one.name == "verdict" else one
-        for one in columns_of(DropCandidate)
-    ]
+    judged = [tag_of(one.judged) for one in designs]
+    columns = columns_of(DropCandidate, designs)
+    return [one._replace(values=judged) if one.name == "verdict" else one for one in columns]
 
 
 def goal_words(goal: DropGoal) -> str:

@@ -152,11 +152,11 @@ def blow_rows(
     found: Sequence[Any], bands: Mapping[str, Band]
 ) -> tuple[str, list[str], list[list[str]], tuple[int, ...]]:
     """Return the table of blows; that of a first look has fewer columns."""
-    columns = blow_columns("blows", bands)
+    columns = blow_columns("blows", found, bands)
     if found and not isinstance(found[0], Blow):
         there = {one.name for one in dataclasses.fields(found[0])}
         columns = [c for c in columns if c.si == "" or _field(c.name) in there]
-    rows = [[column.text(blow) for column in columns] for blow in found]
+    rows = [list(row) for row in zip(*(column.texts() for column in columns), strict=True)]
     return "Blows", [column.head for column in columns], rows, ()
 
 

@@ -3,25 +3,24 @@
 import pytest
 
 from strikewave.base.units import in_unit
+from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.layout import KEY
 from strikewave.reporting.parts import NONE, Tag
 from strikewave.reporting.shown_units import ShownUnits, showing
-from strikewave.reporting.table_columns import TableColumn, page_table
 from strikewave.reporting.terminal import print_rows
 
-ROWS = [{"name": "first", "peak": 40709.86, "kept": True}, {"name": "second", "peak": float("nan"), "kept": False}]
 COLUMNS = (
-    TableColumn("blow", lambda row: row["name"], priority=KEY, words=True),
-    TableColumn("peak", lambda row: row["peak"], "m/s^2", "g"),
-    TableColumn("kept", lambda row: Tag("yes", "good") if row["kept"] else None, words=True),
+    Column("blow", ["first", "second"], priority=KEY, words=True),
+    Column("peak", [40709.86, float("nan")], "m/s^2", shown="g"),
+    Column("kept", [Tag("yes", "good"), None], words=True),
 )
 
 
 @pytest.mark.parametrize("unit", ["g", "m/s^2"])
 def test_screen_and_page_show_the_same_cells_in_the_unit_of_the_head(unit, capsys):
     with showing(ShownUnits.read(unit)):
-        print_rows("Blows", COLUMNS, ROWS)
-        table = page_table("Blows", COLUMNS, ROWS)
+        print_rows("Blows", COLUMNS)
+        table = page_table("Blows", COLUMNS)
     printed = [line.split() for line in capsys.readouterr().out.splitlines()]
     cells = [[cell.text if isinstance(cell, Tag) else cell for cell in row] for row in table.cells()]
     assert cells == [["first", f"{in_unit(40709.86, 'm/s^2', unit):.0f}", "yes"], ["second", NONE, NONE]]
