@@ -28,7 +28,8 @@ PLACES = {"rows": "[]", "named": ".*", "part": ""}
 class Quantity(NamedTuple):
     """What a number measures: SI unit ("1" of a ratio), unit shown as a rule, label, decimals in that unit or digits.
 
-    Where no label is given the name of the field is one; where no decimals are, so many significant digits are shown.
+    Where no label is given the name of the field is one. Where no decimals are, so many significant digits are shown;
+    beside decimals they are the fewest of a cell, and those of a sentence (0: no fewest, and four in a sentence).
     Where the data decide about the unit, ``given_by`` says which it is ("as the field"): the row, or else the result,
     has it among its `given_units`. One that is ``signed`` and has decimals has a plus where it is not below zero.
     """
@@ -79,7 +80,7 @@ class Quantity(NamedTuple):
 
 
 NOT_MEASURED = Quantity("", "")
-"""Of what is no number."""
+"""Of what is no number, and of a number whose unit is that of what it is of, such as a limit of a warning."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,23 +98,26 @@ class Declaration:
         Of a number or a history; of a part that of its numbers, where the document says it once for all of them; of a
         word that it is written of numbers, such as bounds.
     key : str
-        Key in the JSON document, and name of its column; the name of the field if empty.
+        Key in the JSON document, and name of its column in files and Python; the name of the field if empty.
     column : int, optional
-        Priority of its column in the tables of its rows: `KEY`, `MAIN`, `MORE` or more. No column without it.
+        Priority of its column in the tables of screen, page, notebook and app: `KEY`, `MAIN`, `MORE` or more. None
+        there without it; files and Python have every number.
     tables : str
-        Names of the tables that it stands in, where its rows have several.
+        Names of the tables that it stands in, where its rows have several; a table that is asked for without a name
+        has all.
     band : str
-        Name of its band, or its last part; of rows and named parts the first part, such as ``tap.{name}``.
+        Name of its band, or its last part; of a part, rows and named parts the first part, such as ``tap.{name}``.
     headline : str
         Label among the key numbers, with ``{name}`` of its row; of a part, rows and named parts whether key numbers
         are taken of the "first", of "each", or of so many, such as "3"; "count" is how many there are. Empty where
         there are none.
     is_tag : bool
-        Whether a word stands in a coloured box, whose colour is its own; of a truth that is wanted, yes is good.
+        Whether a word stands in a coloured box, whose colour is its own; of a truth that is wanted, yes is good (of
+        another, yes is bad).
     order : int
         Columns of a larger number stand further to the right than their fields do.
     in_document : bool
-        Whether the JSON document holds it; a word that it does not hold stands in tables and nowhere else.
+        Whether the JSON document holds it; words of a column that it does not hold are in no file either.
     optional : bool
         Whether the document leaves the key out where there is nothing (None), instead of saying null, and of a part
         whose keys stand among those around it all of them; and a table for Python and files its column, where no row

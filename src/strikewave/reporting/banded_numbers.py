@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Iterable
 
@@ -86,13 +87,19 @@ def fixed_within(value: float | None, bands: Iterable[Band], si: str, usual: str
 def with_band(value: float | None, band: Band | None, si: str, usual: str, digits: int = 4) -> str:
     """Write an SI value with its unit and its band, by which its digits go; without a band with so many digits.
 
+    Bands are of sizes: beside a value below zero the band is that of its sign.
+
     Examples
     --------
     >>> with_band(11424.0, Band(7850.0, 15400.0, 0.95), "m/s^2", "g")
     '1160 g (800 to 1600 g)'
+    >>> with_band(-19680.0, Band(17700.0, 21700.0, 0.95), "N", "kN")
+    '-19.68 kN (-21.7 to -17.7 kN)'
     """
     if value is None or math.isnan(value) or band is None or not math.isfinite(band.low + band.high):
         return with_unit(value, si, usual, digits)
+    if value < 0.0 <= band.low:
+        band = dataclasses.replace(band, low=-band.high, high=-band.low)
     decimals = decimals_beside(*(shown(end, si, usual) for end in (band.low, band.high)))
     name = spelled(shown_unit(si, usual))
     return f"{rounded(shown(value, si, usual), decimals)} {name} ({band_text(band, si, usual)})"

@@ -301,7 +301,8 @@ def data_columns(result: Result, name: str) -> list[Column]:
             for inner, leaf in leaves(kind):
                 if leaf.column is not None:
                     values = [at(by_name.get(called), inner) for by_name in parts]
-                    columns.append(Column(f"{called} {inner[-1]}", values, leaf.quantity.si))
+                    si = leaf.quantity.within(result.given_units).si
+                    columns.append(Column(f"{called} {inner[-1]}", values, si))
     return columns
 
 
