@@ -26,12 +26,12 @@ def downloaded(visitor, button):
 def test_a_slider_moves_the_plot_and_a_download_runs_again_to_the_same_numbers(visit):
     one = visit(f"/?case={QUICK}")
     one.shows_full_run()
-    before, peak = one.options()["series"][0]["data"], one.number("peak, first blow")
+    before, peak = one.options()["series"][0]["data"], one.number("first rigid peak")
     slider = one.page.get_by_role("slider", name="machine.height")
     slider.press("ArrowRight")  # the keyboard alone will do
     one.until(lambda: one.options()["series"][0]["data"] != before, "the plot does not move")
     one.shows_full_run()
-    assert one.number("peak, first blow") != peak
+    assert one.number("first rigid peak") != peak
     height = settings_of(one.page)["set"][0]
     assert height.startswith("machine.height=")
     case, blows = downloaded(one, "case (.toml)"), downloaded(one, "blows (.csv)")
@@ -51,13 +51,13 @@ def test_a_link_and_a_reload_give_the_view_again_and_undo_goes_back(visit):
     box.press("Enter")
     one.until(lambda: settings_of(one.page).get("set") == ["machine.height=1 m"], "the address does not follow")
     one.shows_full_run()
-    peak, address = one.number("peak, first blow"), one.page.url
+    peak, address = one.number("first rigid peak"), one.page.url
     one.page.reload()
     one.shows_full_run()
-    assert one.number("peak, first blow") == peak
+    assert one.number("first rigid peak") == peak
     other = visit(urlsplit(address)._replace(scheme="", netloc="").geturl())
     other.shows_full_run()
-    assert other.number("peak, first blow") == peak
+    assert other.number("first rigid peak") == peak
     box = other.page.get_by_label("machine.height").first
     box.fill("2 furlongs per fortnight")
     box.press("Enter")

@@ -15,9 +15,10 @@ from strikewave.analyses.machine.result import INTERVAL, SHOWN_WIDTHS, Solution,
 from strikewave.analyses.machine.run import run_case
 from strikewave.analyses.machine.words import blow_columns
 from strikewave.base.compiled import is_cold
+from strikewave.base.declare import declarations
 from strikewave.base.percents import percent
 from strikewave.base.result import Band
-from strikewave.base.shock_quantities import ACCELERATION, FORCE, PULSE_WIDTH, RIGID_PEAK, VELOCITY_CHANGE
+from strikewave.base.shock_quantities import ACCELERATION, FORCE
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.machines.blows import Blow
 from strikewave.reporting.faces import amount
@@ -30,12 +31,13 @@ from strikewave.web.charts import ChartLine, line_chart, train_chart
 from strikewave.web.curves import points, svg_of
 from strikewave.web.jobs import Say
 
+OF_FIRST = ("rigid_peak", "width", "velocity_change")
+"""Numbers of the first blow that are shown."""
+OF_BLOW = declarations(Blow)
 FIGURES = (
-    ("first.rigid_peak", "peak, first blow", RIGID_PEAK),
-    ("first.width", PULSE_WIDTH.label, PULSE_WIDTH),
-    ("first.velocity_change", "velocity change", VELOCITY_CHANGE),
-    ("typical.rigid_peak", "peak, later blows", RIGID_PEAK),
-    ("interval", "interval of the blows", INTERVAL),
+    *((f"first.{name}", OF_BLOW[name].headline, OF_BLOW[name].quantity) for name in OF_FIRST),
+    ("typical.rigid_peak", "rigid peak, later blows", OF_BLOW["rigid_peak"].quantity),
+    ("interval", declarations(Solution)["interval"].headline, INTERVAL),
 )
 """The key numbers: name, words, what each measures."""
 PUBLISHED = ("quantity", "origin", "role", "published", "computed", "difference")
