@@ -209,3 +209,16 @@ def test_declared_values_are_pickled():
     touch = Touch(1.0, 2.0)
     assert pickle.loads(pickle.dumps(touch)) == touch
     assert MAIN > KEY
+
+
+def test_a_class_that_holds_arrays_may_be_equal_to_itself_alone():
+    @declare.dataclass(eq=False)
+    class Curve:
+        """A history."""
+
+        values: np.ndarray = declare.history("N", "its values")
+
+    one, other = Curve(np.zeros(3)), Curve(np.zeros(3))
+    assert one == one
+    assert one != other
+    assert len({one, other}) == 2

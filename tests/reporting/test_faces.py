@@ -153,7 +153,7 @@ def test_a_band_of_a_column_takes_digits_of_all_its_rows(result):
 
 
 def test_notebook_shows_what_is_not_left_out_first_and_python_has_all(result):
-    assert shown_table(result, 1) == (["place", "planted peak (g)"], [["a", "1000.0"]])
+    assert shown_table(result, 1) == (["place", "planted peak (g)", "s planted peak (g)"], [["a", "1000.0", "500"]])
     columns = result.columns()
     assert [(one.name, one.si) for one in columns] == [
         ("name", ""), ("peak", "m/s^2"), ("length", "m"), ("s peak", "m/s^2"), ("s clipped", ""),

@@ -275,18 +275,29 @@ def phrase(label: str, **rest: Any) -> Callable[[Callable[[Any], T]], ComputedFi
     return declared
 
 
+@overload
+def dataclass(kind: type[T]) -> type[T]: ...
+@overload
+def dataclass(*, eq: bool) -> Callable[[type[T]], type[T]]: ...
 @dataclass_transform(
     frozen_default=True, field_specifiers=(number, count, word, history, table, part, rows, named, dataclasses.field)
 )
-def dataclass(kind: type[T]) -> type[T]:
-    """Make a frozen dataclass that faces are made of; a field without a declaration stands on none of them."""
+def dataclass(kind: type[T] | None = None, *, eq: bool = True) -> type[T] | Callable[[type[T]], type[T]]:
+    """Make a frozen dataclass that faces are made of; a field without a declaration stands on none of them.
+
+    One that holds arrays, of which equality is no truth, is told ``eq=False``: it is equal to itself alone.
+    """
+    return functools.partial(_declared, eq=eq) if kind is None else _declared(kind, eq)
+
+
+def _declared(kind: type[T], eq: bool) -> type[T]:
     own = {name: value for name, value in vars(kind).items() if isinstance(value, ComputedField | dataclasses.Field)}
     found = {name: one for base in reversed(kind.__mro__[1:]) for name, one in _own(base).items()}
     for name, value in own.items():
         one = value.declaration if isinstance(value, ComputedField) else value.metadata.get(_METADATA)
         if one is not None:
             found[name] = one
-    made = dataclasses.dataclass(frozen=True)(kind)
+    made = dataclasses.dataclass(frozen=True, eq=eq)(kind)
     made.__declarations__ = found  # type: ignore[attr-defined]
     made.__doc__ = _documented(made.__doc__ or "", {name: found[name] for name in own if name in found}, kind)
     return made

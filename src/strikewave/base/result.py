@@ -670,11 +670,12 @@ class Result(ABC):
 
     def document(self) -> dict[str, Any]:
         """Return the JSON document; values that do not exist are null."""
+        content = self.content()
+        there, declared = set(keys_within(content)), declare.units(type(self))
+        units = {key: si for key, si in self.units().items() if key in there or key not in declared}
         counts = VerdictCounts(*map(self.verdicts.count, RUN_STATUSES)) if self.verdicts.texts else None
-        begins = DocumentHead(
-            DOCUMENT_SCHEMA, __version__, dict(self.units()), self.notices, dict(self.test) or None, counts
-        )
-        return dict(plain({**declare.content(begins), **self.content()}))
+        begins = DocumentHead(DOCUMENT_SCHEMA, __version__, units, self.notices, dict(self.test) or None, counts)
+        return dict(plain({**declare.content(begins), **content}))
 
     def tables(self) -> dict[str, str]:
         """Return its tables as CSV text, by the names of their files."""
@@ -740,3 +741,20 @@ def balance_notices(balance: Mapping[str, float]) -> Iterator[Notice]:
                 "less extreme values"
             )
             yield Notice(f"{name}-balance", message, error, BALANCE_LIMIT, severity=FAILED)
+
+
+def keys_within(content: Any) -> Iterator[str]:
+    """Yield the keys of a document and of all rows and parts within; of a list of rows and of no other.
+
+    Examples
+    --------
+    >>> sorted(set(keys_within({"blows": [{"peak": 1.0, "time": 2.0}], "values": [1.0, 2.0]})))
+    ['blows', 'peak', 'time', 'values']
+    """
+    if isinstance(content, Mapping):
+        yield from map(str, content)
+        for inner in content.values():
+            yield from keys_within(inner)
+    elif isinstance(content, list | tuple) and content and isinstance(content[0], Mapping):
+        for row in content:
+            yield from keys_within(row)

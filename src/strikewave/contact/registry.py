@@ -109,6 +109,11 @@ class DamperLaw(Law):
     }
 
 
+def needed_words(law: StiffnessLaw | CushionLaw) -> str:
+    """Return the names of what a law takes, in words."""
+    return ", ".join(name.replace("_", " ") for name in law.needs)
+
+
 @declare.dataclass
 class StiffnessLaw(Law):
     """A law of the elastic force: ``function(body1, body2, **needs) -> Stiffness or LogarithmicStiffness``.
@@ -116,9 +121,8 @@ class StiffnessLaw(Law):
     The sizes are radius1, radius2, length, datum_depth.
     """
 
-    needs: tuple[str, ...] = declare.word(
-        "sizes that it takes, such as length", default=(), column=MORE, tables="list full", order=1
-    )
+    needs: tuple[str, ...] = declare.word("sizes that it takes, such as length", default=())
+    needed = declare.phrase("needs", column=MORE, tables="list full", order=1)(needed_words)
     group: ClassVar[str] = "strikewave.stiffness_laws"
     symbols: ClassVar[Mapping[str, str]] = {
         "F": "force, N",
@@ -149,9 +153,8 @@ class CapLaw(Law):
 class CushionLaw(Law):
     """A law of a cushion: ``function(pad, **properties) -> AnyContact``."""
 
-    needs: tuple[str, ...] = declare.word(
-        "properties that it takes", default=(), column=MORE, tables="list full", order=1
-    )
+    needs: tuple[str, ...] = declare.word("properties that it takes", default=())
+    needed = declare.phrase("needs", column=MORE, tables="list full", order=1)(needed_words)
     options: tuple[str, ...] = declare.word("properties that it can do without", default=())
     group: ClassVar[str] = "strikewave.cushion_laws"
     symbols: ClassVar[Mapping[str, str]] = {

@@ -139,7 +139,7 @@ class PartMeasure:
         "width of that pulse at 10 % of its peak; null where the run ends above it",
         column=MAIN,
         tables="parts blow",
-        headline="width",
+        headline="pulse width of {name}",
     )
     velocity_change: float = declare.number(
         MEASURED_VELOCITY, "largest change of momentum over mass", column=MAIN, tables="parts blow"
@@ -147,7 +147,7 @@ class PartMeasure:
     von_mises: float = declare.number(
         MEASURED_STRESS,
         "largest von Mises stress of its elements at the instants of the histories; null for a rigid part or a group",
-        label="von Mises stress",
+        label="largest von Mises stress",
         default=math.nan,
         column=MAIN,
         tables="elements",
@@ -155,6 +155,7 @@ class PartMeasure:
     plastic_strain: float = declare.number(
         PLASTIC_STRAIN,
         "largest plastic strain of its elements; null alike",
+        label="largest plastic strain",
         default=math.nan,
         column=MAIN,
         tables="elements",

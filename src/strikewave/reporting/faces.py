@@ -6,9 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any
-
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 from strikewave.base.declare import KEY, MORE, NO_UNIT, Declaration, GivenUnits, Quantity, declarations
 from strikewave.base.first_few import first_few
@@ -26,6 +24,9 @@ from strikewave.reporting.numbers import (
 )
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 from strikewave.reporting.shown_units import shown_unit
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 MOST_LISTED = 5
 """Values of a history that a cell lists, such as the openings of a joint: a row stays one line; documents have all."""
@@ -400,12 +401,25 @@ def _with_unit(
 
 
 def shown_rows(
-    result: Result, name: str, most: int | None = None, is_history: bool = False
+    result: Result, name: str, table: str = "", most: int | None = None, is_history: bool = False
 ) -> tuple[list[str], list[list[str]]]:
-    """Return heads and cells of such rows, or of a table, as notebooks and the app show them."""
-    if declarations(type(result))[name].kind == "table":
+    """Return heads and cells of such rows, or of a table, as notebooks and the app show them.
+
+    Parts by their names within a row, such as its sensors, have a column for each number that has a key number.
+    """
+    one = declarations(type(result))[name]
+    if one.kind == "table":
         return shown_columns(getattr(result, name), most, is_history)
-    return shown_columns(face_columns(result, name, least=MORE, rows=face_rows(result, name)[:most]))
+    rows = face_rows(result, name)[:most]
+    columns = face_columns(result, name, table, least=MORE, rows=rows)
+    for path, kind in _named(one.of or type(None)):
+        parts = [at(row.value, path) or {} for row in rows]
+        for called in dict.fromkeys(called for by_name in parts for called in by_name):
+            for inner, leaf in leaves(kind):
+                if leaf.headline:
+                    values = [at(by_name.get(called), inner) for by_name in parts]
+                    columns.append(Column.of(f"{called} {label_of(inner[-1], leaf)}", values, leaf.quantity))
+    return shown_columns(columns)
 
 
 def shown_columns(

@@ -139,6 +139,9 @@ class ShownResult(Result):
     main_rows: ClassVar[str] = ""
     """The declared field with the rows of that table."""
 
+    main_table: ClassVar[str] = ""
+    """Which of the tables of these rows it is, where they have several."""
+
     written: ClassVar[tuple[str, ...]] = ()
     """Names of its columns for Python and files, where these are not all."""
 
@@ -337,7 +340,9 @@ def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str]
     >>> heads[:3], rows[0][:3]
     (['#', 'kind', 'time (ms)'], ['1', 'full', '42.073'])
     """
-    return shown_rows(result, result.main_rows, most, result.is_history) if result.main_rows else ([], [])
+    if not result.main_rows:
+        return [], []
+    return shown_rows(result, result.main_rows, result.main_table, most, result.is_history)
 
 
 def _svg(curve: Curve) -> str:

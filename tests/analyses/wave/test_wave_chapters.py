@@ -96,7 +96,7 @@ def test_the_same_run_gives_the_same_page(bar):
 
 
 def test_key_numbers_are_those_of_the_first_tap_and_of_each_sensor(read_page, tmp_path):
-    """On the page as in Python; the band of the stress is that of the force over the area of its layer."""
+    """On the page as in Python; the band of the stress is that of the force over the area, with the sign of the value."""
     solution = run_wave(load_case("li-ma-2019-fig13-bar"))
     force = abs(solution.peaks(0).force)
     band = {"tap.sensor.peak_force": Band(0.9 * force, 1.2 * force, 0.95)}
@@ -104,8 +104,8 @@ def test_key_numbers_are_those_of_the_first_tap_and_of_each_sensor(read_page, tm
     numbers = dict(banded.highlights())
     assert list(numbers) == ["force at sensor", "stress at sensor", "velocity at sensor", "taps"]
     area = solution.run.stack.layers[solution.taps[0][1].layer].area
-    low, high = (f"{share * force / area / 1e6:.0f}" for share in (0.9, 1.2))
+    low, high = (f"{-share * force / area / 1e6:.0f}" for share in (1.2, 0.9))
     assert numbers["stress at sensor"].endswith(f"({low} to {high} MPa)")
-    assert numbers["force at sensor"] == "-19.68 kN (17.7 to 23.6 kN)"
+    assert numbers["force at sensor"] == "-19.68 kN (-23.6 to -17.7 kN)"
     page = read_page(banded.report(tmp_path / "bar.html"))
     assert {label: re.sub("</?small>", "", page.numbers[label]) for label in numbers} == numbers

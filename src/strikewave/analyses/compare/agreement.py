@@ -102,7 +102,7 @@ class PairOfFigures:
         return percent(self.difference, 2, "+") + doubt
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class CurveAgreement:
     """Two histories laid on one another; documents have the histories of it.
 

@@ -35,7 +35,7 @@ OF_FILES = Quantity.of_data("the files' own numbers")
 OF_NOISE = OF_FILES._replace(label="noise (standard deviation)", digits=3)
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class ComparedCurve:
     """A history, and what is known of it.
 

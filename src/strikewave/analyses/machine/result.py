@@ -189,6 +189,7 @@ class Solution(CaseResult):
     command: ClassVar[str] = "run"
     table_name: ClassVar[str] = "blows"
     main_rows: ClassVar[str] = "read_blows"
+    main_table: ClassVar[str] = "blows"
     may_have_bands: ClassVar[bool] = True
 
     blows: Sequence[Blow]

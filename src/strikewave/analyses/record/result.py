@@ -22,7 +22,7 @@ from strikewave.base.declare import NOT_MEASURED, GivenUnits, Quantity, declarat
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import FAILED, Notice
-from strikewave.base.shock_quantities import FREQUENCY, OF_CHANNEL, OF_INTEGRAL, SHOWN_OF_CHANNELS
+from strikewave.base.shock_quantities import FREQUENCY, MILLISECONDS, OF_CHANNEL, OF_INTEGRAL, SHOWN_OF_CHANNELS
 from strikewave.records.budget.contributions import Budget
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
@@ -207,7 +207,7 @@ class RecordResult(AskedResult):
         """That of intervals of a campaign, and what stands for the units of files that do not say any."""
         own = {} if any(self._units) else {OF_CHANNEL.given_by: OWN, OF_INTEGRAL.given_by: f"{OWN}, times s"}
         units = declare.units(type(self)) if own else {}
-        return {"interval": "s", **{key: own[unit] for key, unit in units.items() if unit in own}}
+        return {"interval": MILLISECONDS.si, **{key: own[unit] for key, unit in units.items() if unit in own}}
 
     @declare.computed(declare.rows(FileRow, "measured files", key="files", label="files", headline="count"))
     def file_rows(self) -> list[FileRow]:
@@ -282,8 +282,10 @@ class RecordResult(AskedResult):
         campaign = min(self.campaigns, key=lambda one: one.unit == "", default=None)
         if campaign is None:
             return []
-        given, known = units_given(campaign.unit), declarations(RecordedPulse)
-        pairs = [(name, known[name].quantity.within(given)) for name in campaign.statistics if name in known]
+        given = units_given(campaign.unit)
+        known = {name: one.quantity.within(given) for name, one in declarations(RecordedPulse).items()}
+        known["interval"] = MILLISECONDS
+        pairs = [(name, known[name]) for name in campaign.statistics if name in known]
         return [
             MeanOfFigure(name.replace("_", " "), campaign.statistics[name].mean, quantity)
             for name, quantity in pairs

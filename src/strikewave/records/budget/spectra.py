@@ -47,7 +47,7 @@ class SpectrumPart:
     standard: Array = declare.history(AS_SPECTRUM, "its part at each frequency")
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class SpectrumUncertainty:
     """The uncertainty of a spectrum, or of several, a row each; NaN where noise and baseline are not known."""
 

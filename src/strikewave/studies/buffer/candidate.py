@@ -120,7 +120,7 @@ class StackGasket:
     source: str = declare.word("where the modulus is from", column=MAIN, in_document=False)
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class BufferCandidate:
     """A stack, and what the sensor reads on it; see `Leading` for what is computed only of some.
 

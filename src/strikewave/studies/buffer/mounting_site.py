@@ -136,7 +136,7 @@ def gasket(layer: GasketLayer, area: float, stiffer: float = 1.0) -> Gasket:
     return Gasket(row.density, modulus, area, layer.thickness.si, row.loss_factor or 0.0)
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class BaseMotion:
     """How the surface below the sensor moves in one blow.
 

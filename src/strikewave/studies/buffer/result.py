@@ -58,7 +58,7 @@ class BufferedSensor:
     sampling_rate: float = declare.number(BANDWIDTH, "of its recorder", column=MAIN)
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class BufferStudy(ShownResult):
     """Ranked stacks for one sensor and one blow, beside the buffer that the case has now; see `design_buffer`.
 

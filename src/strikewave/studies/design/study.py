@@ -73,7 +73,7 @@ AT_LIMIT = 0.95
 """Share of its limit from which on the number of a check is said to limit what a goal comes to."""
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class DesignStudy(ResultOfCase):
     """A design; see `Result` for what it shares with others.
 

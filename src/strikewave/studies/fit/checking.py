@@ -97,7 +97,7 @@ class PulseAgreement:
     )
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class Checks:
     """Predictions of what was kept out; ``agreements`` have the prediction laid on each record."""
 

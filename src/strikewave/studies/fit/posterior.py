@@ -52,7 +52,7 @@ PREDICTED = 100
 """Draws of which the predictive band of a pulse is made: its ends, 2.5 %, lie between the second and third of them."""
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class Posterior:
     """Draws of the posterior, and how far they can be trusted.
 

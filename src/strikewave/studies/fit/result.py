@@ -186,7 +186,7 @@ class FittedNumber:
     computed: float = declare.number(OF_NUMBER, "of the fitted case")
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class FitStudy(AskedResult):
     """A fitted case; see `fit`, and `Result` for what it shares with others.
 

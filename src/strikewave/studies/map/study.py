@@ -82,7 +82,7 @@ def marked_text(plan: MapPlan, wanted: float) -> str:
     return f"# strikewave map of {asked}; plan {key}\n{plan.case}"
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class MapStudy(ResultOfCase):
     """A map; see `Result` for what it shares with others.
 

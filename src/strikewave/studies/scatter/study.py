@@ -157,7 +157,7 @@ class ScatterPlan:
         return 1 + self.runs + extra * self.share_runs
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class ScatterStudy(ResultOfCase):
     """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others.
 

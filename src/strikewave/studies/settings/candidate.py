@@ -232,7 +232,7 @@ def _of_case(
     return declared(lambda one: getattr(one.case.values().get(path), "si", None))
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class SettingsCandidate:
     """A setting: its case, the blows of its full run, the limits, and how many runs were needed.
 

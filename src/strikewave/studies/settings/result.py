@@ -45,7 +45,7 @@ class StrikersLeftOut:
     why: str = declare.word("why it was not")
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class SettingsStudy(ShownResult):
     """Ranked settings for a goal; see `design_settings`, and `Result` for what it shares with others.
 

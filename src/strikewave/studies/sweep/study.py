@@ -171,7 +171,7 @@ class SweepPlan:
         return f"# strikewave sweep: {self.words}; kept: {kept}; plan {key}\n{dump_case(self.case)}"
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class SweepStudy(ResultOfCase):
     """A sweep; see `Result` for what it shares with others.
 

@@ -121,7 +121,7 @@ class ProgrammerBlow:
     compression: float = declare.number(LENGTH, "largest compression of the programmer")
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class DropCandidate:
     """A programmer with a drop height: its case, its pulse in a full run, the verdict, the limits.
 

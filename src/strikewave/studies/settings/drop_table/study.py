@@ -88,7 +88,7 @@ class WantedPulse:
     within: float = declare.number(RATIO, "relative miss at which the search ends")
 
 
-@declare.dataclass
+@declare.dataclass(eq=False)
 class DropStudy(ShownResult):
     """Ranked designs of a drop table for a specification; see `design_drop_table`, and `Result` for what it shares.
 
