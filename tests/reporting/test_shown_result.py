@@ -45,6 +45,9 @@ def test_every_declared_result_has_one_unit_a_key_and_a_meaning_of_each():
     for kind in found:
         assert declare.units(kind) or kind.command == "deck"  # which has counts and words alone
         assert all(one.meaning[:1].strip() and one.meaning[-1] != "." for _, one in declare.keys(kind)), kind
+        for each in {kind, *(one.of for _, one in declare.keys(kind) if one.of)}:  # doctest does not look into these
+            computed = [one for one in vars(each).values() if isinstance(one, declare.ComputedField)]
+            assert not [one.name for one in computed if ">>>" in (one.__doc__ or "")], each
 
 
 def test_every_result_shows_itself_and_has_a_picture_or_says_that_it_has_none():

@@ -79,7 +79,13 @@ FITTED_LENGTH = Quantity("m", "mm", "length", digits=5)
 
 @declare.dataclass
 class FittedValue:
-    """A value by least squares, in the unit of what it is of."""
+    """A value by least squares, in the unit of what it is of.
+
+    Examples
+    --------
+    >>> round(FittedValue(1.0, 0.1, 3).student, 3)
+    3.182
+    """
 
     value: float = declare.number(declare.NOT_MEASURED, "by least squares")
     error: float = declare.number(declare.NOT_MEASURED, "its standard error; null without freedom")
@@ -87,13 +93,7 @@ class FittedValue:
 
     @declare.computed(declare.number(RATIO, "standard errors to either side that hold 95 %; null without freedom"))
     def student(self) -> float:
-        """Standard errors to either side that hold 95 % of Student's distribution: 12.7 for one degree, 2 for many.
-
-        Examples
-        --------
-        >>> round(FittedValue(1.0, 0.1, 3).student, 3)
-        3.182
-        """
+        """Standard errors to either side that hold 95 % of Student's distribution: 12.7 for one degree, 2 for many."""
         return float(scipy.special.stdtrit(self.freedom, 0.975)) if self.freedom > 0 else math.nan
 
 

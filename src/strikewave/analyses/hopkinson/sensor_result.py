@@ -60,6 +60,11 @@ class ReadSensitivity:
 
     NaN stands where nobody states one, and where the rise is too steep for accelerations to be quoted.
 
+    Examples
+    --------
+    >>> ReadSensitivity("sensitivity", 1.0, 0.003, 0.0, 0.004, math.nan, 1.0, 1.0).relative
+    0.005
+
     Attributes
     ----------
     name : str
@@ -78,13 +83,7 @@ class ReadSensitivity:
 
     @declare.computed(declare.number(SHARE, "root of the sum of squares of those that are known", label="combined"))
     def relative(self) -> float:
-        """Root of the sum of squares of the relative uncertainties that are known.
-
-        Examples
-        --------
-        >>> ReadSensitivity("sensitivity", 1.0, 0.003, 0.0, 0.004, math.nan, 1.0, 1.0).relative
-        0.005
-        """
+        """Root of the sum of squares of the relative uncertainties that are known."""
         parts = (self.scatter, self.bias, self.strain_uncertainty, self.speed_uncertainty)
         return math.hypot(*(part for part in parts if not math.isnan(part)))
 

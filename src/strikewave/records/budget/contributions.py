@@ -140,6 +140,11 @@ class StatedEntry(BudgetEntry):
 class Budget:
     """The contributions of a channel, and what they are called together.
 
+    Examples
+    --------
+    >>> Budget((Contribution("sensitivity", "certificate", 0.01),)).not_stated[:2]
+    ('gain of amplifier and recorder', 'amplitude linearity')
+
     Attributes
     ----------
     contributions : tuple of Contribution
@@ -181,13 +186,7 @@ class Budget:
 
     @declare.computed(declare.word("what nobody stated"))
     def not_stated(self) -> tuple[str, ...]:
-        """What a budget holds as a rule, and this one does not.
-
-        Examples
-        --------
-        >>> Budget((Contribution("sensitivity", "certificate", 0.01),)).not_stated[:2]
-        ('gain of amplifier and recorder', 'amplitude linearity')
-        """
+        """What a budget holds as a rule, and this one does not."""
         stated = {one.kind for one in self.contributions}
         if "acceleration" in stated:
             return ()
