@@ -211,7 +211,7 @@ def test_published_impacts_renamed_and_shuffled_are_the_same(impacts, rng, tmp_p
     assert [file.status for file in again] == [files[place].status for place in order]
     one, two = summed(files), summed(again)
     for name, found in one.statistics.items():
-        assert two.statistics[name] == pytest.approx(found, rel=1e-9, nan_ok=True), name
+        assert vars(two.statistics[name]) == pytest.approx(vars(found), rel=1e-9, nan_ok=True), name
 
 
 @pytest.mark.verify

@@ -33,7 +33,7 @@ def swing(frequency, damping, amplitude, phase=0.0):
 def test_a_sum_of_two_decaying_sines_gives_back_frequencies_and_damping(frequency, ratio, damping, phase):
     """A sum of exponentials is what least squares fit: rounding is left."""
     values = swing(frequency, damping, 100.0, phase) + swing(ratio * frequency, damping, 70.0)
-    modes = sorted(decaying_modes(values, STEP))
+    modes = sorted(decaying_modes(values, STEP), key=lambda mode: mode.frequency)
     assert [mode.frequency for mode in modes] == pytest.approx([frequency, ratio * frequency], rel=1e-6)
     assert [mode.damping for mode in modes] == pytest.approx([damping, damping], rel=1e-5)
 
