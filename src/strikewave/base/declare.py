@@ -285,7 +285,7 @@ def dataclass(*, eq: bool) -> Callable[[type[T]], type[T]]: ...
 def dataclass(kind: type[T] | None = None, *, eq: bool = True) -> type[T] | Callable[[type[T]], type[T]]:
     """Make a frozen dataclass that faces are made of; a field without a declaration stands on none of them.
 
-    One that holds arrays, of which equality is no truth, is told ``eq=False``: it is equal to itself alone.
+    With ``eq=False``, for one that holds arrays, it is equal to itself alone.
     """
     return functools.partial(_declared, eq=eq) if kind is None else _declared(kind, eq)
 
