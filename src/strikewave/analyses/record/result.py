@@ -22,7 +22,14 @@ from strikewave.base.declare import NOT_MEASURED, GivenUnits, Quantity, declarat
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import FAILED, Notice
-from strikewave.base.shock_quantities import FREQUENCY, MILLISECONDS, OF_CHANNEL, OF_INTEGRAL, SHOWN_OF_CHANNELS
+from strikewave.base.shock_quantities import (
+    FREQUENCY,
+    MILLISECONDS,
+    OF_CHANNEL,
+    OF_FIGURE,
+    OF_INTEGRAL,
+    SHOWN_OF_CHANNELS,
+)
 from strikewave.records.budget.contributions import Budget
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
@@ -52,13 +59,13 @@ class MeanOfFigure:
     """The mean of a figure over all files."""
 
     name: str = declare.word("which figure")
-    mean: float = declare.number(Quantity.of_data("as the figure"), "its mean", headline="mean {name}")
+    mean: float = declare.number(OF_FIGURE, "its mean", headline="mean {name}")
     quantity: Quantity = NOT_MEASURED
 
     @property
     def given_units(self) -> GivenUnits:
         """Those of the figure."""
-        return {"as the figure": (self.quantity.si, self.quantity.usual)}
+        return {OF_FIGURE.given_by: self.quantity.units}
 
 
 @declare.dataclass

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
-from strikewave.base.declare import Quantity
-from strikewave.base.shock_quantities import RATIO
+from strikewave.base.shock_quantities import OF_FIGURE, RATIO
 from strikewave.records.budget.contributions import (
     RECORD,
     BlowStretch,
@@ -57,7 +56,6 @@ IN_PLACE = {
 """Kinds that stand in place of what the record would tell of noise and baseline, where too little lies before the blow.
 Where none is stated, the uncertainty is not known."""
 BY_LAW, BY_TRIALS = "law of propagation", "Monte Carlo"
-AS_FIGURE = Quantity.of_data("as the figure")
 
 
 @declare.dataclass
@@ -65,7 +63,7 @@ class BudgetLine:
     """What one contribution does to a figure; NaN where it is not known."""
 
     name: str = declare.word("what contributes")
-    standard: float = declare.number(AS_FIGURE, "its part of the standard uncertainty")
+    standard: float = declare.number(OF_FIGURE, "its part of the standard uncertainty")
     share: float = declare.number(RATIO, "its share of the variance")
 
 
@@ -80,8 +78,8 @@ class FigureUncertainty:
     """
 
     value: float
-    standard: float = declare.number(AS_FIGURE, "its standard uncertainty")
-    expanded: float = declare.number(AS_FIGURE, "its expanded uncertainty")
+    standard: float = declare.number(OF_FIGURE, "its standard uncertainty")
+    expanded: float = declare.number(OF_FIGURE, "its expanded uncertainty")
     coverage: float = declare.number(RATIO, "coverage factor of that")
     method: str = declare.word("law of propagation, or Monte Carlo where that does not validate it")
     contributions: tuple[BudgetLine, ...] = declare.rows(BudgetLine, "what contributes, the largest first")

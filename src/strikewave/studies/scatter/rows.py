@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, NOT_MEASURED, Quantity
-from strikewave.base.shock_quantities import VARIATION
+from strikewave.base.shock_quantities import OF_FIGURE, VARIATION
 from strikewave.records.campaign import statistic
 from strikewave.reporting.faces import amount
 from strikewave.studies.scatter.runs import FIGURES
@@ -21,7 +21,7 @@ from strikewave.uncertainty.statistics import RunSpread
 Array = NDArray[np.float64]
 
 PEAK, WIDTH, OF_PATH = Quantity("m/s^2", "g"), Quantity("s", "us"), Quantity.of_data("SI of its path")
-OF_FIGURE = Quantity.of_data("as the figure", "mean", digits=5)
+MEAN = OF_FIGURE._replace(label="mean", digits=5)
 
 
 @declare.dataclass
@@ -29,9 +29,9 @@ class RunStatistic:
     """A figure over runs: mean and scatter between them."""
 
     figure: str = declare.word("which figure", column=KEY, in_document=False)
-    mean: float = declare.number(OF_FIGURE, "mean over the runs", column=MAIN, bounds="low high")
-    low: float = declare.number(OF_FIGURE, "low bound of the mean at 95 %")
-    high: float = declare.number(OF_FIGURE, "high bound of the mean at 95 %")
+    mean: float = declare.number(MEAN, "mean over the runs", column=MAIN, bounds="low high")
+    low: float = declare.number(MEAN, "low bound of the mean at 95 %")
+    high: float = declare.number(MEAN, "high bound of the mean at 95 %")
     cv: float = declare.number(
         VARIATION._replace(label="CV"), "coefficient of variation between runs", column=MAIN, bounds="cv_low cv_high"
     )
@@ -60,9 +60,9 @@ class Figure:
     What 95 % of all runs keep counts runs that failed or missed a blow as beyond every limit.
     """
 
-    mean: RunStatistic = declare.part(RunStatistic, "of the means of the runs", quantity=OF_FIGURE)
+    mean: RunStatistic = declare.part(RunStatistic, "of the means of the runs", quantity=MEAN)
     typical: RunStatistic = declare.part(
-        RunStatistic, "of the typical blow of each run, the median of the later full or double ones", quantity=OF_FIGURE
+        RunStatistic, "of the typical blow of each run, the median of the later full or double ones", quantity=MEAN
     )
     within: RunSpread = declare.part(RunSpread, "of the blows of a run", key="cv_within", quantity=VARIATION)
     later: RunSpread = declare.part(RunSpread, "without the first blow", key="cv_within_later", quantity=VARIATION)
@@ -88,8 +88,8 @@ class NominalFigure:
     """A figure of the blows of the run without scatter."""
 
     blows: Array = declare.word("of the run without scatter: the figure of each blow")
-    mean: float = declare.number(OF_FIGURE, "mean of these")
-    typical: float = declare.number(OF_FIGURE, "median of the later full or double blows")
+    mean: float = declare.number(MEAN, "mean of these")
+    typical: float = declare.number(MEAN, "median of the later full or double blows")
     cv: float = declare.number(VARIATION, "coefficient of variation")
     cv_later: float = declare.number(VARIATION, "the same without the first blow")
 
