@@ -1,11 +1,13 @@
 """Markers by folder, fixed seeds, and one run of the published case shared by all tests."""
 
+import gc
 import html
 import importlib
 import lzma
 import os
 import re
 import shutil
+import signal
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -35,6 +37,9 @@ def pytest_report_header() -> str:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        # a shell has its jobs in the background ignore it, and what they start too: no test of Ctrl-C could pass
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     if os.environ.get("CI") == "true":
         # CI installs every extra: a test that cannot import one fails there instead of passing for a skip
         pytest.importorskip = lambda module, **_: importlib.import_module(module)
@@ -50,6 +55,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if "verify" not in config.option.markexpr:
         config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("verify")])
         items[:] = [item for item in items if not item.get_closest_marker("verify")]
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    gc.collect()
+    gc.freeze()  # 14 000 items and all modules are walked by each whole collection otherwise
 
 
 @pytest.fixture
