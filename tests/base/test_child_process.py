@@ -49,7 +49,7 @@ WORK = """
 import os, sys, time
 os.cpu_count = lambda: 2
 from strikewave.base.interrupts import exit_code, heed
-from strikewave.studies.workers import Workers
+from strikewave.studies.engine.pools import Workers
 
 def tell(what):
     os.write(1, b"%d\\n" % what)

@@ -12,13 +12,13 @@ import time
 import numpy as np
 import pytest
 
+from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine import runner
 from strikewave.studies.engine.evaluation import RunOutcome, attempts
 from strikewave.studies.engine.pools import ProcessPool, ThreadPool
 from strikewave.studies.engine.runner import carry_out
 from strikewave.studies.engine.store import CHUNK, INDEX, KEPT_INDEX, RunStore, begin_from
 from strikewave.studies.fit import batches
-from strikewave.studies.resumable import ResumableCommand
 
 BALL = "iso-16063-22-dropball"
 FEW = "--set", "feed.blows=2", "--set", "machine.speed.tolerance=1 %"

@@ -57,7 +57,7 @@ TOLERANCE = 1e-4
 """Local error of a step of the fast engine. Measured on li-ma-2019 over its inputs: it changes no result by more than
 6e-4, a tenth of what the number of runs does to the ends."""
 FULL_TOLERANCE = 1e-7
-"""Local error of a step of a run as it is; see `strikewave.studies.accuracy`."""
+"""Local error of a step of a run as it is; see `strikewave.studies.simulation`."""
 
 
 def machine_bands(

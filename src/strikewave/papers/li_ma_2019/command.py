@@ -49,7 +49,7 @@ def command(
     """
     from strikewave.papers.li_ma_2019.runs import Effort
     from strikewave.papers.li_ma_2019.screen import ReproduceCommand, run_reproduction
-    from strikewave.studies.engine.chosen_pool import pool_of
+    from strikewave.studies.engine.runner import pool_of
 
     gone = {word: word in (without or ()) for word in LEFT_OUT}
     effort = Effort(quick, not gone["elements"], min(threads, os.cpu_count() or 1), not gone["studies"])

@@ -20,9 +20,9 @@ from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import progress_bar, say, table, tell
+from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.resumable import ResumableCommand
 
 
 def run_reproduction(command: ReproduceCommand, output: Output) -> int:

@@ -94,7 +94,7 @@ def command(
     from strikewave.studies.buffer.candidate import BufferGoal
     from strikewave.studies.buffer.question import choices_of
     from strikewave.studies.buffer.screen import BufferCommand, rank_buffers, source_of_case, source_of_record
-    from strikewave.studies.engine.chosen_pool import pool_of
+    from strikewave.studies.engine.runner import pool_of
 
     goal = BufferGoal(limit, rank)
     choice = choices_of(material, thickness, layers)

@@ -14,9 +14,9 @@ from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, mark_runs, put_below, quiet
 from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED
+from strikewave.studies.axes import plain_log_ticks
 from strikewave.studies.buffer.candidate import BufferCandidate, distinct
 from strikewave.studies.buffer.result import BufferStudy
-from strikewave.studies.log_ticks import plain_log_ticks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

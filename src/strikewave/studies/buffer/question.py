@@ -18,8 +18,7 @@ from strikewave.studies.buffer.defaults import LAYERS, THICKEST, THICKNESSES, WO
 from strikewave.studies.buffer.mounting_site import blows_of, choose_sensor, mounting_site_of, usual_materials
 from strikewave.studies.buffer.result import BufferStudy
 from strikewave.studies.buffer.study import design_buffer
-from strikewave.studies.engine.chosen_pool import pool_of
-from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.runner import pool_of, share_reporter
 from strikewave.studies.engine.store import store_in
 
 

@@ -40,10 +40,10 @@ from strikewave.studies.buffer.mounting_site import (
 )
 from strikewave.studies.buffer.result import MARKED, BufferStudy, stack_columns
 from strikewave.studies.buffer.study import LEADING, design_buffer
+from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.resumable import ResumableCommand
 
 LONGEST = 200_000
 """Samples of a record that are kept about its largest value, a quarter of them before it: at 1 MHz 0.2 s, longer than

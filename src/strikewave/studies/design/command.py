@@ -62,7 +62,7 @@ def command(
     from strikewave.reporting.run_and_write import case_folder, run_and_write
     from strikewave.studies.design.design_file import load_design
     from strikewave.studies.design.screen import DesignCommand, show_estimate
-    from strikewave.studies.engine.chosen_pool import pool_of
+    from strikewave.studies.engine.runner import pool_of
 
     request = load_design(file, changes or (), runs=runs, seed=seed, robust=robust)
     plan = request.plan(output.tested(request.case)).on(device, cluster)

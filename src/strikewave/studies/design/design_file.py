@@ -13,7 +13,7 @@ from strikewave.cases.paths import Form
 from strikewave.cases.tables.base import CaseTable
 from strikewave.studies.design.plan import DesignPlan, plan_of
 from strikewave.studies.engine.variables import read_variable
-from strikewave.studies.stated import Settings, case_place, read_study, stated_at
+from strikewave.studies.study_file import Settings, case_place, read_study, stated_at
 from strikewave.studies.sweep.study_file import varied_texts
 
 ALLOWED = "a TOML file with the case, goals and [vary]"

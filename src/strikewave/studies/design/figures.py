@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, mark_runs, quiet, sheet_title
+from strikewave.studies.axes import plain_log_ticks
 from strikewave.studies.design.study import DesignStudy
-from strikewave.studies.log_ticks import plain_log_ticks
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

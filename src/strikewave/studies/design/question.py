@@ -9,8 +9,7 @@ from pathlib import Path
 from strikewave.cases.case import Case
 from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.study import DesignStudy, make_design
-from strikewave.studies.engine.chosen_pool import pool_of
-from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.runner import pool_of, share_reporter
 from strikewave.studies.engine.store import store_in
 from strikewave.studies.sweep.question import Vary, vary_texts
 

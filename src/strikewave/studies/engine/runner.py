@@ -6,16 +6,28 @@ ended is run again alone, in halves if that ends too: the run that a process die
 
 from __future__ import annotations
 
+import os
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from strikewave.base.compiled import is_cold
 from strikewave.studies.engine.evaluation import RunOutcome, failed
-from strikewave.studies.engine.pools import MOST_DEATHS, QUEUED, Loss, Pool, begin, error_of
+from strikewave.studies.engine.pools import (
+    MOST_DEATHS,
+    QUEUED,
+    GivenPool,
+    Loss,
+    Pool,
+    ProcessPool,
+    ThreadPool,
+    begin,
+    error_of,
+)
 from strikewave.studies.engine.store import RunStore
+from strikewave.uncertainty.runs import MOST_THREADS
 
 BATCH_SECONDS, OF_A_HUNDRED = 0.25, 1.6
 """About how long a batch takes: handing it over, some 2 ms, then costs a hundredth, and a study that is killed has lost
@@ -141,6 +153,25 @@ def finished_before(job: Work[Asked], rows: Sequence[Asked], store: RunStore) ->
     """Return how many rows of a job a store has already."""
     known = store.known()
     return sum(job.key(row) in known for row in rows) if known else 0
+
+
+def pool_of(executor: Executor | None, workers: int | None, cluster: str | None = None) -> Pool:
+    """Return the pool of an executor that is given, of a scheduler, or of so many processes of this machine.
+
+    With none of them threads of this process.
+
+    Examples
+    --------
+    >>> pool_of(None, 1).width
+    1
+    """
+    if executor is not None:
+        return GivenPool(executor)
+    if cluster:
+        from strikewave.studies.engine.cluster import ClusterPool
+
+        return ClusterPool(cluster)
+    return ThreadPool(min(os.cpu_count() or 1, MOST_THREADS)) if workers is None else ProcessPool(workers)
 
 
 class _Unfinished(Generic[Asked]):

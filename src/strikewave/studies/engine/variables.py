@@ -8,8 +8,6 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-import numpy as np
-
 from strikewave.analyses.check import check
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT
@@ -274,10 +272,3 @@ def typed_value(case: Case, path: str, text: str) -> Value:
         return allowed.read(bare)
     except InputError as error:
         raise error.at(path) from None
-
-
-def spread_evenly(axis: Axis) -> bool:
-    """Tell whether the values of an axis lie at equal distances, or equal ratios where it is logarithmic."""
-    values = np.log(axis.values) if axis.log else np.array(axis.values)
-    steps = np.diff(values)
-    return bool(steps.size == 0 or np.ptp(steps) <= 1e-9 * abs(steps).max())

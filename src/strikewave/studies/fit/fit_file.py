@@ -27,7 +27,7 @@ from strikewave.reporting.measured_files import MeasurementOptions
 from strikewave.reporting.options.kinds import read_share
 from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.targets import Target
-from strikewave.studies.stated import (
+from strikewave.studies.study_file import (
     Quantity,
     Settings,
     beside,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.studies.fit.targets import Target
-from strikewave.studies.stated import stated_at
+from strikewave.studies.study_file import stated_at
 
 
 @dataclass(frozen=True)

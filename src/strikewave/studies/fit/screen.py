@@ -18,6 +18,7 @@ from strikewave.reporting.options.output import Output
 from strikewave.reporting.options.shared import Running
 from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, report_table, tell
+from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.fit.checking import PredictedFigure
@@ -34,7 +35,6 @@ from strikewave.studies.fit.result import FitStudy, FittedParameter, MisfitOfRun
 from strikewave.studies.fit.study import requested
 from strikewave.studies.fit.targets import parse_targets
 from strikewave.studies.fit.trying import TriedChoice
-from strikewave.studies.resumable import ResumableCommand
 
 MOST_ROWS = 20
 """Residuals that the screen lists: more fill it."""

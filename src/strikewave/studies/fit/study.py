@@ -18,8 +18,8 @@ from strikewave.base.first_few import first_few
 from strikewave.base.result import Verdicts
 from strikewave.cases.case import Case
 from strikewave.reporting.measured_files import digests_of
-from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import pool_of
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.fit.batches import keeping_in, running_on
 from strikewave.studies.fit.checking import check

@@ -27,7 +27,7 @@ from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse, measu
 from strikewave.studies.fit.problem import Experiment
 from strikewave.studies.fit.transits import smooth_case
 from strikewave.studies.simulation import Simulation, checked_number, number_units, quick_case
-from strikewave.studies.stated import stated_at
+from strikewave.studies.study_file import stated_at
 from strikewave.uncertainty.draws import range_of
 from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
 

@@ -19,13 +19,13 @@ from strikewave.base.shock_quantities import LENGTH, RATIO, TOTAL_PEAK, VARIATIO
 from strikewave.cases.case import Case, parse_case
 from strikewave.machines import Machine
 from strikewave.machines.fast_train import FastTrain, fast_train, why_not
-from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.evaluation import Job, Row, RunOutcome
 from strikewave.studies.engine.plan import AxisVariation, grid
 from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.map.regimes import CYCLES, FAILED, IRREGULAR, UNKNOWN, Regime, regime_of
 from strikewave.studies.map.return_time import arrivals
+from strikewave.studies.simulation import RUN_TOLERANCE
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]

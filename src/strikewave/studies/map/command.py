@@ -85,7 +85,7 @@ def command(
     where there is none. With --json, no files are written unless --out is given.
     """
     from strikewave.cases.case import load_case
-    from strikewave.studies.engine.chosen_pool import pool_of
+    from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.map.question import axes_of
     from strikewave.studies.map.screen import MapCommand, run_map
     from strikewave.studies.map.study import check_plan, plan_of

@@ -14,7 +14,7 @@ from strikewave.base.result import Verdicts
 from strikewave.reporting.faces import label_of
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, mark_runs, put_below, quiet, sheet_title
-from strikewave.studies.log_ticks import plain_log_ticks
+from strikewave.studies.axes import plain_log_ticks
 from strikewave.studies.map.cells import MapCell
 from strikewave.studies.map.regimes import FAILED, NAMES, PERIOD_1, UNKNOWN
 from strikewave.studies.map.study import MapStudy

@@ -11,12 +11,12 @@ from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
 from strikewave.reporting.terminal import progress_bar, report_table, say, tell
+from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress, finished_before
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import MapPlan
 from strikewave.studies.map.study import MapStudy, make_map, marked_text
-from strikewave.studies.resumable import ResumableCommand
 
 
 def run_map(plan: MapPlan, name: str, changes: Sequence[str], command: MapCommand, output: Output) -> int:

@@ -26,7 +26,6 @@ from strikewave.machines import blows
 from strikewave.machines.run import run_machine
 from strikewave.reporting.case_result import ResultOfCase
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import StudyProgress, carry_out
@@ -50,6 +49,7 @@ from strikewave.studies.map.cells import (
 )
 from strikewave.studies.map.defaults import TRAIN
 from strikewave.studies.map.regimes import NAMES
+from strikewave.studies.simulation import RUN_TOLERANCE
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]

@@ -39,7 +39,7 @@ def command(
     is continued by the same command. With --json, no files are written unless --out is given.
     """
     from strikewave.cases.case import load_case
-    from strikewave.studies.engine.chosen_pool import pool_of
+    from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.scatter.screen import ScatterCommand, run_scatter
     from strikewave.studies.scatter.study import ScatterPlan
 

@@ -17,12 +17,12 @@ from strikewave.base.shock_quantities import PULSE_WIDTH, TOTAL_PEAK, VELOCITY_C
 from strikewave.cases.case import Case
 from strikewave.machines import Blow, Machine, MachineRun, blows, run_machine
 from strikewave.machines.blows import KINDS
-from strikewave.studies.accuracy import FINER_TOLERANCE, RUN_TOLERANCE
 from strikewave.studies.engine.evaluation import MOST_REASON, Job, KeptHistory, RunOutcome
 from strikewave.studies.engine.plan import DrawVariation
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress, carry_out
 from strikewave.studies.engine.store import RunStore
+from strikewave.studies.simulation import FINER_TOLERANCE, RUN_TOLERANCE
 from strikewave.uncertainty.draws import UncertainInput
 from strikewave.uncertainty.statistics import variation
 

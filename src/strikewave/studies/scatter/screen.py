@@ -15,9 +15,9 @@ from strikewave.reporting.measured_files import asked
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
 from strikewave.reporting.terminal import print_face, print_rows, progress_bar, tell
+from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.scatter.study import ScatterPlan, ScatterStudy, ShareRow, marked_text, scatter
 from strikewave.uncertainty.draws import tolerances_of
 from strikewave.uncertainty.shares import Shares

@@ -114,7 +114,7 @@ def command(
     """
     from strikewave.base.materials import material
     from strikewave.cases.case import load_case
-    from strikewave.studies.engine.chosen_pool import pool_of
+    from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.settings.checks import check_changes, check_goal, is_rotary
     from strikewave.studies.settings.goal import SettingsChoices, blow_goal
     from strikewave.studies.settings.screen import SettingsCommand, find_settings
@@ -153,7 +153,7 @@ def _drop_table(
 ) -> int:
     """Design a drop table, and return the exit code."""
     from strikewave.specifications.reading import load_specification
-    from strikewave.studies.engine.chosen_pool import pool_of
+    from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.settings.drop_table.candidate import DropGoal
     from strikewave.studies.settings.drop_table.screen import DropCommand, find_drop_table
     from strikewave.studies.settings.drop_table.study import STROKE, check_drop, check_drop_changes

@@ -12,7 +12,7 @@ from strikewave.base.percents import percent
 from strikewave.base.result import Verdicts
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, mark_runs, quiet, sheet_title
-from strikewave.studies.log_ticks import plain_log_ticks
+from strikewave.studies.axes import plain_log_ticks
 from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
 from strikewave.studies.settings.result import SettingsStudy
 

@@ -10,8 +10,7 @@ from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.materials import material
 from strikewave.base.units import si_value
 from strikewave.cases.case import Case, load_case
-from strikewave.studies.engine.chosen_pool import pool_of
-from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.runner import pool_of, share_reporter
 from strikewave.studies.engine.store import store_in
 from strikewave.studies.settings.defaults import DISC, REFERENCE, STIFFNESS
 from strikewave.studies.settings.goal import SettingsChoices, blow_goal

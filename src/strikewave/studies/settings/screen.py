@@ -13,10 +13,10 @@ from strikewave.reporting.faces import text_of
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
+from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.candidate import SettingsCandidate
 from strikewave.studies.settings.goal import BlowGoal, SettingsChoices, goal_words, name_of
 from strikewave.studies.settings.result import SettingsStudy, asked_line, candidate_columns, limit_columns

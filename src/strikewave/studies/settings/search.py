@@ -18,7 +18,6 @@ from strikewave.base.units import in_unit
 from strikewave.cases.case import FORM, Case
 from strikewave.machines import MachineRun, blows, run_machine
 from strikewave.specifications.judging import ShockVerdict, judge_shock
-from strikewave.studies.accuracy import RUN_TOLERANCE
 from strikewave.studies.engine.keys import case_text
 from strikewave.studies.settings.broyden import nearest_settings
 from strikewave.studies.settings.candidate import (
@@ -46,6 +45,7 @@ from strikewave.studies.settings.estimate import (
 )
 from strikewave.studies.settings.goal import BlowGoal
 from strikewave.studies.settings.judged_run import shock_about
+from strikewave.studies.simulation import RUN_TOLERANCE
 
 Array = NDArray[np.float64]
 

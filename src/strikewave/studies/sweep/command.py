@@ -82,7 +82,7 @@ def command(
     The same can stand in a study file: case, set, vary, keep, analysis, design, runs, seed. With --json, no files are
     written unless --out is given.
     """
-    from strikewave.studies.engine.chosen_pool import pool_of
+    from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.sweep.screen import SweepCommand, run_sweep, show_estimate
     from strikewave.studies.sweep.study_file import SweepRequest, read_request
 

@@ -12,7 +12,6 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.case_evaluation import checked_analysis, read_kept
-from strikewave.studies.engine.chosen_pool import pool_of
 from strikewave.studies.engine.evaluation import Row, Variation
 from strikewave.studies.engine.plan import (
     DESIGNS,
@@ -25,7 +24,7 @@ from strikewave.studies.engine.plan import (
     grid,
     varied,
 )
-from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.runner import pool_of, share_reporter
 from strikewave.studies.engine.store import store_in
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable
 from strikewave.studies.sweep.study import NOTE, SweepPlan, SweepStudy, make_sweep

@@ -16,10 +16,10 @@ from strikewave.reporting.options.output import Output
 from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
 from strikewave.reporting.terminal import print_face, print_json, progress_bar, report_table, say, tell
+from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress, finished_before
 from strikewave.studies.engine.store import RunStore, runs_beside
-from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.sweep.estimate import estimated
 from strikewave.studies.sweep.study import SweepPlan, SweepStudy, make_sweep
 

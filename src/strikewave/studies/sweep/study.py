@@ -32,7 +32,7 @@ from strikewave.studies.engine.case_evaluation import (
     kept_number,
 )
 from strikewave.studies.engine.evaluation import Job, Row, Variation
-from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL, TOLERANCES
+from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import StudyProgress, carry_out
 from strikewave.studies.engine.store import RunStore
@@ -408,8 +408,3 @@ def make_sweep(
     verdicts = store.verdicts(finished.keys, not_judged=plan.evaluation.not_judged(plan.case))
     study = SweepStudy(plan, numbers, tuple(failures), keys, citations=sources, verdicts=verdicts)
     return replace(study, notices=study.found_notices())
-
-
-def is_drawn(plan: SweepPlan) -> bool:
-    """Tell whether the runs are drawn within tolerances."""
-    return plan.design == TOLERANCES

@@ -16,7 +16,7 @@ from strikewave.cases.case_files import bundled_cases, read_case_text
 from strikewave.cases.paths import Form
 from strikewave.cases.tables.base import CaseTable
 from strikewave.studies.engine.plan import GRID
-from strikewave.studies.stated import Settings, case_place, states_a_study
+from strikewave.studies.study_file import Settings, case_place, states_a_study
 from strikewave.studies.sweep.question import plan_of
 from strikewave.studies.sweep.study import SweepPlan
 

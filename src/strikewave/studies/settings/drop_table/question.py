@@ -10,8 +10,7 @@ from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.units import si_value
 from strikewave.cases.case import Case, load_case
 from strikewave.specifications.reading import load_specification
-from strikewave.studies.engine.chosen_pool import pool_of
-from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.runner import pool_of, share_reporter
 from strikewave.studies.engine.store import store_in
 from strikewave.studies.settings.defaults import DROP_TABLE
 from strikewave.studies.settings.drop_table.candidate import DropGoal

@@ -14,10 +14,10 @@ from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, table, tell
+from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.resumable import ResumableCommand
 from strikewave.studies.settings.drop_table.candidate import DropGoal
 from strikewave.studies.settings.drop_table.study import (
     DropChoices,
