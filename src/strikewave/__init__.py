@@ -55,8 +55,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.studies.scatter.study import scatter as scatter
     from strikewave.studies.settings.drop_table.question import drop_table as drop_table
     from strikewave.studies.settings.question import settings as settings
-    from strikewave.studies.sweep.question import sweep as sweep
     from strikewave.studies.sweep.study import SweepStudy as SweepStudy
+    from strikewave.studies.sweep.study import sweep as sweep
 
 _HOMES = {
     "Band": "base.result",
@@ -100,7 +100,7 @@ _HOMES = {
     "settings": "studies.settings.question",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",
-    "sweep": "studies.sweep.question",
+    "sweep": "studies.sweep.study",
     "synthesize": "analyses.record.synthesis.result",
 }
 """Modules of the public names. A test holds this table and the imports above equal."""

@@ -1,27 +1,38 @@
-"""Commands of studies that go on where they were stopped: their finished runs outlast the process."""
+"""Commands of studies: their runs are made with a bar, and one that is stopped goes on where it was."""
 
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import shutil
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar, NoReturn, TypeVar
+from typing import Any, ClassVar, NoReturn, TypeVar
 
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.interrupts import exit_code
-from strikewave.base.result import Result
-from strikewave.reporting.run_and_write import Command
-from strikewave.reporting.terminal import say
+from strikewave.base.json_document import head, plain
+from strikewave.cases.case import Case
+from strikewave.cases.written_case import dump_case
+from strikewave.reporting.measured_files import asked
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.run_and_write import Command, case_folder, drawing, run_and_write
+from strikewave.reporting.shown_result import ShownResult
+from strikewave.reporting.terminal import print_json, progress_bar, say, tell
+from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore, begin_from, runs_beside
+from strikewave.studies.study import Study
 
-Study = TypeVar("Study", bound=Result)
+Shown = TypeVar("Shown", bound=ShownResult)
+Made = TypeVar("Made", bound=Study)
+Report = Callable[..., None]
+"""What a bar is told: the share of the runs that is done, and words beside it."""
 
 
 @dataclass(kw_only=True)
-class ResumableCommand(Command[Study]):
+class ResumableCommand(Command[Shown]):
     """A study that keeps its finished runs beside the result until that is written, or in a folder of their own.
 
     Attributes
@@ -33,14 +44,30 @@ class ResumableCommand(Command[Study]):
     """
 
     indent: ClassVar[int | None] = None
+    formats: ClassVar[tuple[str, ...]] = ("svg",)
+    """Of the files of its picture, by their endings."""
 
     place: Path | None = None
     fresh: bool = False
     store: RunStore | None = field(default=None, init=False)
 
     @abstractmethod
-    def solved(self, store: RunStore) -> Study:
+    def solved(self, store: RunStore) -> Shown:
         """Return the study, with a bar on stderr; where it is stopped, end with `stopped`."""
+
+    def draw(self, result: Shown, folder: Path) -> list[str]:
+        """Write page and picture, those that the result shows in Python."""
+        from strikewave.reporting.style import save
+
+        names = [f"{result.command}.{ending}" for ending in self.formats]
+        figure = None
+        for name in names:
+            with drawing(folder / name) as path:
+                figure = figure or result.plot()
+                save(figure, path)
+        with drawing(folder / "report.html") as path:
+            result.report(path)
+        return ["report.html", *names]
 
     @contextlib.contextmanager
     def under_way(self, folder: Path) -> Iterator[None]:
@@ -73,7 +100,7 @@ class ResumableCommand(Command[Study]):
         say(f"read: {len(store.known())} finished runs of {folder}; --fresh makes them anew")
         return store
 
-    def hand_over(self, result: Study, folder: Path) -> list[str]:
+    def hand_over(self, result: Shown, folder: Path) -> list[str]:
         """Copy the finished runs into the folder, where the same question finds them."""
         return self._with_runs(folder, [])
 
@@ -83,7 +110,7 @@ class ResumableCommand(Command[Study]):
             return handed_over
         return [*handed_over, *self.store.copy_into(folder, handed_over)]
 
-    def solve(self) -> Study:
+    def solve(self) -> Shown:
         """Return the study; its runs are kept for as long as it takes where nothing is written."""
         if self.store is not None:
             return self.solved(self.store)
@@ -106,3 +133,96 @@ class ResumableCommand(Command[Study]):
 
     def _opened(self, folder: Path | None) -> RunStore:
         return RunStore(folder, self.fresh, option="--out" if self.place is None else "--store")
+
+
+@dataclass
+class StudyCommand(ResumableCommand[Made]):
+    """A plan that is carried out on a case.
+
+    Attributes
+    ----------
+    plan : object
+        What is asked.
+    pool : Pool
+        Who runs it.
+    """
+
+    name: ClassVar[str]
+    """Of the command."""
+    bar: ClassVar[str] = "runs"
+    """What stands before the bar."""
+    clocks: ClassVar[tuple[str, ...]] = ("elapsed", "left")
+    """Times beside the bar; see `progress_bar`."""
+    noun: ClassVar[str] = "runs"
+    """What is counted of it."""
+
+    plan: Any
+    pool: Pool
+
+    @property
+    @abstractmethod
+    def case(self) -> Case:
+        """What is run."""
+
+    @property
+    @abstractmethod
+    def marked_text(self) -> str:
+        """The case as text, and above it what is asked."""
+
+    @abstractmethod
+    def made(self, store: RunStore, report: Report) -> Made:
+        """Return the study; runs that a store has are not made again."""
+
+    def announced(self, store: RunStore) -> float:
+        """Say what is about to be run, and return the share of it that a store has."""
+        return 0.0
+
+    def finished(self, store: RunStore) -> str:
+        """Say what of it a store has, such as "12 of 20 runs"; empty where that is nothing."""
+        return f"{len(store.known())} {self.noun}" if store.known() else ""
+
+    def solved(self, store: RunStore) -> Made:
+        """Return the study, with a bar on stderr; where it is stopped, finished runs are kept, and said to be."""
+        begun = self.announced(store)
+        try:
+            with progress_bar(self.bar, begun, self.clocks) as report:
+                study = self.made(store, report)
+        except KeyboardInterrupt as stop:
+            self.stopped(stop, store, self.finished(store))
+        return dataclasses.replace(study, asked=asked())
+
+    def usual_folder(self, changes: Sequence[str]) -> str:
+        """Return the folder of the result where none is asked for."""
+        return f"{self.name}-{case_folder(self.case.name, dump_case(self.case), changes)}"
+
+    def run(self, changes: Sequence[str], output: Output) -> int:
+        """Make the study, write and print it, and return the exit code.
+
+        Raises
+        ------
+        InputError
+            If the place is taken, or the study cannot be made.
+        """
+        return run_and_write(self, output, self.usual_folder(changes), self.marked_text)
+
+
+def print_estimate(estimate: dict[str, float], words: str, output: Output) -> int:
+    """Print how long a study takes, s, as a document or in words, and return the exit code."""
+    if output.json:
+        print_json(plain({**head({"run_seconds": "s", "seconds": "s"}), **estimate}))
+    else:
+        tell(words)
+    return 0
+
+
+def lasting(seconds: float) -> str:
+    """Write how long something takes.
+
+    Examples
+    --------
+    >>> lasting(0.2), lasting(90.0), lasting(3.2 * 3600)
+    ('1 s', '90 s', '3.2 h')
+    """
+    if seconds < 120.0:
+        return f"{max(seconds, 1.0):.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.1f} h"

@@ -22,7 +22,7 @@ from strikewave.studies.design.report import design_report, design_words
 from strikewave.studies.design.runs import DesignRuns, margin_merit
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.sweep.question import sweep
+from strikewave.studies.sweep.study import sweep
 
 G = 9.80665
 HEIGHT = ["machine.height=0.1..2 m"]

@@ -25,7 +25,7 @@ from strikewave.studies.engine.plan import grid, varied
 from strikewave.studies.engine.runner import carry_out
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.engine.variables import read_variable
-from strikewave.studies.sweep.question import sweep
+from strikewave.studies.sweep.study import sweep
 
 CASE = load_case("li-ma-2019", ["feed.blows=1"])
 EVALUATIONS = """

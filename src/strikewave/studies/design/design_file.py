@@ -14,7 +14,7 @@ from strikewave.cases.tables.base import CaseTable
 from strikewave.studies.design.plan import DesignPlan, plan_of
 from strikewave.studies.engine.variables import read_variable
 from strikewave.studies.study_file import Settings, case_place, read_study, stated_at
-from strikewave.studies.sweep.study_file import varied_texts
+from strikewave.studies.sweep.plan import varied_texts
 
 ALLOWED = "a TOML file with the case, goals and [vary]"
 

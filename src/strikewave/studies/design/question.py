@@ -11,7 +11,7 @@ from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.study import DesignStudy, make_design
 from strikewave.studies.engine.runner import pool_of, share_reporter
 from strikewave.studies.engine.store import store_in
-from strikewave.studies.sweep.question import Vary, vary_texts
+from strikewave.studies.sweep.plan import Vary, vary_texts
 
 
 def design(

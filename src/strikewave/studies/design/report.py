@@ -8,7 +8,7 @@ from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table
 from strikewave.reporting.shown_result import shown_table
 from strikewave.studies.design.figures import design_picture
 from strikewave.studies.design.study import DesignStudy, all_broken_words, conflict_words
-from strikewave.studies.sweep.report import ANALYSES
+from strikewave.studies.engine.case_evaluation import ANALYSES
 
 MOST_FRONT = 20
 """Runs of a front that a table lists, evenly spread over it."""

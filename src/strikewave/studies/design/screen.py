@@ -14,13 +14,12 @@ from strikewave.reporting.measured_files import asked
 from strikewave.reporting.parts import Table
 from strikewave.reporting.shown_result import shown_table
 from strikewave.reporting.terminal import print_face, print_json, progress_bar, report_table, say, tell
-from strikewave.studies.command import ResumableCommand
+from strikewave.studies.command import ResumableCommand, lasting
 from strikewave.studies.design.plan import DesignPlan
 from strikewave.studies.design.study import DesignStudy, make_design
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import StudyProgress
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.sweep.estimate import lasting
 
 TRIED = 3
 """Runs that are timed for an estimate, after one that loads what a process needs: both ends and the middle."""

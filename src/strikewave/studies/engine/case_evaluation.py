@@ -38,9 +38,14 @@ from strikewave.uncertainty.statistics import variation
 if TYPE_CHECKING:
     from strikewave.machines.fast_train import FastTrain
 
-ANALYSES = ("run", "fast", "wave", "fem", "impact")
-"""What may be computed of a case: its run; the fast run of a rotary machine, its object as whole bodies; a layered bar;
-elements; one impact on a free rigid object by the contact law alone."""
+ANALYSES = {
+    "run": "a full run of the machine",
+    "fast": "the fast run of the machine, its object as whole bodies",
+    "wave": "the layered bar under its load",
+    "fem": "explicit finite elements",
+    "impact": "one impact on a free rigid object, by the contact law alone",
+}
+"""What may be computed of a case, in words: its own run, or of a machine the fast run or one impact."""
 HISTORIES = ("blows", "pulses")
 """What may be kept beside numbers: the table of blows; the acceleration of each blow, or of a bar or elements."""
 OF_BLOW = {name: one.quantity._replace(label=label_of(name, one)) for name, one in declarations(Blow).items()}

@@ -20,11 +20,17 @@ from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, quan
 
 Array = NDArray[np.float64]
 
-GRID, HYPERCUBE, SOBOL, TOLERANCES = DESIGNS = ("grid", "latin-hypercube", "sobol", "tolerances")
-"""How rows are chosen: all values of each with all of the others; one in each n-th of every range (McKay 1979); Sobol's
-sequence, scrambled; drawn within the tolerances of the case."""
+GRID, HYPERCUBE, SOBOL, TOLERANCES = DESIGNS = {
+    "grid": "all values of each setting with all of the others",
+    "latin-hypercube": "one in each n-th of the range of every setting (Latin hypercube)",
+    "sobol": "Sobol's sequence, scrambled",
+    "tolerances": "drawn within the tolerances of the case",
+}
+"""How rows are chosen, in words. Sources: ``mckay-1979`` for hypercubes, ``joe-kuo-2008`` for Sobol's sequence."""
 MOST_RUNS = 1_000_000
 """Most runs of a study: rows and keys of so many take 400 MB."""
+MOST_SEED = 2**63 - 1
+"""Largest seed: that of a 64-bit integer, which every reader of the JSON document holds."""
 MOST_WORDS = 256
 """Most combinations of words: a case of each is held."""
 

@@ -6,14 +6,19 @@ ended is run again alone, in halves if that ends too: the run that a process die
 
 from __future__ import annotations
 
+import contextlib
 import os
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 from strikewave.base.compiled import is_cold
+from strikewave.base.result import Verdicts
 from strikewave.studies.engine.evaluation import RunOutcome, failed
 from strikewave.studies.engine.pools import (
     MOST_DEATHS,
@@ -26,7 +31,7 @@ from strikewave.studies.engine.pools import (
     begin,
     error_of,
 )
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.store import RunStore, given_or_temporary
 from strikewave.uncertainty.runs import MOST_THREADS
 
 BATCH_SECONDS, OF_A_HUNDRED = 0.25, 1.6
@@ -41,6 +46,7 @@ LOOK_SECONDS = 10.0
 MOST_IN_BATCH = 256
 """Most runs of a batch: what it keeps stays small."""
 
+Array = NDArray[np.float64]
 Asked = TypeVar("Asked")
 Asked_contra = TypeVar("Asked_contra", contravariant=True)
 
@@ -149,6 +155,37 @@ def carry_out(
     return Finished(work.keys, work.reused)
 
 
+class FinishedRuns(NamedTuple):
+    """The runs of some rows, in their order: keys, numbers (runs, names), why runs failed, and their verdicts."""
+
+    keys: list[bytes]
+    numbers: Array
+    failures: list[str]
+    verdicts: Verdicts
+
+
+def finished_runs(
+    job: Work[Asked],
+    rows: Sequence[Asked],
+    store: RunStore,
+    pool: Pool,
+    advance: Advance | None = None,
+    noun: str = "runs",
+    not_judged: Sequence[str] = (),
+) -> FinishedRuns:
+    """Run what a store does not have of a job, and return all of it; see `carry_out` and `Verdicts`."""
+    keys = carry_out(job, rows, store, pool, advance).keys
+    numbers, failures, _ = store.table(job.names, keys)
+    return FinishedRuns(keys, numbers, failures, store.verdicts(keys, noun, not_judged))
+
+
+@contextlib.contextmanager
+def at_work(store: RunStore | None, pool: Pool | None, workers: int = 1) -> Iterator[tuple[RunStore, Pool]]:
+    """Give a store and a pool: those that are given, else a temporary one, and so many processes; the pool is ended."""
+    with given_or_temporary(store) as kept_in, ProcessPool(workers) if pool is None else pool as ready:
+        yield kept_in, ready
+
+
 def finished_before(job: Work[Asked], rows: Sequence[Asked], store: RunStore) -> int:
     """Return how many rows of a job a store has already."""
     known = store.known()
@@ -172,6 +209,16 @@ def pool_of(executor: Executor | None, workers: int | None, cluster: str | None 
 
         return ClusterPool(cluster)
     return ThreadPool(min(os.cpu_count() or 1, MOST_THREADS)) if workers is None else ProcessPool(workers)
+
+
+def seconds_each(job: Work[Asked], rows: Sequence[Asked]) -> float:
+    """Return about how long a run takes, s, by some that are made and thrown away.
+
+    The first, the middle and the last one are timed, after one that loads what a process needs.
+    """
+    job(rows[:1])
+    places = sorted({0, len(rows) // 2, len(rows) - 1})
+    return float(np.mean([outcome.seconds for outcome in job([rows[place] for place in places])]))
 
 
 class _Unfinished(Generic[Asked]):

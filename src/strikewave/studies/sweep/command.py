@@ -83,21 +83,15 @@ def command(
     written unless --out is given.
     """
     from strikewave.studies.engine.runner import pool_of
-    from strikewave.studies.sweep.screen import SweepCommand, run_sweep, show_estimate
-    from strikewave.studies.sweep.study_file import SweepRequest, read_request
+    from strikewave.studies.sweep.plan import SweepRequest, read_request
+    from strikewave.studies.sweep.report import SweepCommand, show_estimate
 
-    typed = SweepRequest(
-        vary=tuple(vary or ()),
-        keep=tuple(keep or ()),
-        analysis=analysis or "",
-        design=design or "",
-        runs=runs,
-        seed=seed,
-    )
+    typed = SweepRequest(tuple(vary or ()), tuple(keep or ()), analysis or "", design or "", runs, seed)
     request = read_request(case, changes or (), typed)
     plan = request.plan(output.tested(request.loaded)).on(device, cluster)
     count = min(workers, os.cpu_count() or 1)
+    pool = pool_of(None, 1) if dry_run else pool_of(None, count, cluster)
+    making = SweepCommand(plan, pool, place=store, fresh=fresh)
     if dry_run:
-        return show_estimate(plan, request.changes, store, count, output)
-    making = SweepCommand(plan, pool_of(None, count, cluster), place=store, fresh=fresh)
-    return run_sweep(plan, request.changes, making, output)
+        return show_estimate(making, request.changes, count, output)
+    return making.run(request.changes, output)

@@ -1,47 +1,40 @@
-"""The report of a sweep: its picture, the range of each number, main effects, and what was varied."""
+"""What page and screen say of a sweep, and the command that makes one."""
 
 from __future__ import annotations
 
-from strikewave.base.result import RUN_BROKEN, RUN_FAILED
-from strikewave.reporting import chapters
-from strikewave.reporting.faces import face_table
-from strikewave.reporting.numbers import percent
-from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table
-from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL, TOLERANCES
-from strikewave.studies.sweep.figures import MOST_NUMBERS, MOST_SETTINGS, sweep_picture
-from strikewave.studies.sweep.study import SweepStudy
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar, NamedTuple
 
-CHOSEN = {
-    GRID: "all values of each setting with all of the others",
-    HYPERCUBE: "one in each n-th of the range of every setting (Latin hypercube)",
-    SOBOL: "Sobol's sequence, scrambled",
-    TOLERANCES: "drawn within the tolerances of the case",
-}
-"""How rows are chosen, in words, by design."""
-ANALYSES = {
-    "run": "a full run of the machine",
-    "fast": "the fast run of the machine, its object as whole bodies",
-    "wave": "the layered bar under its load",
-    "fem": "explicit finite elements",
-    "impact": "one impact on a free rigid object, by the contact law alone",
-}
-"""What each run is."""
+from strikewave.base.errors import InputError
+from strikewave.base.result import RUN_BROKEN, RUN_FAILED
+from strikewave.cases.case import Case
+from strikewave.reporting.faces import face_table
+from strikewave.reporting.histories import write_parquet
+from strikewave.reporting.numbers import percent
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.parts import Cell, Link, Part, Section, Table
+from strikewave.reporting.terminal import print_face, report_table, say, tell
+from strikewave.studies.command import Report, StudyCommand, lasting, print_estimate
+from strikewave.studies.engine.case_evaluation import ANALYSES
+from strikewave.studies.engine.plan import DESIGNS, GRID
+from strikewave.studies.engine.runner import finished_before, seconds_each
+from strikewave.studies.engine.store import RunStore, runs_beside
+from strikewave.studies.study import picture_section, study_page
+from strikewave.studies.sweep.figures import MOST_NUMBERS, MOST_SETTINGS, sweep_picture
+from strikewave.studies.sweep.plan import SweepPlan
+from strikewave.studies.sweep.study import SweepStudy, make_sweep
+
 MOST_REASONS = 12
 """Reasons of failures that a table lists."""
 
 
 def sweep_report(study: SweepStudy) -> str:
-    """Return the report of a sweep as one HTML page: no script, nothing fetched, the same bytes each time."""
-    sections = [
-        Section("Picture", "", [Picture(sweep_picture(study), _caption(study), _caption(study))]),
-        _number_section(study),
-        *([_effect_section(study)] if study.effects else []),
-        chapters.warnings(study.notices),
-        _plan_section(study),
-        chapters.inputs(study.case),
-    ]
-    summary = chapters.Summary("Report of a sweep", sweep_words(study), study.highlights())
-    return chapters.result_page(study, summary, sections)
+    """Return the report of a sweep as one HTML page."""
+    outcome = [picture_section("Picture", sweep_picture(study), _caption(study)), _number_section(study)]
+    outcome += [_effect_section(study)] if study.effects else []
+    return study_page(study, sweep_words(study), outcome, _plan_section(study), "a sweep")
 
 
 def sweep_words(study: SweepStudy) -> str:
@@ -108,9 +101,140 @@ def _effect_section(study: SweepStudy) -> Section:
 
 def _plan_section(study: SweepStudy) -> Section:
     random = "" if study.plan.design == GRID else f", random seed {study.plan.seed}"
-    text = f"Each run is {ANALYSES[study.plan.evaluation.analysis]}. Runs: {CHOSEN[study.plan.design]}{random}."
+    text = f"Each run is {ANALYSES[study.plan.evaluation.analysis]}. Runs: {DESIGNS[study.plan.design]}{random}."
     tables: list[Part] = [face_table(study, "vary")]
     failures: list[list[Cell]] = [[reason, count] for reason, count in list(study.reasons.items())[:MOST_REASONS]]
     if failures:
         tables.append(Table("Runs that failed", ["why", "runs"], failures))
     return Section("What was varied", text, tables)
+
+
+picture, page = sweep_picture, sweep_report
+"""What a sweep shows in Python; see `strikewave.reporting.shown_result`."""
+
+
+@dataclass
+class SweepCommand(StudyCommand[SweepStudy]):
+    """A sweep as a command."""
+
+    name: ClassVar[str] = "sweep"
+    bar: ClassVar[str] = "sweep"
+
+    plan: SweepPlan
+
+    @property
+    def case(self) -> Case:
+        """What is varied."""
+        return self.plan.case
+
+    @property
+    def marked_text(self) -> str:
+        """The case as text, and above it what is asked."""
+        return self.plan.text
+
+    def run(self, changes: Sequence[str], output: Output) -> int:
+        """Make the sweep; histories that would have no folder are refused before."""
+        histories = ", ".join(self.plan.evaluation.histories)
+        if histories and self.place is None and not output.writes(self.usual_folder(changes)):
+            hint = "add --out DIR or --store DIR"
+            raise InputError("--keep", f"{histories} with --json", "a folder for the histories", hint)
+        return super().run(changes, output)
+
+    def announced(self, store: RunStore) -> float:
+        """Say what is run."""
+        say(self.plan.words)
+        return 0.0
+
+    def made(self, store: RunStore, report: Report) -> SweepStudy:
+        """Return the sweep."""
+        return make_sweep(self.plan, store, self.pool, lambda now: report(now.share, now.words))
+
+    def finished(self, store: RunStore) -> str:
+        """Say how many of its runs a store has."""
+        done = finished_before(self.plan.job, self.plan.rows, store)
+        return f"{done} of {len(self.plan.rows)} runs" if done else ""
+
+    def summary(self, result: SweepStudy) -> str:
+        """Say over what the first number goes, and which setting matters most."""
+        return sweep_words(result)
+
+    def show(self, result: SweepStudy) -> None:
+        """Print the range of each number, and the main effects."""
+        print_face(result, "ranges", "Each number over all runs")
+        if result.run_rows()[1]:
+            report_table(Table("All runs", *result.run_rows()), keys=2)
+        print_face(result, "largest_effects", "Main effects")
+        for reason, count in list(result.reasons.items())[:3]:
+            tell(f"{count} runs failed: {reason}")
+
+    def draw(self, result: SweepStudy, folder: Path) -> list[str]:
+        """Write the page, the picture, and the table as Parquet."""
+        names = super().draw(result, folder)
+        write_parquet(result.columns(), folder / "runs.parquet")
+        return [*names, "runs.parquet"]
+
+    def hand_over(self, result: SweepStudy, folder: Path) -> list[str]:
+        """Put the histories of the runs into the folder."""
+        if self.store is None or not self.plan.evaluation.histories:
+            return super().hand_over(result, folder)
+        return self._with_runs(folder, self.store.hand_over(folder, map(bytes.fromhex, result.keys)))
+
+
+class SweepEstimate(NamedTuple):
+    """How much there is to do.
+
+    Attributes
+    ----------
+    runs, finished : int
+        In all, and those that a store has.
+    run_seconds : float
+        About how long one takes, s; NaN where none is left.
+    seconds : float
+        About how long all that are left take on so many processes, s.
+    workers : int
+        Processes.
+    """
+
+    runs: int
+    finished: int
+    run_seconds: float
+    seconds: float
+    workers: int
+
+    @property
+    def words(self) -> str:
+        """What is to be done, in words.
+
+        Examples
+        --------
+        >>> SweepEstimate(100, 40, 0.5, 15.0, 2).words
+        '100 runs, 40 of them finished: about 15 s for the others, 0.5 s each on 2 processes'
+        """
+        done = f"{self.runs} runs, {self.finished} of them finished" if self.finished else f"{self.runs} runs"
+        if self.finished == self.runs:
+            return f"{done}: nothing is left"
+        processes = f"{self.workers} processes" if self.workers > 1 else "one process"
+        others = " for the others" if self.finished else ""
+        return f"{done}: about {lasting(self.seconds)}{others}, {self.run_seconds:.2g} s each on {processes}"
+
+
+def estimated(plan: SweepPlan, store: RunStore, workers: int) -> SweepEstimate:
+    """Return how much there is to do on so many processes, by some runs that are made and thrown away."""
+    known = store.known()
+    keys = {plan.job.key(row): row for row in plan.rows}
+    left = [row for key, row in keys.items() if key not in known]
+    each = seconds_each(plan.job, left) if left else float("nan")
+    seconds = each * len(left) / workers if left else 0.0
+    return SweepEstimate(len(keys), len(keys) - len(left), each, seconds, workers)
+
+
+def show_estimate(command: SweepCommand, changes: Sequence[str], workers: int, output: Output) -> int:
+    """Print how many runs a sweep has and about how long it takes, and return the exit code.
+
+    What is finished is looked for where the sweep itself would: in a folder of its own, or beside the result.
+    """
+    folder = output.place(command.usual_folder(changes)).folder
+    place = runs_beside(folder.absolute()) if command.place is None and folder is not None else command.place
+    with RunStore(place if place is not None and place.is_dir() else None, option="--dry-run") as store:
+        estimate = estimated(command.plan, store, workers)
+    return print_estimate(estimate._asdict(), f"{command.plan.words}. {estimate.words}.", output)

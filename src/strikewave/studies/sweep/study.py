@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,33 +17,22 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
-from strikewave.base.first_few import first_few
-from strikewave.base.result import Notice, Source
+from strikewave.base.result import Notice
 from strikewave.cases.case import Case
-from strikewave.cases.written_case import dump_case
-from strikewave.reporting.case_result import ResultOfCase
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.shown_result import shown_table
-from strikewave.studies.engine.case_evaluation import (
-    OF_NUMBER,
-    CaseEvaluation,
-    KeptNumber,
-    OfKept,
-    checked_device,
-    kept_number,
-)
-from strikewave.studies.engine.evaluation import Job, Row, Variation
+from strikewave.studies.engine.case_evaluation import OF_NUMBER, KeptNumber, OfKept
 from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL
-from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.runner import StudyProgress, carry_out
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import Advance, at_work, finished_runs, pool_of, share_reporter
+from strikewave.studies.engine.store import RunStore, store_in
 from strikewave.studies.engine.variables import StudyVariable
+from strikewave.studies.study import Study
 from strikewave.studies.sweep.effects import MainEffect, main_effect, share_by_chance
+from strikewave.studies.sweep.plan import SweepPlan, Vary, plan_of
 
 Array = NDArray[np.float64]
 
-NOTE = "chosen by strikewave sweep"
-"""What a case says of a value that a sweep has changed."""
 MOST_SHOWN = 4
 """Settings, and numbers, that the table of runs shows of a sweep over several: more make no line. Files have all."""
 MOST_RUN_ROWS = 100
@@ -104,75 +94,8 @@ class NumberEffects:
     of_settings: dict[str, EffectShare] = declare.named(EffectShare, "by the paths of the settings", inline=True)
 
 
-@dataclass(frozen=True)
-class SweepPlan:
-    """What a sweep is of.
-
-    Attributes
-    ----------
-    case : Case
-        What is varied.
-    variables : tuple of StudyVariable
-        In the order of the rows; of a draw within tolerances, what was drawn.
-    design : str
-        One of `strikewave.studies.engine.plan.DESIGNS`.
-    seed : int
-        Of a design that is random.
-    variation : Variation
-        What makes a case of a row.
-    evaluation : CaseEvaluation
-        What is kept of each run.
-    rows : tuple of tuple
-        The runs.
-    """
-
-    case: Case
-    variables: tuple[StudyVariable, ...]
-    design: str
-    seed: int
-    variation: Variation
-    evaluation: CaseEvaluation
-    rows: tuple[Row, ...]
-
-    def on(self, device: str | None, cluster: str | None) -> SweepPlan:
-        """Return the plan with the steps of elements taken on a device, here or on a cluster; None: the processor.
-
-        Raises
-        ------
-        InputError
-            If the runs are not of elements, or there is no such device.
-        """
-        device = checked_device(self.evaluation.analysis, device, cluster)
-        return replace(self, evaluation=replace(self.evaluation, device=device))
-
-    @property
-    def job(self) -> Job:
-        """What is run."""
-        return Job(self.variation, self.evaluation)
-
-    @cached_property
-    def kept(self) -> tuple[KeptNumber, ...]:
-        """The numbers that are kept of each run."""
-        return tuple(kept_number(self.case, self.evaluation.analysis, name) for name in self.evaluation.names)
-
-    @property
-    def words(self) -> str:
-        """What is run, in words."""
-        over = first_few([variable.path for variable in self.variables], 3)
-        runs = "one run" if len(self.rows) == 1 else f"{len(self.rows)} runs"
-        return f"{runs} ({self.evaluation.analysis}), {self.design}, over {over}"
-
-    @cached_property
-    def text(self) -> str:
-        """The case as text, and above it what was asked: other runs are another result."""
-        asked = repr((self.rows, self.evaluation, [(v.path, v.words) for v in self.variables]))
-        key = hashlib.sha256(asked.encode()).hexdigest()[:12]
-        kept = ", ".join((*self.evaluation.names, *self.evaluation.histories))
-        return f"# strikewave sweep: {self.words}; kept: {kept}; plan {key}\n{dump_case(self.case)}"
-
-
 @declare.dataclass(eq=False)
-class SweepStudy(ResultOfCase):
+class SweepStudy(Study):
     """A sweep; see `Result` for what it shares with others.
 
     Attributes
@@ -185,8 +108,6 @@ class SweepStudy(ResultOfCase):
         Why each run failed; empty where it did not.
     keys : tuple of str
         Of each run, by which its histories are found.
-    asked : str
-        Command line that gives it again, where one does.
     """
 
     command: ClassVar[str] = "sweep"
@@ -197,17 +118,16 @@ class SweepStudy(ResultOfCase):
     numbers: Array
     failures: tuple[str, ...]
     keys: tuple[str, ...]
-    asked: str = ""
 
     @property
     def case(self) -> Case:
         """What was varied."""
         return self.plan.case
 
-    @cached_property
-    def source(self) -> Source:
-        """The case, and above it what was asked."""
-        return Source("case", self.case.name, self.plan.text, asked=self.asked)
+    @property
+    def marked_text(self) -> str:
+        """The case as text, and above it what was asked."""
+        return self.plan.text
 
     analysis = declare.computed(declare.word("run, fast, wave, fem or impact"))(
         lambda study: study.plan.evaluation.analysis
@@ -364,10 +284,6 @@ class SweepStudy(ResultOfCase):
                 notices.append(Notice("number-missing", message, float(lacking), 0.0))
         return tuple(notices)
 
-    def texts(self) -> dict[str, str]:
-        """Return the JSON document as a file."""
-        return {"sweep.json": self.document_text()}
-
     def tables(self) -> dict[str, str]:
         """Return the table of runs."""
         return {"runs.csv": csv_table(self.run_table, HISTORY_DIGITS)}
@@ -378,7 +294,7 @@ def make_sweep(
     plan: SweepPlan,
     store: RunStore,
     pool: Pool | None = None,
-    advance: Callable[[StudyProgress], None] | None = None,
+    advance: Advance | None = None,
 ) -> SweepStudy:
     """Make a sweep: all runs that a store does not have yet.
 
@@ -400,11 +316,82 @@ def make_sweep(
     StrikewaveError
         If the pool is lost.
     """
-    with ProcessPool(1) if pool is None else pool as ready:
-        finished = carry_out(plan.job, plan.rows, store, ready, advance)
-    numbers, failures, _ = store.table(plan.evaluation.names, finished.keys)
-    keys = tuple(key.hex() for key in finished.keys)
+    not_judged = plan.evaluation.not_judged(plan.case)
+    with at_work(store, pool) as (kept, ready):
+        runs = finished_runs(plan.job, plan.rows, kept, ready, advance, not_judged=not_judged)
+    keys = tuple(key.hex() for key in runs.keys)
     sources = SOURCES.get(plan.design, ())
-    verdicts = store.verdicts(finished.keys, not_judged=plan.evaluation.not_judged(plan.case))
-    study = SweepStudy(plan, numbers, tuple(failures), keys, citations=sources, verdicts=verdicts)
+    study = SweepStudy(plan, runs.numbers, tuple(runs.failures), keys, citations=sources, verdicts=runs.verdicts)
     return replace(study, notices=study.found_notices())
+
+
+def sweep(
+    case: Case,
+    vary: Vary = (),
+    *,
+    keep: Sequence[str] = (),
+    analysis: str = "",
+    design: str = GRID,
+    runs: int | None = None,
+    seed: int = 1,
+    workers: int = 1,
+    executor: Executor | None = None,
+    cluster: str | None = None,
+    device: str | None = None,
+    store: Path | str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> SweepStudy:
+    """Run a case over some of its settings, and keep some numbers of each run.
+
+    Equal arguments give equal numbers, bit for bit, whatever the number of processes.
+
+    Parameters
+    ----------
+    case : Case
+        What is varied.
+    vary : sequence of str, or mapping
+        ``machine.speed=400..900 rpm:11``, ``object.damper=10, 20 N s/m``, ``contact.damping=LAW, LAW``; or the values
+        by the settings. None for the design "tolerances".
+    keep : sequence of str, optional
+        Numbers by name, such as ``first.rigid_peak`` or ``cv``; ``blows`` and ``pulses`` for histories. The first blow
+        where nothing is named.
+    analysis : str, optional
+        ``run``, ``fast``, ``wave``, ``fem`` or ``impact``; that of the case where it is left out.
+    design : str, optional
+        ``grid``, ``latin-hypercube``, ``sobol`` or ``tolerances``.
+    runs, seed : int, optional
+        Of a design that is no grid.
+    workers : int, optional
+        Processes. With more than one, call it below ``if __name__ == "__main__":``.
+    executor : Executor, optional
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
+    cluster : str, optional
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    device : str, optional
+        ``cuda`` or ``cuda-mixed``: the steps of elements are taken on the GPU, which the processes share.
+    store : path, optional
+        Folder that keeps finished runs: what it holds is not run again.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Returns
+    -------
+    SweepStudy
+        A row for each run: its settings and the numbers kept, in SI.
+
+    Raises
+    ------
+    InputError
+        If the case has no such setting or number, or the store cannot be used.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> case = strikewave.load_case("li-ma-2019", ["feed.blows=1"])
+    >>> study = strikewave.sweep(case, ["machine.speed=600..800 rpm:3"], keep=["first.rigid_peak"], analysis="fast")
+    >>> study.number("first.rigid_peak").shape, study.failed
+    ((3,), 0)
+    """
+    plan = plan_of(case, vary, keep, analysis, design, runs, seed).on(device, cluster)
+    with store_in(store) as finished:
+        return make_sweep(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))

@@ -1,0 +1,79 @@
+"""What results of studies share: what was asked above the case, files, and the frame of the page."""
+
+from __future__ import annotations
+
+import dataclasses
+from abc import abstractmethod
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
+
+from strikewave.base import declare
+from strikewave.base.result import Source
+from strikewave.reporting import chapters
+from strikewave.reporting.case_result import ResultOfCase
+from strikewave.reporting.parts import Picture, Section, Tag
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@declare.dataclass(eq=False)
+class Study(ResultOfCase):
+    """A result of many runs of a case, whose page and picture stand in the module ``report`` beside it.
+
+    Attributes
+    ----------
+    asked : str
+        Command line that gives it again, where one does.
+    """
+
+    drawing: ClassVar[str] = "report"
+    indent: ClassVar[int | None] = None
+    """Of the JSON document; None where it holds long lists."""
+
+    asked: str = dataclasses.field(default="", kw_only=True)
+
+    @property
+    @abstractmethod
+    def marked_text(self) -> str:
+        """The case as text, and above it what was asked: other runs are another result."""
+
+    @cached_property
+    def source(self) -> Source:
+        """The case, and above it what was asked."""
+        return Source("case", self.case.name, self.marked_text, asked=self.asked)
+
+    def texts(self) -> dict[str, str]:
+        """Return the JSON document as a file."""
+        return {f"{self.command}.json": self.document_text(self.indent)}
+
+
+def picture_section(title: str, figure: Figure, caption: str) -> Section:
+    """Return the section of the picture of a study."""
+    return Section(title, "", [Picture(figure, caption, caption)])
+
+
+def study_page(
+    study: Study, words: str, outcome: Sequence[Section], plan: Section, kind: str, status: Tag | None = None
+) -> str:
+    """Return the report of a study as one HTML page: no script, nothing fetched, the same bytes each time.
+
+    Parameters
+    ----------
+    study : Study
+        What it is of.
+    words : str
+        What came out.
+    outcome : sequence of Section
+        Picture and results; the warnings follow.
+    plan : Section
+        What was run; the inputs of the case follow.
+    kind : str
+        What kind of study it is, with its article.
+    status : Tag, optional
+        How it went, where that is more than its checks say.
+    """
+    sections = [*outcome, chapters.warnings(study.notices), plan, chapters.inputs(study.case)]
+    summary = chapters.Summary(f"Report of {kind}", words, study.highlights(), status)
+    return chapters.result_page(study, summary, sections)
