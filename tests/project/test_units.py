@@ -1,6 +1,7 @@
 """The unit in which a quantity is shown stands where the quantity is declared, and nowhere else."""
 
 import ast
+import re
 from itertools import pairwise
 from pathlib import Path
 
@@ -82,3 +83,12 @@ def is_drawn(path):
 def test_no_module_but_those_that_draw_types_the_unit_of_a_quantity(path):
     typed = pairs_in((PACKAGE / path).read_text("utf-8"))
     assert not typed, f"take these from a Quantity: lines {typed}"
+
+
+TABLE_OF_UNITS = re.compile(r"dict\([^\n]*\.units\b|\.si: \w+\.usual|\.units for ")
+"""What gives SI units their usual ones out of quantities."""
+
+
+def test_the_usual_unit_of_a_number_that_the_data_decide_stands_in_one_table():
+    tables = [path for path in SOURCES if TABLE_OF_UNITS.search((PACKAGE / path).read_text("utf-8"))]
+    assert tables == ["base/shock_quantities.py"]

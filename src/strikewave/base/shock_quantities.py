@@ -39,9 +39,20 @@ MODULUS = Quantity("Pa", "GPa", digits=5)
 BAR_SPEED = Quantity("m/s", "m/s", digits=6)
 SECONDS = Quantity("s", "s")
 MILLISECONDS = Quantity("s", "ms")
-SHOWN_OF_CHANNELS = dict([ACCELERATION.units])
-"""Unit in which a channel is shown as a rule, where that is not its own unit: on each face."""
 OF_CHANNEL = Quantity.of_data("each channel's unit")
 OF_INTEGRAL = Quantity.of_data("each channel's unit, times s")
 SCORE = Quantity(NO_UNIT, NO_UNIT, decimals=3, digits=0)
 OF_FIGURE = Quantity.of_data("as the figure")
+USUAL_UNITS = dict(one.units for one in (ACCELERATION, FORCE, STRESS, LENGTH, MICROSECONDS))
+"""Unit shown as a rule, by SI unit, of numbers whose unit the data or the user decide."""
+
+
+def usual_unit(si: str) -> str:
+    """Return the unit in which such numbers are shown as a rule: of channels, curves, limits, published values.
+
+    Examples
+    --------
+    >>> usual_unit("N"), usual_unit("m/s"), usual_unit("")
+    ('kN', 'm/s', '')
+    """
+    return USUAL_UNITS.get(si, si)

@@ -18,13 +18,14 @@ from strikewave.base.command_line import command_line, file_word
 from strikewave.base.percents import percent
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.base.result import FAILED, INFO, RUN_PASSED, WARNING, BalanceCheck, failed_words
+from strikewave.base.shock_quantities import usual_unit
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.paths import row_name
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.bands import banded_words
-from strikewave.reporting.numbers import SHOWN_UNITS, headed, listed, shown
+from strikewave.reporting.numbers import headed, listed, shown
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Section, Table, Tag, written
 
@@ -169,7 +170,7 @@ def published(comparisons: Sequence[Comparison]) -> list[Section]:
     rows: list[list[Cell]] = []
     for entry in comparisons:
         si = PUBLISHED_QUANTITIES.get(entry.quantity, "")
-        usual = SHOWN_UNITS.get(si, si)
+        usual = usual_unit(si)
         which, _, quantity = entry.quantity.partition(".")
         label = _PUBLISHED_WORDS.get(which, which) + (f": {quantity.replace('_', ' ')}" if quantity else "")
         label += f" of {entry.sensor}" if entry.sensor else ""

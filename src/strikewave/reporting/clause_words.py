@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from strikewave.base.result import Notice
-from strikewave.base.shock_quantities import SHOWN_OF_CHANNELS
+from strikewave.base.shock_quantities import usual_unit
 from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import KEY, MORE
@@ -68,12 +68,12 @@ def clause_name(clause: str) -> str:
     return f"{clause} (specification's window)" if clause == "velocity change" else clause
 
 
-def usual_unit(clause: Clause) -> str:
-    """Return the unit in which a clause is shown as a rule."""
+def unit_of_clause(clause: Clause) -> str:
+    """Return the unit in which a clause is shown as a rule: a long time in ms."""
     if clause.unit == "s":
         largest = max((abs(one) for one in (clause.low, clause.high) if math.isfinite(one)), default=0.0)
         return "ms" if largest >= 1e-3 else "us"
-    return SHOWN_OF_CHANNELS.get(clause.unit, clause.unit)
+    return usual_unit(clause.unit)
 
 
 def amount(clause: Clause, value: float, digits: int = 4) -> str:
@@ -83,11 +83,11 @@ def amount(clause: Clause, value: float, digits: int = 4) -> str:
     if clause.unit == "1":
         text = f"{written(100.0 * value, min(digits, 3))} %" if clause.clause.startswith("share") else written(value)
         return text.replace("-", "−")
-    return with_unit(abs(value), clause.unit, usual_unit(clause), digits) if value >= 0.0 else _below(clause, value)
+    return with_unit(abs(value), clause.unit, unit_of_clause(clause), digits) if value >= 0.0 else _below(clause, value)
 
 
 def _below(clause: Clause, value: float) -> str:
-    return f"−{with_unit(-value, clause.unit, usual_unit(clause), 3)}"
+    return f"−{with_unit(-value, clause.unit, unit_of_clause(clause), 3)}"
 
 
 def limit_words(clause: Clause) -> str:
@@ -105,7 +105,7 @@ def limit_words(clause: Clause) -> str:
     if low and high and clause.low == clause.high:
         return amount(clause, clause.low)
     if low and high:
-        unit = usual_unit(clause)
+        unit = unit_of_clause(clause)
         first = written(shown(clause.low, clause.unit, unit)) if clause.unit != "1" else amount(clause, clause.low)
         return f"{first} to {amount(clause, clause.high)}"
     if low:
@@ -136,7 +136,7 @@ def doubted_words(clause: Clause) -> str:
     if clause.clause == "band":
         return f"{value} (± {doubt})"
     if clause.unit != "1" and math.isfinite(clause.uncertainty):
-        usual = usual_unit(clause)
+        usual = unit_of_clause(clause)
         ends = doubted(shown(clause.value, clause.unit, usual), shown(clause.uncertainty, clause.unit, usual))
         return f"{' ± '.join(ends)} {spelled(shown_unit(clause.unit, usual))}".replace("-", "−")
     number, unit = value.rpartition("\N{NO-BREAK SPACE}" if "\N{NO-BREAK SPACE}" in value else " ")[::2]

@@ -20,8 +20,6 @@ from strikewave.reporting.shown_units import OFFERED, are_chosen, plain_unit, sh
 
 LONGEST_IN_MICROSECONDS = 5e-3
 """Runs that last longer, s, are shown in milliseconds: µs would need five digits before the point."""
-SHOWN_UNITS = {"m/s^2": "g", "s": "us", "N": "N", "": ""}
-"""SI unit of a published number and the unit in which it is shown as a rule."""
 LEAST_SHARE = 1e-6
 """Shares of a variance below it are written as such, and smaller errors not at all: rounding of the runs makes them."""
 FEWEST_DIGITS = 4

@@ -20,6 +20,7 @@ from strikewave.base.compile_progress import WORDS, compiling_shown
 from strikewave.base.interrupts import interrupts_as_such
 from strikewave.base.json_document import json_text
 from strikewave.base.result import FAILED, INFO, WARNING
+from strikewave.base.shock_quantities import usual_unit
 from strikewave.reporting import banded_numbers, numbers
 from strikewave.reporting.bands import BAND_HEADS, band_rows
 from strikewave.reporting.columns import Column
@@ -412,7 +413,7 @@ def print_published(published: Sequence[Comparison]) -> None:
     rows = []
     for entry in published:
         unit = PUBLISHED_QUANTITIES[entry.quantity]
-        usual = numbers.SHOWN_UNITS[unit]
+        usual = usual_unit(unit)
         pair = [
             number(v, unit, usual, 6) if unit else ("-" if v is None else f"{v:g}")
             for v in (entry.published, entry.computed)

@@ -15,7 +15,6 @@ from strikewave.base.declare import MAIN, MORE, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.frequencies import frequency_text
 from strikewave.base.result import Band, Notice
-from strikewave.base.shock_quantities import ACCELERATION, FORCE, LENGTH, STRESS, VELOCITY
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import Pulse, foot_to_foot, measure_pulse
@@ -28,8 +27,6 @@ FIGURES = {"peak": "peak", "width": "width", "integral": "area"}
 """Figures of a pulse that are compared, and what `Pulse` calls them."""
 QUANTITIES = {"m/s^2": "acceleration", "N": "force", "m/s": "velocity", "m": "displacement", "Pa": "stress"}
 """What a unit is of."""
-SHOWN_IN = dict(one.units for one in (ACCELERATION, FORCE, VELOCITY, LENGTH, STRESS))
-"""Unit in which each is shown as a rule."""
 OF_FILES = Quantity.of_data("the files' own numbers")
 """What both histories are of: see `strikewave.analyses.compare.result.CompareResult.given_units`."""
 OF_NOISE = OF_FILES._replace(label="noise (standard deviation)", digits=3)

@@ -24,7 +24,7 @@ from strikewave.analyses.compare.specified import (
 )
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Result, Source, Verdicts
-from strikewave.base.shock_quantities import SHOWN_OF_CHANNELS
+from strikewave.base.shock_quantities import usual_unit
 from strikewave.base.units import si_value
 from strikewave.records.ringing import FEWEST_AFTER, LOWEST_RATIO, RINGS_WITHIN, strongest_frequency
 from strikewave.reporting import measured_files as measured
@@ -312,7 +312,7 @@ def _check_units(a: ComparedCurve, b: ComparedCurve) -> None:
         return
     for one, other in ((a, b), (b, a)):
         if not one.unit:
-            usual = SHOWN_OF_CHANNELS.get(other.unit, other.unit)
+            usual = usual_unit(other.unit)
             hint = f"{other.name} is in {other.unit}: state --unit, such as {usual}"
             raise InputError("--unit", f"{one.name}, in an unknown unit", "known units, or none of both", hint)
     words = [f"{one.name} in {one.unit} ({QUANTITIES.get(one.unit, 'another quantity')})" for one in (a, b)]

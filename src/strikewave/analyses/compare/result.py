@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.agreement import CurveAgreement, PairOfFigures
-from strikewave.analyses.compare.curve import FIGURES, OF_FILES, QUANTITIES, SHOWN_IN, ComparedCurve
+from strikewave.analyses.compare.curve import FIGURES, OF_FILES, QUANTITIES, ComparedCurve
 from strikewave.analyses.compare.limits import METRICS, Judged, verdict_of
 from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.base import declare
@@ -26,6 +26,7 @@ from strikewave.base.shock_quantities import (
     SCORE,
     SECONDS,
     SHARE,
+    usual_unit,
 )
 from strikewave.records.budget.contributions import Budget
 from strikewave.reporting.banded_numbers import band_text
@@ -209,7 +210,7 @@ class CompareResult(AskedResult):
     @property
     def usual(self) -> str:
         """Unit in which both are shown as a rule."""
-        return SHOWN_IN.get(self.unit, self.unit)
+        return usual_unit(self.unit)
 
     @property
     def given_units(self) -> GivenUnits:

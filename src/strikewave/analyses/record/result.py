@@ -28,7 +28,7 @@ from strikewave.base.shock_quantities import (
     OF_CHANNEL,
     OF_FIGURE,
     OF_INTEGRAL,
-    SHOWN_OF_CHANNELS,
+    usual_unit,
 )
 from strikewave.records.budget.contributions import Budget
 from strikewave.records.campaign import Campaign
@@ -309,7 +309,7 @@ class RecordResult(AskedResult):
         for pulse in reading.pulses[:1]:
             span = pulse.end - pulse.begin
             chosen = (channel.time >= pulse.begin - span) & (channel.time <= pulse.end + 2.0 * span)
-        usual = SHOWN_OF_CHANNELS.get(unit, unit)
+        usual = usual_unit(unit)
         return history_curve(channel.time[chosen], channel.values[chosen], unit, usual, channel.name)
 
     def tables(self) -> dict[str, str]:

@@ -11,7 +11,14 @@ from strikewave.analyses.record.chosen import cutoff_for
 from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
 from strikewave.base.declare import KEY, GivenUnits
-from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, OF_CHANNEL, OF_INTEGRAL, RATIO, SHOWN_OF_CHANNELS
+from strikewave.base.shock_quantities import (
+    FREQUENCY,
+    MICROSECONDS,
+    OF_CHANNEL,
+    OF_INTEGRAL,
+    RATIO,
+    usual_unit,
+)
 from strikewave.records.band_split import BandSplit
 from strikewave.records.budget.blows import BudgetLine, FigureUncertainty
 from strikewave.records.budget.contributions import RECORD
@@ -36,10 +43,10 @@ def units_given(unit: str) -> GivenUnits:
     Examples
     --------
     >>> units_given("N")["each channel's unit"], units_given("V")["each channel's unit, times s"]
-    (('N', 'N'), ('V s', 'V s'))
+    (('N', 'kN'), ('V s', 'V s'))
     """
     integral = INTEGRALS.get(unit, f"{unit} s") if unit else ""
-    return {OF_CHANNEL.given_by: (unit, SHOWN_OF_CHANNELS.get(unit, unit)), OF_INTEGRAL.given_by: (integral, integral)}
+    return {OF_CHANNEL.given_by: (unit, usual_unit(unit)), OF_INTEGRAL.given_by: (integral, integral)}
 
 
 @declare.dataclass

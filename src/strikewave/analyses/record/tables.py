@@ -67,7 +67,7 @@ def in_own_unit(name: str, unit: str, value: float) -> str:
     Examples
     --------
     >>> in_own_unit("peak", "m/s^2", 4900.0), in_own_unit("peak", "N", 500.0), in_own_unit("peak", "", 500.0)
-    ('499.7 g', '500 N', '500 (no unit)')
+    ('499.7 g', '0.5 kN', '500 (no unit)')
     """
     text = amount(name, unit, value)
     return text if unit or text == NONE else f"{number(name, unit, value)} (no unit)"

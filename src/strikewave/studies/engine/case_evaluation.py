@@ -17,13 +17,9 @@ from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Verdict
 from strikewave.base.shock_quantities import (
-    ACCELERATION,
-    FORCE,
-    LENGTH,
-    MICROSECONDS,
     RATIO,
-    STRESS,
     VARIATION,
+    usual_unit,
 )
 from strikewave.cases.case import Case
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
@@ -66,8 +62,6 @@ OF_ANY = {
     "window": Quantity("s", "ms", "from the first to the last blow"),
 }
 """Numbers of a run that may be published too."""
-USUAL = {one.si: one.usual for one in (FORCE, STRESS, ACCELERATION, MICROSECONDS, LENGTH)}
-"""Unit in which other numbers are shown as a rule, such as those of bars and elements, by SI unit."""
 OF_FIRST = tuple(
     quantity
     for which, _, quantity in (name.partition(".") for name in PUBLISHED_QUANTITIES)
@@ -408,5 +402,5 @@ def kept_number(case: Case, analysis: str, name: str) -> KeptNumber:
     if which in ("first", "typical") and of_blow in OF_BLOW:
         quantity = OF_BLOW[of_blow]._replace(label=f"{OF_BLOW[of_blow].label} of the {which} blow")
         return KeptNumber(name, quantity._replace(decimals=None, digits=FEWEST_DIGITS))
-    other = Quantity(si, USUAL.get(si, si), name.replace(".", " ").replace("_", " "))
+    other = Quantity(si, usual_unit(si), name.replace(".", " ").replace("_", " "))
     return KeptNumber(name, (OF_TRAIN | OF_FAST | OF_ANY).get(name, other))

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.agreement import CurveAgreement, agreement
-from strikewave.analyses.compare.curve import FIGURES, SHOWN_IN, ComparedCurve
+from strikewave.analyses.compare.curve import FIGURES, ComparedCurve
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
-from strikewave.base.shock_quantities import MICROSECONDS, OF_FIGURE, RATIO, SCORE
+from strikewave.base.shock_quantities import OF_FIGURE, RATIO, SCORE, usual_unit
 from strikewave.reporting.numbers import shown, with_unit
 from strikewave.reporting.parts import Tag, written
 from strikewave.signal.pulse import Pulse
@@ -34,8 +34,6 @@ HALVINGS = 12
 """Times that a drawn place is halved towards the best one at most: to 1/4000 of the bounds."""
 CHECK_STREAM = 31
 """Key of the draws."""
-USUAL = dict([*SHOWN_IN.items(), MICROSECONDS.units])
-"""Unit in which a figure is shown as a rule."""
 OF_NUMBER = Quantity.of_data("as the number")
 
 
@@ -54,12 +52,12 @@ class PredictedFigure:
     @property
     def given_units(self) -> GivenUnits:
         """Unit of the figure."""
-        return dict.fromkeys((OF_NUMBER.given_by, OF_FIGURE.given_by), (self.unit, USUAL.get(self.unit, self.unit)))
+        return dict.fromkeys((OF_NUMBER.given_by, OF_FIGURE.given_by), (self.unit, usual_unit(self.unit)))
 
     @declare.phrase("95 % band", column=MORE)
     def band(self) -> str:
         """Return the ends of the band."""
-        si, usual = self.unit or NO_UNIT, USUAL.get(self.unit, self.unit) or NO_UNIT
+        si, usual = self.unit or NO_UNIT, usual_unit(self.unit) or NO_UNIT
         return f"{written(shown(self.low, si, usual))} to {with_unit(self.high, si, usual)}"
 
     @declare.computed(declare.word("whether the band holds what was measured"))

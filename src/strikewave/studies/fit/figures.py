@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN
+from strikewave.analyses.compare.curve import QUANTITIES
 from strikewave.base.result import Verdicts, worse
+from strikewave.base.shock_quantities import usual_unit
 from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, headed, time_unit
 from strikewave.reporting.style import (
@@ -47,7 +48,7 @@ def draw_overlay(
 ) -> None:
     """Draw records, and the run laid on each, with the predictive bands of a posterior."""
     unit = pulses[0][0].unit
-    size, _ = axis_unit(unit, SHOWN_IN.get(unit, unit))
+    size, _ = axis_unit(unit, usual_unit(unit))
     second, name = time_unit(max(float(np.ptp(laid.time)) for _, laid in pulses))
     for number, (pulse, laid) in enumerate(pulses):
         time = (laid.time - laid.time[0]) / second
@@ -63,13 +64,13 @@ def draw_overlay(
 
 
 def _axis(pulse: MeasuredPulse) -> str:
-    return headed(QUANTITIES.get(pulse.unit, "value"), pulse.unit, SHOWN_IN.get(pulse.unit, pulse.unit))
+    return headed(QUANTITIES.get(pulse.unit, "value"), pulse.unit, usual_unit(pulse.unit))
 
 
 def draw_residual(axes: Any, pulses: list[tuple[MeasuredPulse, LaidPulse]]) -> None:
     """Draw what is left of each record, with the deviation of its noise."""
     pulse = pulses[0][0]
-    size, _ = axis_unit(pulse.unit, SHOWN_IN.get(pulse.unit, pulse.unit))
+    size, _ = axis_unit(pulse.unit, usual_unit(pulse.unit))
     second, name = time_unit(max(float(np.ptp(laid.time)) for _, laid in pulses))
     noise = (
         float(np.std(pulse.record.history.values[pulse.record.history.time < pulse.time[0]])) if pulse.quiet else 0.0

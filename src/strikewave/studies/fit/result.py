@@ -9,10 +9,10 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.curve import QUANTITIES, SHOWN_IN
+from strikewave.analyses.compare.curve import QUANTITIES
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quantity
-from strikewave.base.shock_quantities import RATIO, SHARE
+from strikewave.base.shock_quantities import RATIO, SHARE, usual_unit
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -348,9 +348,7 @@ class FitStudy(AskedResult):
             return None
         pulse, laid = self.pulses[0]
         words = f"residual of the {QUANTITIES.get(pulse.unit, 'value')}"
-        return history_curve(
-            laid.time, laid.computed - laid.measured, pulse.unit, SHOWN_IN.get(pulse.unit, pulse.unit), words
-        )
+        return history_curve(laid.time, laid.computed - laid.measured, pulse.unit, usual_unit(pulse.unit), words)
 
 
 def combination_words(study: FitStudy, group: Sequence[int]) -> str:

@@ -19,13 +19,12 @@ from strikewave.base.percents import percent
 from strikewave.base.result import BALANCE_LIMIT, RUN_BROKEN, status_of
 from strikewave.base.shock_quantities import (
     ENERGY,
-    FORCE,
     LENGTH,
     PULSE_WIDTH,
     RATIO,
-    STRESS,
     VARIATION,
     VELOCITY_CHANGE,
+    usual_unit,
 )
 from strikewave.cases.case import Case
 from strikewave.cases.law_names import CUSHION, POWER
@@ -71,8 +70,6 @@ DAMPING = Quantity("N s/m", "N s/m")
 MILLISECONDS = Quantity("s", "ms")
 TYPICAL, FIRST, WORST = "median of the later full blows", "of the first blow", "of the blow farthest from the goal"
 SCATTER, MISS = "standard deviation over mean of all struck blows", "by how much of itself the goal is missed"
-SHOWN_IN = dict(one.units for one in (STRESS, LENGTH, FORCE))
-"""Unit in which a limit is shown, by its own; others are shown in their own."""
 OWN_UNIT = "its unit"
 
 
@@ -134,7 +131,7 @@ class Limit:
     @property
     def given_units(self) -> declare.GivenUnits:
         """Its unit, and the one in which it is shown."""
-        return {OWN_UNIT: (self.unit, SHOWN_IN.get(self.unit, self.unit))}
+        return {OWN_UNIT: (self.unit, usual_unit(self.unit))}
 
 
 @declare.dataclass

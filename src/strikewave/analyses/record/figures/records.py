@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.shock_quantities import usual_unit
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.pulses import robust_line
@@ -72,27 +73,29 @@ class ChannelStyle(ShownQuantity):
         return f"{self.integral} ({self.integral_unit})"
 
 
-_SHOWN = {
-    "m/s^2": ChannelStyle("m/s^2", "g", "acceleration", "velocity", "m/s"),
-    "m/s": ChannelStyle("m/s", "m/s", "velocity", "displacement", "m"),
-    "N": ChannelStyle("N", "N", "force", "impulse", "N s"),
-    "Pa": ChannelStyle("Pa", "Pa", "pressure", "integral", "Pa s"),
-    "m": ChannelStyle("m", "m", "displacement", "integral", "m s"),
-    "V": ChannelStyle("V", "V", "voltage", "integral", "V s"),
-    "1": ChannelStyle("1", "m/m", "strain", "integral", "s"),
-    "": ChannelStyle("", "", "file's own numbers", "integral", "unit·s"),
+_NAMES = {
+    "m/s^2": ("acceleration", "velocity", "m/s"),
+    "m/s": ("velocity", "displacement", "m"),
+    "N": ("force", "impulse", "N s"),
+    "Pa": ("pressure", "integral", "Pa s"),
+    "m": ("displacement", "integral", "m s"),
+    "V": ("voltage", "integral", "V s"),
+    "1": ("strain", "integral", "s"),
+    "": ("file's own numbers", "integral", "unit·s"),
 }
+"""What a channel of an SI unit and its integral are called, and the SI unit of the integral."""
 
 
 def shown(unit: str) -> ChannelStyle:
-    """Return how values of an SI unit are drawn: accelerations in g as a rule, unknown ones as the file has them.
+    """Return how values of an SI unit are drawn: in their usual unit, unknown ones as the file has them.
 
     Examples
     --------
-    >>> shown("m/s^2").label, shown("").label, shown("N").integral_label
-    ('acceleration (g)', "file's own numbers", 'impulse (N s)')
+    >>> shown("m/s^2").label, shown("").label, shown("N").label, shown("N").integral_label
+    ('acceleration (g)', "file's own numbers", 'force (kN)', 'impulse (N s)')
     """
-    return _SHOWN.get(unit, ChannelStyle(unit, unit, "value", "integral", f"{unit} s"))
+    names = _NAMES.get(unit, ("value", "integral", f"{unit} s"))
+    return ChannelStyle(unit, "m/m" if unit == "1" else usual_unit(unit), *names)
 
 
 def history(reading: ChannelReading) -> Figure:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from strikewave.analyses.record.rows import INTEGRALS
-from strikewave.base.shock_quantities import SHOWN_OF_CHANNELS
+from strikewave.base.shock_quantities import usual_unit
 from strikewave.base.units import DIMENSIONS
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import with_unit
@@ -46,7 +46,7 @@ def value_text(value: float, unit: str) -> str:
     if unit == "1":
         return f"{significant(1e6 * value, 5)} ustrain"
     if unit in DIMENSIONS:
-        return with_unit(value, unit, SHOWN_OF_CHANNELS.get(unit, unit), 5)
+        return with_unit(value, unit, usual_unit(unit), 5)
     return f"{significant(value, 5)} {unit}".strip()
 
 

@@ -18,11 +18,11 @@ from strikewave.base.compiled import is_cold
 from strikewave.base.declare import declarations
 from strikewave.base.percents import percent
 from strikewave.base.result import Band
-from strikewave.base.shock_quantities import ACCELERATION, FORCE
+from strikewave.base.shock_quantities import ACCELERATION, FORCE, usual_unit
 from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.machines.blows import Blow
 from strikewave.reporting.faces import amount
-from strikewave.reporting.numbers import SHOWN_UNITS, axis_unit, time_unit, with_unit
+from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
 from strikewave.reporting.parts import NONE
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource
@@ -189,7 +189,7 @@ def compared(solution: Solution) -> list[list[str]]:
     rows = []
     for one in solution.comparisons:
         unit = PUBLISHED_QUANTITIES[one.quantity] or "1"
-        values = [with_unit(value, unit, SHOWN_UNITS.get(unit, unit)) for value in (one.published, one.computed)]
+        values = [with_unit(value, unit, usual_unit(unit)) for value in (one.published, one.computed)]
         difference = NONE if one.difference is None else percent(one.difference, 1, "+")
         rows.append([one.quantity, one.measured_or_simulated, one.role, *values, difference])
     return rows
