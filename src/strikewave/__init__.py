@@ -50,7 +50,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.studies.design.study import DesignStudy as DesignStudy
     from strikewave.studies.fit.result import FitStudy as FitStudy
     from strikewave.studies.fit.study import fit as fit
-    from strikewave.studies.map.question import map as map
+    from strikewave.studies.map.study import map as map
     from strikewave.studies.scatter.study import ScatterPlan as ScatterPlan
     from strikewave.studies.scatter.study import scatter as scatter
     from strikewave.studies.settings.drop_table.question import drop_table as drop_table
@@ -86,7 +86,7 @@ _HOMES = {
     "load_case": "cases.case",
     "load_setup": "analyses.hopkinson.setup_file",
     "load_solution": "analyses.machine.result",
-    "map": "studies.map.question",
+    "map": "studies.map.study",
     "material": "base.materials",
     "materials": "base.materials",
     "read_record": "records.readers",

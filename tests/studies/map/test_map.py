@@ -19,6 +19,8 @@ from strikewave.studies.map.cells import (
     FIELDS,
     PLACE,
     REASONS,
+    arrivals,
+    bounce_time,
     cell_of,
     machine_of,
     measured,
@@ -26,7 +28,6 @@ from strikewave.studies.map.cells import (
 )
 from strikewave.studies.map.regimes import IRREGULAR, MISSES, NO_RETURN, UNKNOWN, period_of, regime_of
 from strikewave.studies.map.report import setting_table
-from strikewave.studies.map.return_time import arrivals, bounce_time
 from strikewave.studies.map.study import MapStudy, check_plan, confirmed, in_full, make_map, plan_of
 from strikewave.uncertainty.statistics import variation
 

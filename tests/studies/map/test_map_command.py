@@ -262,7 +262,7 @@ def test_compiling_is_told_as_by_other_commands(strikewave, monkeypatch):
         numba.njit(lambda x: x + 1.0)(2.0)
         return make_map(*rest, **named)
 
-    monkeypatch.setattr("strikewave.studies.map.screen.make_map", compiles_first)
+    monkeypatch.setattr("strikewave.studies.map.report.make_map", compiles_first)
     _, _, err = strikewave(*FEW, "--json")
     assert err.count(WORDS) == 1
 

@@ -1,8 +1,13 @@
-"""One cell of a map: a machine with some of its settings changed, run fast, and what its blows come to."""
+"""One cell of a map: a machine with some of its settings changed, run fast, and what its blows come to.
+
+When the object is back on its stop: closed forms of its flight against the spring, and of its bounce.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import hashlib
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,14 +22,14 @@ from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_FAILED, Verdict
 from strikewave.base.shock_quantities import LENGTH, RATIO, TOTAL_PEAK, VARIATION
 from strikewave.cases.case import Case, parse_case
-from strikewave.machines import Machine
+from strikewave.machines import Machine, StruckObject
 from strikewave.machines.fast_train import FastTrain, fast_train, why_not
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.evaluation import Job, Row, RunOutcome
 from strikewave.studies.engine.plan import AxisVariation, grid
 from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.map.regimes import CYCLES, FAILED, IRREGULAR, UNKNOWN, Regime, regime_of
-from strikewave.studies.map.return_time import arrivals
+from strikewave.studies.settings.estimate import Support, return_arc
 from strikewave.studies.simulation import RUN_TOLERANCE
 from strikewave.uncertainty.statistics import variation
 
@@ -196,6 +201,13 @@ class MapPlan:
         variation = AxisVariation(self.variables, NOTE, {(): parse_case(self.case)})
         return Job(variation, CellEvaluation(self.blows, self.train))
 
+    def marked_text(self, wanted: float) -> str:
+        """Return the case as text, and above it what was asked: other axes are another result."""
+        sizes = " x ".join(f"{len(axis.values)} {axis.path}" for axis in self.axes)
+        key = hashlib.sha256(repr((dataclasses.astuple(self), wanted)).encode()).hexdigest()[:12]
+        asked = f"{sizes}, {self.blows} blows, trains of {self.train}, CV within {100.0 * wanted:g} %"
+        return f"# strikewave map of {asked}; plan {key}\n{self.case}"
+
     @property
     def rows(self) -> list[Row]:
         """The cells, x fastest, then y, then panels."""
@@ -325,6 +337,48 @@ def _turn(machine: Machine) -> int:
 def _largest(values: Array) -> float:
     known = values[~np.isnan(values)]
     return float(known.max()) if known.size else float("nan")
+
+
+def bounce_time(struck: StruckObject) -> float:
+    """Return how long the object stays on its stop before it is thrown back, s, its preload left out.
+
+    On a linear spring and damper without tension, d = (v/w_d) exp(-z w t) sin(w_d t) until k d + c d' = 0 at
+    w_d t = 2 acos(z): t = 2 acos(z) / (w sqrt(1 - z^2)), and with z > 1 t = 2 acosh(z) / (w sqrt(z^2 - 1))
+    (Schwager & Poschel 2007).
+
+    Examples
+    --------
+    >>> hard = StruckObject(0.06, 0.399, 9e7, 200.0, 40e3, 400.0, 0.0, 2e5, 1.0, 9.8)
+    >>> round(bounce_time(hard) * (2e5 / 0.459) ** 0.5 / math.pi, 9)
+    1.0
+    """
+    w = math.sqrt(struck.stop_stiffness / struck.mass)
+    z = struck.stop_damping / (2.0 * struck.mass * w)
+    if z == 1.0:
+        return 2.0 / w
+    return 2.0 * (math.acos(z) if z < 1.0 else math.acosh(z)) / (w * math.sqrt(abs(1.0 - z * z)))
+
+
+def arrivals(struck: StruckObject, speed: float) -> tuple[float, float]:
+    """Return when a struck object is back on its stop, and when again after one bounce, s; NaN where it never is.
+
+    It leaves the stop at a speed (m/s) and flies without friction; the second flight begins with the speed of the first
+    return times the stop's restitution.
+
+    Examples
+    --------
+    >>> soft = StruckObject(0.06, 0.399, 9e7, 200.0, 40e3, 400.0, 20.0, 2e5, 0.5, 9.8)
+    >>> [round(t * 1e3, 2) for t in arrivals(soft, 5.0)]
+    [6.9, 15.32]
+    """
+    support = Support(struck.spring, struck.preload, struck.damper)
+    weight = struck.mass * struck.gravity
+    try:
+        first = return_arc(support, struck.mass, speed, weight)
+        second = return_arc(support, struck.mass, struck.stop_restitution * first.speed, weight)
+    except ValueError:
+        return math.nan, math.nan
+    return first.time, first.time + bounce_time(struck) + second.time
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import typer
 from strikewave.reporting.options.kinds import Size, grid_size, one_of, share
 from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import CaseName, Changes, Cluster, Fresh, Processes
-from strikewave.studies.map.defaults import EQUAL, POINTS, TRAIN, X, Y
+from strikewave.studies.map import EQUAL, POINTS, TRAIN, X, Y
 
 SIZE = Size(*POINTS)
 """Points along the axes."""
@@ -86,13 +86,12 @@ def command(
     """
     from strikewave.cases.case import load_case
     from strikewave.studies.engine.runner import pool_of
-    from strikewave.studies.map.question import axes_of
-    from strikewave.studies.map.screen import MapCommand, run_map
-    from strikewave.studies.map.study import check_plan, plan_of
+    from strikewave.studies.map.report import MapCommand
+    from strikewave.studies.map.study import axes_of, check_plan, plan_of
 
     loaded = output.tested(load_case(case, changes or ()))
     plan = plan_of(loaded, axes_of(loaded, (x, y, panels), points, log or []), blows, train)
     count = min(workers, os.cpu_count() or 1)
     seconds = check_plan(plan, count)
-    making = MapCommand(plan, want_cv, pool_of(None, count, cluster), seconds, colour, fresh=fresh)
-    return run_map(plan, loaded.name, changes or (), making, output)
+    making = MapCommand(plan, pool_of(None, count, cluster), want_cv, seconds, colour, fresh=fresh)
+    return making.run(changes or (), output)

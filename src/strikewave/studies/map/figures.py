@@ -72,10 +72,11 @@ def colour_label(name: str) -> str:
     return headed(label_of(name, one), one.quantity.si, one.quantity.usual)
 
 
-def map_figure(study: MapStudy, colour: str = "cv") -> Figure:
+def map_figure(study: MapStudy) -> Figure:
     """Draw a map: a panel for each value of the third setting, where there is one."""
     from matplotlib.figure import Figure
 
+    colour = study.colour
     check_colour(colour)
     panels = study.plan.shape[0]
     size = (PANEL[0] * panels + MARGIN[0], PANEL[1] + MARGIN[1])

@@ -1,35 +1,38 @@
-"""The report of a map: where blows are equal, what trains settle to, and the nearest setting with equal blows."""
+"""What page and screen say of a map: where blows are equal, what trains settle to; and the command that makes one."""
 
 from __future__ import annotations
 
+import dataclasses
+from dataclasses import dataclass
+from typing import ClassVar
+
 from strikewave.base.declare import declarations
-from strikewave.reporting import chapters
+from strikewave.cases.case import Case, parse_case
 from strikewave.reporting.faces import columns_of, face_table, text_of
 from strikewave.reporting.numbers import percent
-from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table, Tag
-from strikewave.studies.map.cells import MapCell
+from strikewave.reporting.parts import Cell, Link, Part, Section, Table, Tag
+from strikewave.reporting.terminal import report_table, say, tell
+from strikewave.studies.command import Report, StudyCommand
+from strikewave.studies.engine.runner import finished_before
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.map.cells import MapCell, MapPlan
 from strikewave.studies.map.figures import colour_label, map_figure
-from strikewave.studies.map.study import MapStudy
+from strikewave.studies.map.study import MapStudy, make_map
+from strikewave.studies.study import picture_section, study_page
 
 
-def map_report(study: MapStudy, colour: str = "cv") -> str:
-    """Return the report of a map as one HTML page: no script, nothing fetched, the same bytes each time."""
+def map_report(study: MapStudy) -> str:
+    """Return the report of a map as one HTML page."""
     regimes = f" Hatches name the regime of a train of {study.plan.train} blows." if study.plan.train else ""
+    label = colour_label(study.colour)
     caption = (
-        f"{colour_label(colour)[0].upper()}{colour_label(colour)[1:]}, over {' and '.join(study.paths[:2])}."
+        f"{label[0].upper()}{label[1:]}, over {' and '.join(study.paths[:2])}."
         f"{regimes} The star is the case, the diamond the nearest setting with equal blows."
     )
-    sections = [
-        Section("Map", "", [Picture(map_figure(study, colour), caption, caption)]),
-        _nearest_section(study),
-        *([_regime_section(study)] if study.plan.train else []),
-        chapters.warnings(study.notices),
-        _axis_section(study),
-        chapters.inputs(study.case),
-    ]
+    outcome = [picture_section("Map", map_figure(study), caption), _nearest_section(study)]
+    outcome += [_regime_section(study)] if study.plan.train else []
     status = Tag("no setting with equal blows", "bad") if study.broken else None
-    summary = chapters.Summary("Report of a map", map_words(study), study.highlights(), status)
-    return chapters.result_page(study, summary, sections)
+    return study_page(study, map_words(study), outcome, _axis_section(study), "a map", status)
 
 
 def map_words(study: MapStudy) -> str:
@@ -111,3 +114,82 @@ def _axis_section(study: MapStudy) -> Section:
         Table("What map.nc and map.csv hold of each cell", ["field", "SI unit", "meaning"], fields),
     ]
     return Section("Axes and files", "", tables)
+
+
+picture, page = map_figure, map_report
+"""What a map shows in Python; see `strikewave.reporting.shown_result`."""
+
+
+@dataclass
+class MapCommand(StudyCommand[MapStudy]):
+    """A map as a command.
+
+    Attributes
+    ----------
+    wanted : float
+        Coefficient of variation below which blows count as even.
+    seconds : float
+        About how long it takes.
+    colour : str
+        What the picture shows.
+    """
+
+    name: ClassVar[str] = "map"
+    bar: ClassVar[str] = "map"
+    clocks: ClassVar[tuple[str, ...]] = ("left",)
+    formats: ClassVar[tuple[str, ...]] = ("svg", "png")
+
+    plan: MapPlan
+    wanted: float
+    seconds: float
+    colour: str
+
+    @property
+    def case(self) -> Case:
+        """What is mapped."""
+        return parse_case(self.plan.case)
+
+    @property
+    def marked_text(self) -> str:
+        """The case as text, and above it what is asked."""
+        return self.plan.marked_text(self.wanted)
+
+    def announced(self, store: RunStore) -> float:
+        """Say what is run, and about how long it takes."""
+        panels, rows, columns = self.plan.shape
+        size = f"{columns} x {rows}" + (f" x {panels}" if panels > 1 else "")
+        cells, done = panels * rows * columns, finished_before(self.plan.job, self.plan.rows, store)
+        stored = f", {done} of {cells} cells are there already" if done else ""
+        trains = f" and trains of {self.plan.train}" if self.plan.train else ""
+        seconds = max((1.0 - done / cells) * self.seconds, 1.0)
+        say(f"{size} machines, {self.plan.blows} blows{trains}: about {seconds:.0f} s on free cores{stored}")
+        return done / cells
+
+    def made(self, store: RunStore, report: Report) -> MapStudy:
+        """Return the map."""
+        study = make_map(
+            self.plan,
+            self.wanted,
+            store=store,
+            progress=lambda now: report(now.share, now.words),
+            pool=self.pool,
+        )
+        return dataclasses.replace(study, colour=self.colour)
+
+    def finished(self, store: RunStore) -> str:
+        """Say how many of its cells a store has."""
+        done = finished_before(self.plan.job, self.plan.rows, store)
+        return f"{done} of {len(self.plan.rows)} cells" if done else ""
+
+    def summary(self, result: MapStudy) -> str:
+        """Say what the blows are like, and where the nearest equal ones are."""
+        return map_words(result)
+
+    def show(self, result: MapStudy) -> None:
+        """Print shares of the regimes, why cells failed, the case, and the nearest even setting."""
+        report_table(regime_table(result))
+        for text, count in result.failures.items():
+            tell(f"no result, or no regime, in {count} cells: {text}")
+        report_table(setting_table(result, f"{result.case.name}: {result.plan.blows} blows"))
+        for one in result.refused:
+            tell(f"even by the fast run, but not in full: {one.setting}: {one.why}")

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import ClassVar
 
@@ -14,23 +13,24 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.machine.notices import fast_not_judged, run_verdict
 from strikewave.base import declare
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.declare import NO_UNIT, Quantity
-from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
+from strikewave.base.errors import InputError, IntegrationError, StrikewaveError, nearest
 from strikewave.base.quantities import Value
-from strikewave.base.result import RUN_PASSED, RUN_STATUSES, Notice, Source
+from strikewave.base.result import RUN_PASSED, RUN_STATUSES, Notice
 from strikewave.base.shock_quantities import VARIATION
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.written_case import dump_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
-from strikewave.reporting.case_result import ResultOfCase
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.studies.axes import HALF_TO_TWICE, Axis, case_at
-from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.runner import StudyProgress, carry_out
-from strikewave.studies.engine.store import RunStore, given_or_temporary
-from strikewave.studies.engine.variables import StudyVariable
+from strikewave.studies.axes import HALF_TO_TWICE, Axis, axis_of, case_at, units_of
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import Advance, at_work, finished_runs, share_reporter
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.variables import StudyVariable, read_ends, read_list
+from strikewave.studies.map import EQUAL, POINTS, TRAIN, X, Y
 from strikewave.studies.map.cells import (
     FIELDS,
     NOTE,
@@ -47,9 +47,9 @@ from strikewave.studies.map.cells import (
     cell_of,
     machine_of,
 )
-from strikewave.studies.map.defaults import TRAIN
 from strikewave.studies.map.regimes import NAMES
 from strikewave.studies.simulation import RUN_TOLERANCE
+from strikewave.studies.study import Study
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
@@ -69,21 +69,15 @@ MOST_SECONDS = 12 * 3600.0
 SECONDS_A_BLOW = 0.4e-3
 """About what a blow takes on one core, s: for the estimate only (measured: 0.3 ms, li-ma-2019)."""
 SHARE = Quantity(NO_UNIT, "%", decimals=1, digits=0)
+MOST_PANELS = 6
+"""Most values of a third setting."""
 CONFIRMED = 5
 """Even settings nearest to the case that are tried by full runs until one keeps the limit: each takes some 0.1 s
 (measured, li-ma-2019). Where the nearest five all disagree, the fast run is not to be trusted there."""
 
 
-def marked_text(plan: MapPlan, wanted: float) -> str:
-    """Return the case as text, and above it what was asked: other axes are another result."""
-    sizes = " x ".join(f"{len(axis.values)} {axis.path}" for axis in plan.axes)
-    key = hashlib.sha256(repr((dataclasses.astuple(plan), wanted)).encode()).hexdigest()[:12]
-    asked = f"{sizes}, {plan.blows} blows, trains of {plan.train}, CV within {100.0 * wanted:g} %"
-    return f"# strikewave map of {asked}; plan {key}\n{plan.case}"
-
-
 @declare.dataclass(eq=False)
-class MapStudy(ResultOfCase):
+class MapStudy(Study):
     """A map; see `Result` for what it shares with others.
 
     Attributes
@@ -98,8 +92,8 @@ class MapStudy(ResultOfCase):
         The nearest even setting that a full run confirms; the case itself, at distance 0, where it is even already.
     refusals : tuple of Refusal
         Nearer ones whose full runs disagree.
-    asked : str
-        Command line that gives it again, where one does.
+    colour : str
+        What the picture shows: one of `strikewave.studies.map.figures.COLOURS`.
     """
 
     command: ClassVar[str] = "map"
@@ -113,7 +107,7 @@ class MapStudy(ResultOfCase):
     present: dict[str, float]
     setting: EvenSetting | None = None
     refusals: tuple[Refusal, ...] = ()
-    asked: str = ""
+    colour: str = "cv"
 
     @cached_property
     def case(self) -> Case:
@@ -121,9 +115,9 @@ class MapStudy(ResultOfCase):
         return parse_case(self.plan.case)
 
     @property
-    def source(self) -> Source:
-        """The case, and above it what was asked."""
-        return Source("case", self.case.name, marked_text(self.plan, self.wanted), asked=self.asked)
+    def marked_text(self) -> str:
+        """The case as text, and above it what was asked."""
+        return self.plan.marked_text(self.wanted)
 
     @property
     def paths(self) -> tuple[str, ...]:
@@ -271,8 +265,8 @@ class MapStudy(ResultOfCase):
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document, and the case of the nearest even setting, as files."""
-        texts = {"map.json": self.document_text()}
-        return texts if self.setting is None else {**texts, "equal-blows.toml": dump_case(self.nearest_case())}
+        even = {} if self.setting is None else {"equal-blows.toml": dump_case(self.nearest_case())}
+        return super().texts() | even
 
     def tables(self) -> dict[str, str]:
         """Return the table of cells."""
@@ -366,7 +360,7 @@ def make_map(
     wanted: float,
     workers: int = 1,
     store: RunStore | None = None,
-    progress: Callable[[StudyProgress], None] | None = None,
+    progress: Advance | None = None,
     pool: Pool | None = None,
 ) -> MapStudy:
     """Make a map: every cell run fast, and the nearest even setting tried in full.
@@ -397,15 +391,13 @@ def make_map(
     case = parse_case(plan.case)
     machine_of(case)
     present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
-    with given_or_temporary(store) as kept:
-        with ProcessPool(workers) if pool is None else pool as ready:
-            finished = carry_out(plan.job, plan.rows, kept, ready, progress)
-        cells, _, _ = kept.table(tuple(FIELDS), finished.keys)
-        verdicts = kept.verdicts(finished.keys, "cells", fast_not_judged(case))
-    study = MapStudy(plan, cells.reshape(*plan.shape, len(FIELDS)), wanted, present, verdicts=verdicts)
+    with at_work(store, pool, workers) as (kept, ready):
+        runs = finished_runs(plan.job, plan.rows, kept, ready, progress, "cells", fast_not_judged(case))
+    cells = runs.numbers.reshape(*plan.shape, len(FIELDS))
+    study = MapStudy(plan, cells, wanted, present, verdicts=runs.verdicts)
     setting, refused = confirmed(study)
     study = dataclasses.replace(study, setting=setting, refusals=refused)
-    return dataclasses.replace(study, notices=(*verdicts.notices(), *range_notices(study)))
+    return dataclasses.replace(study, notices=(*runs.verdicts.notices(), *range_notices(study)))
 
 
 def range_notices(study: MapStudy) -> Iterator[Notice]:
@@ -468,3 +460,94 @@ def plan_of(case: Case, axes: tuple[Axis, ...], own: int | None = None, train: i
         raise InputError("--y", paths[-1], "another quantity than the other axes")
     count = int(case.rotary_tables().feed.blows.si) if own is None else own
     return MapPlan(dump_case(case), axes, count, train)
+
+
+@compiling_shown()
+def map(
+    case: Case,
+    x: str = X,
+    y: str = Y,
+    *,
+    panels: str | None = None,
+    points: tuple[int, int] = POINTS,
+    log: Sequence[str] = (),
+    blows: int | None = None,
+    train: int = TRAIN,
+    want_cv: float = EQUAL,
+    workers: int = 1,
+    progress: Callable[[float], None] | None = None,
+) -> MapStudy:
+    """Map a machine over two of its settings: how even its blows are, and the nearest setting with equal blows.
+
+    Parameters
+    ----------
+    case : Case
+        Of a rotary machine.
+    x, y : str, optional
+        Setting along each axis, with a range or without: ``machine.speed=400..1000 rpm``. Without one it goes from
+        half to twice the value of the case.
+    panels : str, optional
+        Third setting, with the value of each panel: ``object.damper=10 N s/m, 40 N s/m``.
+    points : (int, int), optional
+        Along x and y.
+    log : sequence of str, optional
+        Axes with logarithmic spacing: ``x``, ``y``.
+    blows : int, optional
+        That of the case by default.
+    train : int, optional
+        Blows of the longer train that names the regime; 0 for none.
+    want_cv : float, optional
+        Largest coefficient of variation of equal blows.
+    workers : int, optional
+        Processes. With more than one, call it below ``if __name__ == "__main__":``.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Returns
+    -------
+    MapStudy
+        Fields over both settings, and the nearest setting with equal blows, if there is one.
+
+    Raises
+    ------
+    InputError
+        If the case has no such setting, a range is none, or the map is too large.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> case = strikewave.load_case("li-ma-2019")
+    >>> study = strikewave.map(case, "machine.speed=700..730 rpm", points=(2, 2), blows=3, train=0)
+    >>> study.field("cv").shape
+    (1, 2, 2)
+    """
+    plan = plan_of(case, axes_of(case, (x, y, panels), points, log), blows, train)
+    return make_map(plan, want_cv, workers, progress=share_reporter(progress))
+
+
+def axes_of(
+    case: Case, given: tuple[str, str, str | None], points: tuple[int, int], log: Sequence[str]
+) -> tuple[Axis, ...]:
+    """Return the axes of a map from what was typed."""
+    axes = []
+    for option, text, size in zip(("x", "y"), given[:2], points, strict=True):
+        path, equals, typed = (part.strip() for part in str(text).partition("="))
+        _check_path(case, path)
+        ends = read_ends(case, path, typed)
+        if equals and ends is None:
+            raise InputError(f"--{option}", text, "setting=low..high", f'such as --{option} {X}="400..1000 rpm"')
+        axes.append(axis_of(case, path, ends, size, option in log))
+    if given[2] is None:
+        return tuple(axes)
+    path, _, listed = (part.strip() for part in given[2].partition("="))
+    _check_path(case, path)
+    values = read_list(case, path, listed)
+    if not 1 <= len(values) <= MOST_PANELS:
+        allowed = f"setting=value,value, with 1 to {MOST_PANELS} values"
+        raise InputError("--panels", given[2], allowed, 'such as object.damper="10 N s/m, 40 N s/m"')
+    return (*axes, Axis(path, *units_of(path, values[0]), tuple(sorted(v.si for v in values))))
+
+
+def _check_path(case: Case, path: str) -> None:
+    if path not in case.values():
+        raise InputError(path, path, "a quantity of the case", nearest(path, case.values()))

@@ -12,7 +12,7 @@ from strikewave.base.errors import InputError
 from strikewave.cases.case_files import bundled_cases
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.specifications.reading import asked_names
-from strikewave.studies.map.defaults import X, Y
+from strikewave.studies.map import X, Y
 from strikewave.studies.scatter.study import ScatterPlan
 from strikewave.web.case.loading import loaded
 from strikewave.web.jobs import Say
