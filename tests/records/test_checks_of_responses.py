@@ -1,20 +1,18 @@
 """Checks of a channel that answers, part by part: records and responses made by hand, each bound from both sides."""
 
-import importlib
 import math
 
 import numpy as np
 import pytest
 
-from strikewave.records.health.response import blows, examined, sampling, zero
-from strikewave.records.health.response import range as limits
-from strikewave.records.health.response.examined import ExaminedResponse
-from strikewave.records.health_notice import RESPONSE_FIGURES
+from strikewave.records.health import blows, examine, limits, noise, sampled_record, sampling, zero
+from strikewave.records.health.sampled_record import ResponseRecord
+from strikewave.records.health_notice import OF_RESPONSES, RESPONSE_FIGURES, Check, Fault
 from strikewave.records.modes import FEWEST, Mode
 from strikewave.records.pulses import MAD_TO_SIGMA, sample_noise
 from strikewave.records.response import BaseBlow, FreeDecay, MeasuredResponse, measure_responses
+from strikewave.records.thresholds import OfNoise
 
-noise = importlib.import_module("strikewave.records.health.response.noise")  # the package has a check of that name
 STEP, START = 2.0**-10, 3.0
 """A step of about 1 ms that a double holds, so that places are exact."""
 
@@ -37,12 +35,13 @@ def blow(place, peak=5.0):
 
 
 def record(values, *responses, places=(100,), base=None):
-    return ExaminedResponse(
+    return ResponseRecord(
         np.asarray(values, float), STEP, START, "N", [blow(place) for place in places], responses or (response(),), base
     )
 
 
 FLAT = np.zeros(500)
+SHIFTED = (zero.drift_before_response, zero.ac_coupling_of_response, zero.shift_after_response)
 
 
 # What was measured
@@ -83,7 +82,7 @@ def test_what_other_values_change_of_figures():
     t = STEP * np.arange(600)
     swing = np.r_[np.zeros(100), 10.0 * np.exp(-8.0 * t[:500]) * np.sin(2.0 * np.pi * 20.0 * t[:500])]
     both = [blow(100)]
-    one = ExaminedResponse(swing, STEP, START, "N", both, measure_responses(swing, STEP, START, both))
+    one = ResponseRecord(swing, STEP, START, "N", both, measure_responses(swing, STEP, START, both))
     found = one.against(swing / 1.1)
     assert found["peak"] == pytest.approx(0.1)
     assert found["rms"] == pytest.approx(0.1)
@@ -114,8 +113,8 @@ def test_what_a_level_moves_of_figures():
     assert (
         record(values, response(duration=0.0, rms=2.0)).moved_by(1.0)["rms"] == 0.5 * (0.5 / 2.0) ** 2
     )  # white noise adds its square
-    assert examined._above(np.array([0.0, 3.0, 1.0, 2.0, 0.0]), 1.0) == (1, 3)
-    assert examined._above(np.zeros(3), 1.0) == (0, 0)
+    assert sampled_record._above(np.array([0.0, 3.0, 1.0, 2.0, 0.0]), 1.0) == (1, 3)
+    assert sampled_record._above(np.zeros(3), 1.0) == (0, 0)
 
 
 def test_a_base_drives_each_mode():
@@ -151,7 +150,8 @@ def test_what_only_makes_a_timing_uncertain_is_no_reason():
     for effects, severity, harms in (
         ({"delay": 0.06, "rms": 0.06}, "good", ("delay", "rms")), ({"peak": 0.06}, "suspect", ("peak", "ratio")), ({"peak": 0.04}, "good", ()),
     ):  # fmt: skip
-        found = examined.finding("a", "b", 3.0, effects, start=7.0)
+        fault = Fault(3.0, start=7.0, effects=effects)
+        [found] = Check("a", "suspect", OF_RESPONSES, lambda one, fault=fault: [fault], "b").notices(record(FLAT))
         assert (found.severity, found.harms, found.start, found.value) == (severity, harms, 7.0, 3.0)
 
 
@@ -173,8 +173,9 @@ def test_the_top_of_a_sine_that_a_parabola_misses(count):
     ("count", "amplitude", "found"), [(7.9, 5.0, True), (8.1, 5.0, False), (7.9, 2.1, True), (7.9, 1.9, False)]
 )
 def test_a_swing_of_fewer_than_eight_samples_is_told(count, amplitude, found):
-    said = sampling.few_samples(
-        record(FLAT, response(modes=(mode(1.0 / (count * STEP), amplitude=amplitude), mode(5.0))))
+    said = examine(
+        record(FLAT, response(modes=(mode(1.0 / (count * STEP), amplitude=amplitude), mode(5.0)))),
+        sampling.few_samples_of_swing,
     )
     assert [(one.code, one.value) for one in said] == [("few-samples", pytest.approx(count))] * found
     if found:
@@ -191,35 +192,39 @@ def test_a_spectrum_is_sought_about_the_onset(monkeypatch):
 
     monkeypatch.setattr(sampling, "folded_level", level)
     values = np.arange(500.0)
-    (said,) = sampling.aliased(record(values))
+    (said,) = examine(record(values), sampling.aliased_response)
     assert seen[0] == [float(k) for k in range(300)]  # a window of 200, of its own length before it: only 100 there
     assert (said.value, said.harms) == (0.25, RESPONSE_FIGURES)
-    sampling.aliased(record(values, response(decay=FreeDecay(START, START + 100 * STEP)), places=(300,)))
+    examine(
+        record(values, response(decay=FreeDecay(START, START + 100 * STEP)), places=(300,)), sampling.aliased_response
+    )
     assert seen[1] == [float(k) for k in range(300 - 2 * FEWEST, 300 + 2 * FEWEST)]
-    assert sampling.aliased(record(values)) == []
+    assert examine(record(values), sampling.aliased_response) == []
 
 
 def test_hum_and_noise_are_told_from_a_share_of_the_peak_on(monkeypatch):
-    from strikewave.records.health.noise import NOTED_HUM, NOTED_NOISE
-
     spans = []
     for share, said in ((1.01, True), (0.99, False)):
-        monkeypatch.setattr(noise, "hum_beside", lambda *a, s=share: spans.append(a[3]) or (50.0, s * NOTED_HUM * 10.0))
-        assert [one.value for one in noise.hum(record(FLAT))] == [pytest.approx(share * NOTED_HUM * 10.0)] * said
-        scatter = share * NOTED_NOISE * 10.0 / 2.0  # k = 2
+        monkeypatch.setattr(
+            noise, "hum_beside", lambda *a, s=share: spans.append(a[3]) or (50.0, s * OfNoise.NOTED_HUM * 10.0)
+        )
+        assert [one.value for one in examine(record(FLAT), noise.hum_of_response)] == [
+            pytest.approx(share * OfNoise.NOTED_HUM * 10.0)
+        ] * said
+        scatter = share * OfNoise.NOTED * 10.0 / 2.0  # k = 2
         values = np.r_[np.tile([scatter, -scatter], 50) / MAD_TO_SIGMA, np.zeros(400)]
         values[150] = 10.0
-        assert [one.value for one in noise.noise(record(values, response(duration=0.0, rms=1e6)))] == [
-            pytest.approx(scatter)
-        ] * said
+        assert [
+            one.value for one in examine(record(values, response(duration=0.0, rms=1e6)), noise.noise_of_response)
+        ] == [pytest.approx(scatter)] * said
     assert spans[0] == [(START + 100 * STEP, START + 200 * STEP)]
     monkeypatch.setattr(noise, "hum_beside", lambda *a: None)
-    assert noise.hum(record(FLAT)) == []
+    assert examine(record(FLAT), noise.hum_of_response) == []
 
 
 def test_too_little_before_a_blow_is_told():
-    assert noise.short_before(record(FLAT, places=(FEWEST,))) == []
-    (said,) = noise.short_before(record(FLAT, places=(FEWEST - 1,)))
+    assert examine(record(FLAT, places=(FEWEST,)), noise.short_before_response) == []
+    (said,) = examine(record(FLAT, places=(FEWEST - 1,)), noise.short_before_response)
     assert (said.value, said.severity, said.end) == (FEWEST - 1, "good", START + (FEWEST - 1) * STEP)
 
 
@@ -233,7 +238,7 @@ def test_too_little_before_a_blow_is_told():
 def test_an_answer_is_twice_what_comes_before_and_eight_times_its_noise(before, scatter, peak, found):
     values = np.r_[np.tile([scatter, -scatter], 50) / MAD_TO_SIGMA, np.zeros(400)]
     values[7], values[400] = before, 1e-3  # so that no converter has large steps
-    said = blows.nothing(record(values, response(peak=peak)))
+    said = examine(record(values, response(peak=peak)), blows.no_answer)
     assert [(one.code, one.value, one.severity) for one in said] == [("no-response", peak, "bad")] * found
 
 
@@ -241,37 +246,41 @@ def test_an_answer_is_twice_what_comes_before_and_eight_times_its_noise(before, 
 def test_a_channel_that_does_more_before_its_blow_comes_early(highest, early):
     values = FLAT.copy()
     values[60] = -10.0
-    words = blows._early(record(values), values[:100], highest)
-    assert bool(words) is early
+
+    def words(values, highest, places=(100,)):
+        found = examine(record(values, response(peak=highest), places=places), blows.early)
+        return found[0].message if found else ""
+
+    said = words(values, highest)
+    assert bool(said) is early
     if early:
         assert (
             f"reaches 10 N {1e3 * 45 * STEP:.3g}\xa0ms before the peak of the blow of the base, and 4.9 N after the blow"
-            in words
+            in said
         )
-    several = blows._early(record(values, places=(100, 300)), values[:100], highest)
-    assert "peak of the first blow" in several  # whatever comes after the next one
-    small = 1e-4 * values
-    assert blows._early(record(small, places=(100, 300)), small[:100], 1e-4 * highest) != ""
-    assert blows._early(record(values), values[:0], 1.0) == ""
-    loud = np.tile([1.3, -1.3], 250) / MAD_TO_SIGMA
-    loud[60] = -10.0
-    assert blows._early(record(loud), loud[:100], 1.0) == ""
-    assert blows._early(record(loud * 0.9), loud[:100], 1.0) != ""
+    assert "peak of the first blow" in words(values, highest, places=(100, 300))  # whatever comes after the next one
+    assert words(1e-4 * values, 1e-4 * highest, places=(100, 300)) != ""
+    assert words(values, 1.0, places=(0,)) == ""
+    for scatter, early_ in ((1.3, False), (1.17, True)):  # ten is eight times the second, not the first
+        loud = np.tile([scatter, -scatter], 250) / MAD_TO_SIGMA
+        loud[60] = -10.0
+        assert bool(words(loud, 1.0)) is early_
 
 
 def test_a_response_is_cut_within_half_a_swing_of_its_end():
     """Half of 51.2 samples and one more; the message says which comes, and of how many."""
     for rest, found in ((26.5, True), (26.7, False)):
         one = response(begin=START + 300 * STEP, duration=(200.0 - rest) * STEP)
-        said = blows.cut(record(FLAT, one))
+        said = examine(record(FLAT, one), blows.cut_response)
         assert [(f.code, f.value, f.harms) for f in said] == [
             ("cut", pytest.approx(one.begin + one.duration), ("duration", "rms"))
         ] * found
     at_end = response(begin=START + 300 * STEP, duration=190 * STEP)
-    assert "the record ends before" in blows.cut(record(FLAT, at_end))[0].message
+    assert "the record ends before" in examine(record(FLAT, at_end), blows.cut_response)[0].message
     first = response(begin=START + 120 * STEP, duration=170 * STEP)
-    (said,) = blows.cut(
-        record(FLAT, first, response(blow=2, begin=START + 310 * STEP, duration=20 * STEP), places=(100, 300))
+    (said,) = examine(
+        record(FLAT, first, response(blow=2, begin=START + 310 * STEP, duration=20 * STEP), places=(100, 300)),
+        blows.cut_response,
     )
     assert "the next blow comes before" in said.message
     assert "(1 of 2 responses)" in said.message
@@ -284,7 +293,7 @@ def test_a_response_is_cut_within_half_a_swing_of_its_end():
 def test_steps_of_the_converter_are_told_from_a_twenty_fifth_of_the_peak(step, found):
     values = FLAT.copy()
     values[150:155] = step * np.array([1.0, 3.0, 20.0, 3.0, 1.0])
-    said = limits.coarse(record(values))
+    said = examine(record(values), limits.coarse)
     assert [(one.code, one.value) for one in said] == [("coarse", pytest.approx(step))] * found
 
 
@@ -297,22 +306,22 @@ def test_a_spike_stands_off_the_cubic_through_its_neighbours(near, far, found):
     values = FLAT.copy()
     values[148:153] = far, near, 10.0, near, far
     values[400] = 1e-3  # so that no converter has large steps
-    said = limits.spike(record(values))
+    said = examine(record(values), limits.spike)
     assert [(one.code, one.value) for one in said] == [("spike", 10.0)] * found
-    assert limits.spike(record(values, response(time=START + 1 * STEP))) == []
-    assert limits.spike(record(values, response(time=START + 498 * STEP))) == []
+    assert examine(record(values, response(time=START + 1 * STEP)), limits.spike) == []
+    assert examine(record(values, response(time=START + 498 * STEP)), limits.spike) == []
 
 
 def test_a_rail_on_either_side_is_clipped():
     values = 10.0 * np.sin(2.0 * np.pi * np.arange(500) / 50.0)
     for sign in (1.0, -1.0):
         cut = np.minimum(sign * values, 7.0) * sign
-        (said,) = limits.clipped(record(cut))
+        (said,) = examine(record(cut), limits.clipped_response)
         assert (said.value, said.severity) == (7.0 * sign, "bad")
         at = np.flatnonzero(cut == 7.0 * sign)
         assert (said.start, said.end) == (pytest.approx(START + at[0] * STEP), pytest.approx(START + at[-1] * STEP))
         assert f"for {at.size * STEP * 1e6:.4g} us" in said.message
-    assert limits.clipped(record(values * np.exp(-np.arange(500) / 300.0))) == []
+    assert examine(record(values * np.exp(-np.arange(500) / 300.0)), limits.clipped_response) == []
 
 
 @pytest.mark.parametrize(("clip", "found"), [(0.98, False), (0.85, True)])
@@ -321,9 +330,9 @@ def test_tops_flatter_than_those_of_a_sine_are_told(clip, found):
     t = np.arange(500.0)
     swing = np.where(t >= 100, np.sin(2.0 * np.pi * (t - 100) / 50.0), 0.0)
     soft = np.clip(swing, -clip, clip) * 10.0
-    said = limits.saturated(record(soft, response(peak=10.0 * clip)))
+    said = examine(record(soft, response(peak=10.0 * clip)), limits.saturated)
     assert [one.code for one in said] == ["flat-top"] * found
-    assert limits.saturated(record(10.0 * swing)) == []
+    assert examine(record(10.0 * swing), limits.saturated) == []
 
 
 def test_a_slope_that_stays_is_a_slew_rate():
@@ -332,11 +341,13 @@ def test_a_slope_that_stays_is_a_slew_rate():
     triangle = np.where(t >= 100, np.interp((t - 100) % 48.0, [0.0, 12.0, 36.0, 48.0], [0.0, 10.0, -10.0, 0.0]), 0.0)
     sine = np.where(t >= 100, 10.0 * np.sin(2.0 * np.pi * (t - 100) / 48.0), 0.0)
     period = (mode(1.0 / (48.0 * STEP)),)
-    assert [one.code for one in limits.slew_limited(record(triangle, response(modes=period)))] == ["slew-rate"]
-    assert limits.slew_limited(record(sine, response(modes=period))) == []
-    assert limits.slew_limited(record(triangle[:112], response(modes=period))) == []  # four lags of three samples
-    assert len(limits.slew_limited(record(triangle[:113], response(modes=period)))) == 1
-    assert limits.slew_limited(record(FLAT, response(modes=period))) == []
+    assert [one.code for one in examine(record(triangle, response(modes=period)), limits.slew_limited)] == ["slew-rate"]
+    assert examine(record(sine, response(modes=period)), limits.slew_limited) == []
+    assert (
+        examine(record(triangle[:112], response(modes=period)), limits.slew_limited) == []
+    )  # four lags of three samples
+    assert len(examine(record(triangle[:113], response(modes=period)), limits.slew_limited)) == 1
+    assert examine(record(FLAT, response(modes=period)), limits.slew_limited) == []
 
 
 # Zero
@@ -346,7 +357,7 @@ def test_a_slope_that_stays_is_a_slew_rate():
     ("level", "severity"), [(0.49, None), (0.51, "good"), (4.9, "good"), (5.1, "suspect"), (-5.1, "suspect")]
 )
 def test_a_zero_is_told_from_a_twentieth_of_the_peak_on(level, severity):
-    said = zero.offset(record(FLAT, response(zero=level)))
+    said = examine(record(FLAT, response(zero=level)), zero.offset_of_response)
     assert [(one.code, one.value, one.severity) for one in said] == (
         [("not-settled", level, severity)] if severity else []
     )
@@ -387,8 +398,8 @@ def test_a_drift_before_a_blow_is_told_from_a_hundredth_of_the_peak_on():
         values = drifting(share * 0.01 * 10.0 / 499.0, scatter=1e-5)
         values[150] = 10.0
         both = [blow(100)]
-        one = ExaminedResponse(values, STEP, START, "N", both, [response(modes=())])
-        said = [f for f in zero.shifted(one) if f.code == "drift"]
+        one = ResponseRecord(values, STEP, START, "N", both, [response(modes=())])
+        said = [f for f in examine(one, *SHIFTED) if f.code == "drift"]
         assert [f.value for f in said] == [pytest.approx(share * 0.1, rel=1e-2)] * found
 
 
@@ -404,7 +415,7 @@ def decaying(level=0.0, decay=0.0, constant=0.1):
 def test_the_zero_behind_a_blow_is_found_beside_the_modes():
     def found(values):
         both = [blow(100)]
-        one = ExaminedResponse(values, STEP, START, "N", both, measure_responses(values, STEP, START, both))
+        one = ResponseRecord(values, STEP, START, "N", both, measure_responses(values, STEP, START, both))
         return one, zero._zero_after(one, one.above)
 
     one, after = found(decaying(0.5))
@@ -413,11 +424,11 @@ def test_the_zero_behind_a_blow_is_found_beside_the_modes():
     assert level + decay == pytest.approx(0.5, abs=0.02)
     assert constant > 0.3 * one.period
     assert found(decaying())[1] is None or abs(found(decaying())[1][1]) < 0.01
-    said = zero.shifted(found(decaying(0.5))[0])
+    said = examine(found(decaying(0.5))[0], *SHIFTED)
     assert [f.code for f in said] == ["zero-shift"]
     assert said[0].value == pytest.approx(0.5, abs=0.02)
     assert said[0].start == blow(100).end
-    assert [f.code for f in zero.shifted(found(decaying(0.05))[0])] == []  # a two-hundredth of the peak
+    assert [f.code for f in examine(found(decaying(0.05))[0], *SHIFTED)] == []  # a two-hundredth of the peak
 
 
 def test_a_free_decay_is_thinned_and_has_two_waves_a_mode(monkeypatch):
@@ -451,10 +462,11 @@ def test_a_free_decay_is_thinned_and_has_two_waves_a_mode(monkeypatch):
 def test_a_zero_that_decays_is_coupled_or_has_shifted(monkeypatch, level, decay, coupled, code):
     """From a hundredth of the peak on; what is taken off grows from the blow at 100 to the decay at 160."""
     seen = []
-    monkeypatch.setattr(ExaminedResponse, "against", lambda self, values: seen.append(values) or {"peak": -0.01})
+    monkeypatch.setattr(ResponseRecord, "against", lambda self, values: seen.append(values) or {"peak": -0.01})
     monkeypatch.setattr(zero, "_is_coupled", lambda *args: coupled)
-    one = ExaminedResponse(FLAT, STEP, START, "N", [blow(100)], [response()])
-    said = zero._shifted_after(one, FLAT, (160, level, decay, 0.05))
+    one = ResponseRecord(FLAT, STEP, START, "N", [blow(100)], [response()])
+    monkeypatch.setattr(zero, "_zero_after", lambda one, above: (160, level, decay, 0.05))
+    said = examine(one, *SHIFTED)
     assert [f.code for f in said] == ([code] if code else [])
     if code == "ac-coupling":
         assert (said[0].value, said[0].start) == (0.05, blow(100).end)
@@ -498,13 +510,15 @@ def test_a_drift_is_carried_to_the_end_of_the_response(monkeypatch):
     """From the middle of what lies before the blow to the end of the effective duration: 150 samples."""
     values = drifting(2e-3)
     reaches = []
-    monkeypatch.setattr(ExaminedResponse, "against", lambda self, values: {"peak": 0.0})
+    monkeypatch.setattr(ResponseRecord, "against", lambda self, values: {"peak": 0.0})
     monkeypatch.setattr(
-        ExaminedResponse, "moved_by", lambda self, reach: reaches.append(reach) or dict.fromkeys(examined.JUMPING, 0.0)
+        ResponseRecord,
+        "moved_by",
+        lambda self, reach: reaches.append(reach) or dict.fromkeys(sampled_record.JUMPING, 0.0),
     )
     monkeypatch.setattr(zero, "_zero_after", lambda one, above: None)
-    one = ExaminedResponse(values, STEP, START, "N", [blow(100)], [response(modes=())])
-    assert [f.code for f in zero.shifted(one)] == ["drift"]
+    one = ResponseRecord(values, STEP, START, "N", [blow(100)], [response(modes=())])
+    assert [f.code for f in examine(one, *SHIFTED)] == ["drift"]
     assert reaches == [pytest.approx(150.0 * abs(zero._line_before(one)[1]))]
 
 
@@ -516,16 +530,16 @@ def test_tops_lower_than_the_modes_make_them_are_compressed(monkeypatch, limit, 
     values = np.r_[np.zeros(100), np.where(np.abs(template) < 6.0, template, limit * template)]
     ends = []
     monkeypatch.setattr(
-        ExaminedResponse, "driven", lambda self, end: ends.append(end) or np.r_[np.zeros(100), template][:end, None]
+        ResponseRecord, "driven", lambda self, end: ends.append(end) or np.r_[np.zeros(100), template][:end, None]
     )
-    said = limits.compressed(record(values, response(peak=10.0 * limit)))
+    said = examine(record(values, response(peak=10.0 * limit)), limits.compressed)
     assert ends == [301]
     assert [(f.code, f.value, f.harms) for f in said] == (
         [("flat-top", pytest.approx(1.0 - limit, abs=2e-3), RESPONSE_FIGURES)] if found else []
     )
     assert [dict(f.effects)["peak"] for f in said] == [-f.value for f in said]
-    monkeypatch.setattr(ExaminedResponse, "driven", lambda self, end: None)
-    assert limits.compressed(record(values)) == []
+    monkeypatch.setattr(ResponseRecord, "driven", lambda self, end: None)
+    assert examine(record(values), limits.compressed) == []
 
 
 @pytest.mark.parametrize(("stray", "found"), [(0.0, True), (0.05, True), (0.15, False)])
@@ -534,18 +548,18 @@ def test_tops_of_modes_that_are_not_known_are_not_compressed(monkeypatch, stray,
     t = np.arange(400.0)
     template = 10.0 * np.sin(2.0 * np.pi * t / 50.0)
     values = np.where(np.abs(template) < 6.0, template + stray * (-1.0) ** t, 0.94 * template)
-    monkeypatch.setattr(ExaminedResponse, "driven", lambda self, end: np.r_[np.zeros(100), template][:end, None])
-    assert bool(limits.compressed(record(np.r_[np.zeros(100), values], response(peak=9.4)))) is found
+    monkeypatch.setattr(ResponseRecord, "driven", lambda self, end: np.r_[np.zeros(100), template][:end, None])
+    assert bool(examine(record(np.r_[np.zeros(100), values], response(peak=9.4)), limits.compressed)) is found
 
 
 def test_noise_that_only_makes_a_timing_uncertain_is_told(monkeypatch):
     for effects, said in (({"delay": 0.06}, True), ({"duration": 0.04}, False), ({"rms": 0.06}, True)):
         monkeypatch.setattr(
-            ExaminedResponse,
+            ResponseRecord,
             "moved_by",
             lambda self, reach, e=effects: dict.fromkeys(("peak", "rms", "delay", "duration"), 0.0) | e,
         )
-        assert bool(noise.noise(record(FLAT))) is said
+        assert bool(examine(record(FLAT), noise.noise_of_response)) is said
 
 
 def test_hum_is_sought_beside_what_each_blow_does(monkeypatch):
@@ -560,10 +574,10 @@ def test_hum_is_sought_beside_what_each_blow_does(monkeypatch):
     monkeypatch.setattr(noise, "hum_beside", beside)
     answers = [response(blow=1), response(blow=3, begin=START + 350 * STEP, duration=30 * STEP)]
     one = record(FLAT, *answers, places=(100, 200, 320))
-    [found] = noise.hum(one)
+    [found] = examine(one, noise.hum_of_response)
     assert (found.code, found.value) == ("hum", 0.11)
     assert spans == [
         (STEP, START, [(START + 100 * STEP, START + 200 * STEP), (START + 320 * STEP, START + 380 * STEP)])
     ]
     heard["amplitude"] = 0.09
-    assert noise.hum(one) == []
+    assert examine(one, noise.hum_of_response) == []

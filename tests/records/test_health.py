@@ -1,17 +1,31 @@
 """Each check finds the fault that is planted in a clean half-sine, and nothing in clean records of any shape."""
 
+import ast
 import dataclasses
+import inspect
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.percents import percent
-from strikewave.records import Channel, Record, Request, read_file
-from strikewave.records.health import BLOW, Examined, examine
+from strikewave.records import Channel, Record, Request, read_file, thresholds
+from strikewave.records.health import CHECKS, examine
 from strikewave.records.health.noise import mains_hum
-from strikewave.records.health_notice import FIGURES
+from strikewave.records.health.sampled_record import BlowRecord
+from strikewave.records.health_notice import (
+    BLOW,
+    EVERY,
+    FIGURES,
+    OF_BLOWS,
+    OF_BOTH,
+    OF_RESPONSES,
+    RESPONSE_FIGURES,
+    STATUSES,
+)
 from strikewave.signal.filters import Filter
 
 STEP, PEAK, LENGTH = 1e-6, 1000.0, 100
@@ -260,7 +274,7 @@ def test_few_samples_lose_what_the_cosine_says(count, loss):
     assert percent(1.0 - math.cos(0.5 * math.pi / count)) == loss
     values = np.zeros(2000)
     values[1000 : 1000 + 2 * count] = PEAK * np.maximum(np.sin(np.pi * (np.arange(2 * count) + 0.5) / count), 0.0)
-    record = Examined(values, STEP, 0.0, "", tuple(pulse_of(0.935 * count * STEP)))
+    record = BlowRecord(values, STEP, 0.0, "", tuple(pulse_of(0.935 * count * STEP)))
     [finding] = [one for one in examine(record) if one.code == "few-samples"]
     assert finding.value == pytest.approx(count, rel=0.01)
     assert f"by {percent(1.0 - math.cos(0.5 * math.pi / finding.value))}" in finding.message
@@ -623,7 +637,7 @@ def test_hum_is_named_where_few_periods_are_recorded(periods):
 def test_samples_too_slow_for_the_mains_tell_of_no_hum():
     """At 70 Hz a swing of 10 Hz has the samples of one of 60 Hz."""
     time = np.arange(700) / 70.0
-    assert mains_hum(Examined(np.sin(2.0 * np.pi * 10.0 * time), 1.0 / 70.0)) is None
+    assert mains_hum(BlowRecord(np.sin(2.0 * np.pi * 10.0 * time), 1.0 / 70.0)) is None
 
 
 def test_less_than_a_period_of_hum_is_a_drift():
@@ -683,3 +697,31 @@ def test_ringing_that_a_filter_takes_off_harms_nothing():
     [(_, harms)] = [(finding.code, finding.harms) for finding in reading.findings if finding.code == "ringing"]
     assert "peak" not in harms
     assert reading.pulses[0].peak == pytest.approx(PEAK, rel=0.01)
+
+
+def test_every_check_is_one_row_with_a_function_of_its_own_and_a_code_of_the_docs():
+    functions = [check.find for check in CHECKS]
+    assert len(set(functions)) == len(functions)
+    page = Path(__file__).parents[2].joinpath("docs/records.md").read_text("utf-8")
+    codes = {
+        code for row in re.findall(r"^\| (`[^|]*)\|", page, re.MULTILINE) for code in re.findall(r"`([a-z-]+)`", row)
+    }
+    assert {check.name for check in CHECKS} <= codes
+    for check in CHECKS:
+        harmed = {OF_BLOWS: FIGURES, OF_RESPONSES: RESPONSE_FIGURES, OF_BOTH: ()}[check.of]
+        assert check.severity in STATUSES
+        assert check.harms == EVERY or set(check.harms) <= set(harmed)
+        assert check.find.__doc__.startswith("Find ")
+
+
+def test_every_threshold_says_why():
+    def constants(body):
+        for statement, behind in zip(body, [*body[1:], None], strict=True):
+            if isinstance(statement, ast.ClassDef):
+                yield from constants(statement.body)
+            elif isinstance(statement, ast.AnnAssign):
+                yield statement.target.id, isinstance(behind, ast.Expr) and isinstance(behind.value, ast.Constant)
+
+    told = dict(constants(ast.parse(inspect.getsource(thresholds)).body))
+    assert len(told) > 80
+    assert [name for name, says in told.items() if not says] == []

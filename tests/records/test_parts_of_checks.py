@@ -1,7 +1,6 @@
 """Parts of the checks of health, on small examples worked by hand, each bound from both sides."""
 
 import dataclasses
-import importlib
 import math
 from types import SimpleNamespace
 
@@ -12,31 +11,37 @@ from scipy.optimize import brentq
 from strikewave.base.percents import percent
 from strikewave.records.baseline import LocalBaseline
 from strikewave.records.correlation import alike_as_one
+from strikewave.records.health import blow_shape, examine, limits, noise, sampled_record, sampling, zero
 from strikewave.records.health import blows as blow_checks
-from strikewave.records.health import examined, noise, sampling, train, zero
-from strikewave.records.health.examined import BLOW, Examined, SampledRecord
-from strikewave.records.health.range import clipping, limits, shape
-from strikewave.records.health.range.shape import BlowShape
-from strikewave.records.health.response import range as response_range
-from strikewave.records.health.response import zero as response_zero
+from strikewave.records.health import ringing as ringing_checks
+from strikewave.records.health.blow_shape import BlowShape
 from strikewave.records.health.ringing import _doubt_of_smooth, _swing_after, goes_back, larger_elsewhere
-from strikewave.records.health_notice import FIGURES
+from strikewave.records.health.sampled_record import BlowRecord
+from strikewave.records.health_notice import BLOW, FIGURES
 from strikewave.records.measuring import Rebound, RecordedPulse
 from strikewave.records.pulses import Baseline
 from strikewave.records.rigid_pulse import RigidPulse
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 from strikewave.records.tail import TailModel
 
-ringing_checks = importlib.import_module("strikewave.records.health.ringing")  # the package has a check of that name
 STEP, START = 1e-3, 2.0
+OF_THE_ZERO = (
+    zero.begins_in_blow,
+    zero.begins_in_motion,
+    zero.unsettled,
+    zero.drift_at_blow,
+    zero.drift_before,
+    zero.offset,
+)
+OF_A_SHIFT = (zero.step_with_blow, zero.step_alone, zero.drift_after, zero.zero_shift)
 
 
 @pytest.fixture(autouse=True)
 def nothing_kept():
     """Let each test compute what is kept for the next blow."""
-    shape._legendre_fit.cache_clear()
-    shape._legendre.cache_clear()
-    shape._powers_of_a_sine.cache_clear()
+    blow_shape._legendre_fit.cache_clear()
+    blow_shape._legendre.cache_clear()
+    blow_shape._powers_of_a_sine.cache_clear()
 
 
 def blow(first, last, peak=4.0, top=None, **more):
@@ -53,7 +58,7 @@ def blow(first, last, peak=4.0, top=None, **more):
 
 
 def record(values, *pulses, **more):
-    return Examined(np.asarray(values, dtype=float), STEP, START, "m", tuple(pulses), **more)
+    return BlowRecord(np.asarray(values, dtype=float), STEP, START, "m", tuple(pulses), **more)
 
 
 def test_effects_of_a_level_under_a_half_sine():
@@ -61,21 +66,21 @@ def test_effects_of_a_level_under_a_half_sine():
     T level of the area 2 T peak / pi; from the peak on, half of both."""
     one = blow(100, 200)
     slope = 2.0 / (math.pi * math.sqrt(0.99)) / (1.0 - 2.0 * math.asin(0.1) / math.pi)
-    found = examined.effects_of_level(one, 0.4)
+    found = sampled_record.effects_of_level(one, 0.4)
     assert found["peak"] == pytest.approx(0.1)
     assert found["width"] == pytest.approx(0.1 * slope, rel=1e-4)
     assert found["velocity_change"] == pytest.approx(0.1 * math.pi / 2.0)
-    after = examined.effects_of_level(one, 0.4, after_peak=True)
+    after = sampled_record.effects_of_level(one, 0.4, after_peak=True)
     assert (after["peak"], after["width"]) == (found["peak"], 0.5 * found["width"])
     assert after["velocity_change"] == 0.5 * found["velocity_change"]
-    assert examined.effects_of_level(dataclasses.replace(one, width=math.nan), 0.4).keys() == {
+    assert sampled_record.effects_of_level(dataclasses.replace(one, width=math.nan), 0.4).keys() == {
         "peak",
         "velocity_change",
     }
 
 
 def test_places_and_times_of_a_record_are_each_others_inverse():
-    sampled = SampledRecord(np.zeros(50), STEP, START)
+    sampled = sampled_record.SampledRecord(np.zeros(50), STEP, START)
     assert [sampled.place(sampled.time(k)) for k in (0, 7, 49)] == [0, 7, 49]
     assert (sampled.place(0.0), sampled.place(9.0)) == (0, 49)
 
@@ -90,18 +95,18 @@ def test_the_next_blow_is_the_first_that_ends_later():
 
 
 def test_the_longest_run():
-    assert clipping._longest_run(np.array([1, 0, 1, 1, 0, 1, 1, 1, 0, 1, 1], dtype=bool)) == (5, 7)
-    assert clipping._longest_run(np.array([1, 1, 0], dtype=bool)) == (0, 1)
-    assert clipping._longest_run(np.zeros(3, dtype=bool)) == (0, -1)
+    assert limits._longest_run(np.array([1, 0, 1, 1, 0, 1, 1, 1, 0, 1, 1], dtype=bool)) == (5, 7)
+    assert limits._longest_run(np.array([1, 1, 0], dtype=bool)) == (0, 1)
+    assert limits._longest_run(np.zeros(3, dtype=bool)) == (0, -1)
 
 
 @pytest.mark.parametrize("middle", [10.0, 10.5])
 def test_a_parabola_goes_on_above_where_it_was_cut(middle):
     values = 10.0 - 0.1 * (np.arange(21) - middle) ** 2
-    assert clipping._cut_off(np.minimum(values, 9.5), 9.5) == pytest.approx(0.5)
-    assert clipping._cut_off(np.minimum(values, 8.4), 8.4) == math.inf  # of more than six samples
-    assert clipping._cut_off(np.minimum(values, 9.5)[:16], 9.5) == pytest.approx(0.5)
-    assert clipping._cut_off(np.minimum(values, 9.5)[:15], 9.5) == math.inf
+    assert limits._cut_off(np.minimum(values, 9.5), 9.5) == pytest.approx(0.5)
+    assert limits._cut_off(np.minimum(values, 8.4), 8.4) == math.inf  # of more than six samples
+    assert limits._cut_off(np.minimum(values, 9.5)[:16], 9.5) == pytest.approx(0.5)
+    assert limits._cut_off(np.minimum(values, 9.5)[:15], 9.5) == math.inf
 
 
 def test_a_parabola_is_laid_through_three_samples_to_either_side():
@@ -110,9 +115,9 @@ def test_a_parabola_is_laid_through_three_samples_to_either_side():
     values[17:29] = [3.0, 4.5, 7.0, *[9.0] * 6, 8.0, 6.0, 1.5]
     places = np.array([-5.5, -4.5, -3.5, 3.5, 4.5, 5.5])
     top = np.polyfit(places, [3.0, 4.5, 7.0, 8.0, 6.0, 1.5], 2)[2]
-    assert clipping._cut_off(values, 9.0) == pytest.approx(top - 9.0)
-    assert clipping._cut_off(values[17:29], 9.0) == pytest.approx(top - 9.0)
-    assert clipping._cut_off(values[18:], 9.0) == clipping._cut_off(values[:28], 9.0) == math.inf
+    assert limits._cut_off(values, 9.0) == pytest.approx(top - 9.0)
+    assert limits._cut_off(values[17:29], 9.0) == pytest.approx(top - 9.0)
+    assert limits._cut_off(values[18:], 9.0) == limits._cut_off(values[:28], 9.0) == math.inf
 
 
 @pytest.mark.parametrize(
@@ -126,19 +131,19 @@ def test_a_rail_has_three_times_as_many_samples_as_the_two_steps_beside_it(at, b
     ]
     if not beside:
         values = np.r_[np.zeros(9), 50.0, 97.0, 96.0, [100.0] * at, np.zeros(2)]
-    assert clipping.rail(values, zero).size == found
+    assert limits.rail(values, zero).size == found
 
 
 def test_three_values_stand_among_four_thousand_samples_of_a_rail():
     """Three values must stand among some four thousand samples: of 8192 every second one is looked at."""
     values = np.zeros(8192)
     values[1000:1010] = 100.0
-    assert clipping.rail(values, 0.0).size == 0
+    assert limits.rail(values, 0.0).size == 0
     values[2001] = 50.0
-    assert clipping.rail(values, 0.0).size == 0
-    assert clipping.rail(values[:-1], 0.0).size == 10
+    assert limits.rail(values, 0.0).size == 0
+    assert limits.rail(values[:-1], 0.0).size == 10
     values[2002] = 50.0
-    assert clipping.rail(values, 0.0).size == 10
+    assert limits.rail(values, 0.0).size == 10
 
 
 # the shape of blows
@@ -146,10 +151,10 @@ def test_three_values_stand_among_four_thousand_samples_of_a_rail():
 
 def test_the_last_sample_below_a_level():
     heights = np.array([0.0, 0.1, 0.3, 0.2, 0.6, 1.0])
-    assert shape._last_below(heights, np.array([0.05, 0.15, 0.25, 0.5, 0.7, 2.0])).tolist() == [0, 1, 3, 3, 4, 5]
-    assert shape._last_below(heights + 1.0, np.array([0.5])).tolist() == [0]
-    assert shape._to_both_sides(np.array([-2.0, 3.0])) == 2.0
-    assert shape._to_both_sides(np.array([1.0, 3.0])) == -1.0
+    assert blow_shape._last_below(heights, np.array([0.05, 0.15, 0.25, 0.5, 0.7, 2.0])).tolist() == [0, 1, 3, 3, 4, 5]
+    assert blow_shape._last_below(heights + 1.0, np.array([0.5])).tolist() == [0]
+    assert blow_shape._to_both_sides(np.array([-2.0, 3.0])) == 2.0
+    assert blow_shape._to_both_sides(np.array([1.0, 3.0])) == -1.0
 
 
 def half_sine(power=1.0, most=math.inf):
@@ -297,10 +302,10 @@ def test_a_record_is_larger_elsewhere_by_five_noises():
     one = blow(300, 500, noise=0.1)
     for height, seen in ((4.49, 0), (-4.51, 1)):
         values[501] = height
-        assert len(larger_elsewhere(record(values, one))) == seen
+        assert len(examine(record(values, one), larger_elsewhere)) == seen
     values[[500, 501]] = 9.0, 0.0
-    assert larger_elsewhere(record(values, one)) == []
-    assert larger_elsewhere(record(values)) == []
+    assert examine(record(values, one), larger_elsewhere) == []
+    assert examine(record(values), larger_elsewhere) == []
 
 
 def test_what_stands_at_half_the_rate():
@@ -329,27 +334,27 @@ def test_rebounds_are_told_by_the_median_of_their_shares_and_lags():
     for k, (share, lag) in enumerate(((0.2, 0.02), (0.3, 0.03), (0.5, 0.07))):
         one = blow(100 + 300 * k, 150 + 300 * k, -4.0)
         pulses.append(dataclasses.replace(one, rebounds=(Rebound(one.time + lag, -4.0 * share, -0.1),)))
-    [notice] = train.rebounds(record(np.zeros(999), *pulses))
+    [notice] = examine(record(np.zeros(999), *pulses), blow_checks.rebounds)
     assert notice.value == pytest.approx(0.3)
     assert "3 smaller contacts beside 3 of 3 blows, 30 % of the peak, 30\xa0ms after" in notice.message
     assert (notice.start, notice.end) == (pulses[0].time + 0.02, pulses[2].time + 0.07)
-    [one] = train.rebounds(record(np.zeros(999), pulses[0]))
+    [one] = examine(record(np.zeros(999), pulses[0]), blow_checks.rebounds)
     assert "1 smaller contact beside the blow, 20 %" in one.message
-    assert train.rebounds(record(np.zeros(999), blow(100, 150))) == []
+    assert examine(record(np.zeros(999), blow(100, 150)), blow_checks.rebounds) == []
 
 
 def test_a_double_hit_has_both_its_blows():
     pulses = [blow(100, 110), blow(130, 140, 3.9), blow(700, 710, 4.1)]
-    [notice] = train.double_hit(record(np.zeros(900), *pulses))
+    [notice] = examine(record(np.zeros(900), *pulses), blow_checks.double_hit)
     assert notice.value == 1
     assert (notice.start, notice.end) == (pulses[0].begin, pulses[1].end)
     assert "of 4 m and 3.9 m, 30\xa0ms apart" in notice.message
-    assert train.double_hit(record(np.zeros(900), pulses[0], pulses[2])) == []
+    assert examine(record(np.zeros(900), pulses[0], pulses[2]), blow_checks.double_hit) == []
 
 
 def test_missing_blows_are_listed_three_and_counted():
     pulses = [blow(100 * k, 100 * k + 10) for k in (1, 2, 3, 4, 7, 8, 11)]
-    [notice] = train.missing_blow(record(np.zeros(1200), *pulses))
+    [notice] = examine(record(np.zeros(1200), *pulses), blow_checks.missing_blow)
     assert notice.value == 4
     assert "no blow at 2.505\xa0s, 2.605\xa0s, 2.905\xa0s and 1 more" in notice.message
     assert (notice.start, notice.end) == (pytest.approx(2.505), pytest.approx(3.005))
@@ -363,12 +368,12 @@ def test_a_part_of_another_blow_at_both_edges(edge, told):
     values[1400:1600] = half_sine()[300:500]
     values[:60] = values[-60:] = edge
     one = blow(1400, 1600)
-    found = blow_checks.cut(record(values, one))
+    found = examine(record(values, one), blow_checks.cut, blow_checks.part_of_blow)
     assert [word for word in ("begins", "ends") if any(word in notice.message for notice in found)] == told
     if told:
         assert [notice.start for notice in found] == [START, pytest.approx(START + 2999 * STEP)]
         values[500] = values[-500] = 0.21  # within four widths it strays by more than half of that
-        assert blow_checks.cut(record(values, one)) == []
+        assert examine(record(values, one), blow_checks.cut, blow_checks.part_of_blow) == []
 
 
 # zero
@@ -389,10 +394,11 @@ def test_a_level_steps_at_a_place():
     assert zero.level_step(values) is None
 
 
-def test_a_step_near_a_blow_is_within_a_length_of_it():
-    seen = record(np.zeros(900), blow(300, 400))
-    found = [zero._near_a_blow(seen, START + STEP * place) for place in (199, 201, 499, 501)]
-    assert found == [False, True, True, False]
+def test_a_step_near_a_blow_is_within_a_length_of_it(monkeypatch):
+    monkeypatch.setattr(zero, "level_step", lambda values: (int(values[0]), 1.0))
+    seen = [record(np.full(900, place), blow(300, 400)) for place in (199, 201, 499, 501)]
+    codes = [notice.code for one in seen for notice in examine(one, zero.step_with_blow, zero.step_alone)]
+    assert codes == ["zero-step", "zero-shift", "zero-shift", "zero-step"]
 
 
 @pytest.mark.parametrize(
@@ -400,7 +406,7 @@ def test_a_step_near_a_blow_is_within_a_length_of_it():
 )
 def test_a_zero_far_off_is_noted_from_a_twentieth_of_the_peak_on(level, share, severity):
     one = blow(300, 500, offset=level)
-    notices = zero.not_settled(record(np.zeros(900), one))
+    notices = examine(record(np.zeros(900), one), *OF_THE_ZERO)
     assert [notice.severity for notice in notices] == ([] if severity is None else [severity])
     assert all(notice.value == level for notice in notices)
 
@@ -410,25 +416,25 @@ def test_a_velocity_drifts_by_what_the_record_stands_off():
     one = blow(100, 120)
     for level, severity in ((0.49, None), (0.51, "good"), (1.99, "good"), (2.01, "suspect")):
         values = np.r_[np.zeros(120), np.full(1800, level * abs(one.velocity_change) / 1.8)]
-        found = zero.velocity_drift(record(values, one))
+        found = examine(record(values, one), zero.velocity_drift)
         assert [notice.severity for notice in found] == ([] if severity is None else [severity])
         if found:
             assert found[0].value == pytest.approx(level * one.velocity_change, rel=1e-9)
-    assert zero.velocity_drift(record(values[: 120 + 700], one)) == []  # less than 40 widths of 18.7
+    assert examine(record(values[: 120 + 700], one), zero.velocity_drift) == []  # less than 40 widths of 18.7
     late = np.r_[np.full(120 + 1350, -9.0), np.full(450, abs(one.velocity_change) / 1.8)]  # the last quarter tells it
-    assert zero.velocity_drift(record(late, one))[0].value == pytest.approx(one.velocity_change)
+    assert examine(record(late, one), zero.velocity_drift)[0].value == pytest.approx(one.velocity_change)
     for stray, told in ((math.sqrt(450.0) / 3.0 * 0.99, True), (math.sqrt(450.0) / 3.0 * 1.01, False)):
         noisy = late * (1.0 + stray * (-1.0) ** np.arange(late.size))  # three standard errors of its mean
-        assert bool(zero.velocity_drift(record(noisy, one))) is told
+        assert bool(examine(record(noisy, one), zero.velocity_drift)) is told
 
 
 def test_blows_without_a_foot_are_held_against_the_record():
     one = blow(300, 500)
     values = half_sine() * 0.8
-    [notice] = zero.no_foot(record(values, one))
+    [notice] = examine(record(values, one), zero.no_foot)
     assert dict(notice.effects)["velocity_change"] == pytest.approx(0.25, rel=1e-3)
-    assert zero.no_foot(record(values, dataclasses.replace(one, begin=one.begin - STEP))) == []
-    assert zero.no_foot(record(values, dataclasses.replace(one, method="fit"))) == []
+    assert examine(record(values, dataclasses.replace(one, begin=one.begin - STEP)), zero.no_foot) == []
+    assert examine(record(values, dataclasses.replace(one, method="fit")), zero.no_foot) == []
 
 
 # noise
@@ -440,8 +446,8 @@ def test_effects_are_those_of_the_median_blow_on_the_smallest():
         blow(300 * k, 300 * k + 50, peak, uncertainty=PulseUncertainty(doubt, 0.0, 0.0))
         for k, (peak, doubt) in enumerate(((4.0, 0.1), (-2.0, 0.2), (8.0, 0.4)), start=1)
     ]
-    found = noise._worst_effects(record(np.zeros(2000), *pulses))
-    single = [noise._worst_effects(record(np.zeros(2000), one))["peak"] * abs(one.peak) for one in pulses]
+    found = noise.worst_effects(record(np.zeros(2000), *pulses))
+    single = [noise.worst_effects(record(np.zeros(2000), one))["peak"] * abs(one.peak) for one in pulses]
     assert found["peak"] == pytest.approx(np.median(single) / 2.0)
     assert single[1] / single[0] == pytest.approx(2.0)
     assert single[2] / single[0] == pytest.approx(4.0)
@@ -450,12 +456,12 @@ def test_effects_are_those_of_the_median_blow_on_the_smallest():
 @pytest.mark.parametrize(("peak", "severity"), [(5.7, "good"), (5.5, "suspect")])
 def test_a_noisy_blow_is_suspect_below_15_db(peak, severity):
     one = blow(300, 500, -peak, method="fit", noise=1.0)
-    [notice] = noise.noisy(record(np.zeros(900), one))
+    [notice] = examine(record(np.zeros(900), one), noise.noisy)
     assert notice.value == pytest.approx(20.0 * math.log10(peak))
     assert notice.severity == severity
     small = dataclasses.replace(one, peak=1e-3 * one.peak, noise=1e-3)
-    assert noise.noisy(record(np.zeros(900), small))[0].value == pytest.approx(notice.value)
-    assert noise.noisy(record(np.zeros(900), dataclasses.replace(one, method="record"))) == []
+    assert examine(record(np.zeros(900), small), noise.noisy)[0].value == pytest.approx(notice.value)
+    assert examine(record(np.zeros(900), dataclasses.replace(one, method="record")), noise.noisy) == []
 
 
 # a zero without blows
@@ -473,7 +479,7 @@ def beginning(first=4.0, second=0.0, end=0.0, size=2000):
 def unsettled(values, noise=0.1, level=0.0, slope=0.0):
     seen = record(values)
     vars(seen).update(noise=noise, line=Baseline(level, slope))
-    return [(one.code, one.value, one.severity, one.harms) for one in zero.not_settled(seen)]
+    return [(one.code, one.value, one.severity, one.harms) for one in examine(seen, *OF_THE_ZERO)]
 
 
 @pytest.mark.parametrize(
@@ -547,7 +553,7 @@ def test_a_drift_with_nothing_before_the_blow_falsifies_its_peak(slope, severity
     seen = record(np.zeros(900), dataclasses.replace(one, width=one.width))
     slope *= 0.08 / 3744.0 / (4e-4 / 1.872) * (187.2 / (one.width / STEP))
     vars(seen).update(line=Baseline(0.0, slope))
-    found = zero.not_settled(seen)
+    found = examine(seen, *OF_THE_ZERO)
     assert [(one.code, one.value, one.severity) for one in found] == (
         [("drift", pytest.approx(899 * slope), severity)] if severity else []
     )
@@ -558,7 +564,7 @@ def test_a_drift_with_nothing_before_the_blow_falsifies_its_peak(slope, severity
 def test_a_drift_before_a_blow_is_noted_from_a_twentieth_of_the_peak_on(drift, noted):
     one = blow(300, 500, -4.0)
     one = dataclasses.replace(one, baseline=one.baseline._replace(slope=drift / 899))
-    found = zero.not_settled(record(np.zeros(900), one))
+    found = examine(record(np.zeros(900), one), *OF_THE_ZERO)
     assert [(each.code, each.value, each.severity, each.harms) for each in found] == (
         [("drift", pytest.approx(drift), "good", ("spectrum",))] if noted else []
     )
@@ -567,7 +573,7 @@ def test_a_drift_before_a_blow_is_noted_from_a_twentieth_of_the_peak_on(drift, n
 def shift_of(model, *pulses):
     seen = record(np.zeros(900), *(pulses or (blow(300, 400, 5.0), blow(600, 700, -4.0))))
     vars(seen).update(tail=model)
-    return [(one.code, one.severity, "spectrum" in one.harms) for one in zero.zero_shift(seen)]
+    return [(one.code, one.severity, "spectrum" in one.harms) for one in examine(seen, *OF_A_SHIFT)]
 
 
 @pytest.mark.parametrize(
@@ -598,20 +604,20 @@ def test_a_shift_says_what_it_may_have_done_from_the_peak_on():
     pulses = blow(300, 400, 5.0), blow(600, 700, -4.0)
     seen = record(np.zeros(900), *pulses)
     vars(seen).update(tail=TailModel("decay", 0.2, 0.0, 0.0213))
-    [found] = zero.zero_shift(seen)
-    expected = examined.effects_of_level(pulses[1], 0.2, after_peak=True)
+    [found] = examine(seen, *OF_A_SHIFT)
+    expected = sampled_record.effects_of_level(pulses[1], 0.2, after_peak=True)
     assert dict(found.effects) == pytest.approx({name: abs(effect) for name, effect in expected.items()})
     assert "by 0.2 m, 5.0 % of the peak, and comes back with a time constant of 21.3\xa0ms" in found.message
     assert (found.value, found.start) == (0.2, pulses[1].end)
     line = TailModel("line", -0.3)
     vars(seen).update(tail=line)
-    assert zero.zero_shift(seen)[0].start == pulses[1].end
+    assert examine(seen, *OF_A_SHIFT)[0].start == pulses[1].end
 
 
 def test_a_record_that_steps_is_told_with_its_place():
     values = np.r_[np.zeros(500), np.full(500, 2.0)]
     for pulses, code in (((), "zero-step"), ((blow(420, 480),), "zero-shift")):
-        [found] = zero.zero_shift(record(values, *pulses))
+        [found] = examine(record(values, *pulses), *OF_A_SHIFT)
         assert (found.code, found.value, found.start) == (code, 2.0, START + 500 * STEP)
 
 
@@ -625,7 +631,7 @@ def test_ac_coupling_falsifies_a_figure_by_the_most_of_all_blows():
     )
     seen = record(np.zeros(900), *pulses)
     vars(seen).update(tail=TailModel("ac-coupling", -0.1, math.nan, 0.05, 1e-3), uncoupled_pulses=others)
-    [found] = zero.ac_coupling(seen)
+    [found] = examine(seen, zero.ac_coupling)
     assert dict(found.effects) == pytest.approx({"peak": -0.03, "width": -0.02, "velocity_change": -0.1})
     assert (found.value, found.start) == (0.05, pulses[0].begin)
     assert "high-pass of 3.183\xa0Hz" in found.message
@@ -633,14 +639,14 @@ def test_ac_coupling_falsifies_a_figure_by_the_most_of_all_blows():
     cut = (dataclasses.replace(pulses[0], width=math.nan), pulses[1])
     seen = record(np.zeros(900), *cut)
     vars(seen).update(tail=TailModel("ac-coupling", -0.1, math.nan, 0.05, 1e-3), uncoupled_pulses=cut)
-    assert dict(zero.ac_coupling(seen)[0].effects) == {"peak": 0.0, "width": 0.0, "velocity_change": 0.0}
+    assert dict(examine(seen, zero.ac_coupling)[0].effects) == {"peak": 0.0, "width": 0.0, "velocity_change": 0.0}
     vars(seen).update(uncoupled_pulses=())
-    [found] = zero.ac_coupling(seen)
+    [found] = examine(seen, zero.ac_coupling)
     assert set(dict(found.effects).values()) == {-1.0}
     vars(seen).update(tail=TailModel("ac-coupling", -0.1, math.nan, 0.4, 1e-3))
-    assert dict(zero.ac_coupling(seen)[0].effects)["peak"] == pytest.approx(-0.5 * 0.1 / 0.4)
+    assert dict(examine(seen, zero.ac_coupling)[0].effects)["peak"] == pytest.approx(-0.5 * 0.1 / 0.4)
     vars(seen).update(tail=TailModel("shift", 0.1))
-    assert zero.ac_coupling(seen) == []
+    assert examine(seen, zero.ac_coupling) == []
 
 
 @pytest.mark.parametrize(
@@ -794,20 +800,24 @@ def test_noise_is_told_by_the_largest_wander_or_by_that_of_a_sample():
             dataclasses.replace(one, uncertainty=doubt, baseline=one.baseline._replace(wander=wander))
             for one, wander in ((blow(100, 150), 0.03), (blow(400, 450), 0.01), (blow(700, 750), math.nan))
         ]
-        found = noise.uncertain(record(np.zeros(900), *pulses))
+        found = examine(record(np.zeros(900), *pulses), noise.hum, noise.noise)
         assert [(one.code, one.value) for one in found] == ([("noise", 0.03)] if told else [])
     lone = dataclasses.replace(blow(400, 450), uncertainty=doubts[0], baseline=LocalBaseline(0.0))
     seen = record(np.zeros(900), lone)
     vars(seen).update(noise=0.017)
-    [found] = noise.uncertain(seen)
+    [found] = examine(seen, noise.hum, noise.noise)
     assert (found.value, found.effects[0]) == (0.017, ("peak", pytest.approx(0.0202)))
     assert "a sample" in found.message
-    [short] = noise.short_before(
-        record(np.zeros(900), dataclasses.replace(lone, baseline=LocalBaseline(0.0, widths=5)))
+    [short] = examine(
+        record(np.zeros(900), dataclasses.replace(lone, baseline=LocalBaseline(0.0, widths=5))), noise.short_before
     )
     assert (short.value, short.end, short.severity) == (5, lone.begin, "good")
-    assert noise.short_before(record(np.zeros(900), blow(400, 450), lone)) == []
-    assert noise.short_before(record(np.zeros(900))) == noise.uncertain(record(np.zeros(900))) == []
+    assert examine(record(np.zeros(900), blow(400, 450), lone), noise.short_before) == []
+    assert (
+        examine(record(np.zeros(900)), noise.short_before)
+        == examine(record(np.zeros(900)), noise.hum, noise.noise)
+        == []
+    )
 
 
 @pytest.mark.parametrize(("amplitude", "code"), [(0.041, ["hum"]), (0.039, [])])
@@ -816,7 +826,7 @@ def test_hum_is_noted_from_a_hundredth_of_the_smallest_peak_on(amplitude, code):
     pulses = [
         dataclasses.replace(blow(450, 455, peak), uncertainty=PulseUncertainty(0.0, 0.0, 0.0)) for peak in (-4.0, 9.0)
     ]
-    found = noise.uncertain(record(values, *pulses))
+    found = examine(record(values, *pulses), noise.hum, noise.noise)
     assert [one.code for one in found] == code
     assert not found or found[0].value == pytest.approx(amplitude, rel=0.02)
     assert not found or f"{percent(found[0].value / 4.0)} of the peak" in found[0].message
@@ -838,7 +848,7 @@ def test_where_no_noise_is_known_that_of_samples_does_it():
 
 def test_noise_is_the_least_ratio_of_the_blows_that_are_fitted():
     pulses = [blow(100 * k, 100 * k + 50, peak, method="fit", noise=0.1) for k, peak in ((1, 3.0), (3, -2.0), (5, 4.0))]
-    [found] = noise.noisy(record(np.zeros(900), *pulses, blow(700, 750, 0.5)))
+    [found] = examine(record(np.zeros(900), *pulses, blow(700, 750, 0.5)), noise.noisy)
     assert found.value == pytest.approx(20.0 * math.log10(20.0))
     assert found.harms == ("rise",)
 
@@ -860,10 +870,10 @@ def test_noise_is_the_least_ratio_of_the_blows_that_are_fitted():
 def test_samples_of_the_narrowest_half_sine(count, severity, harms):
     wide = blow(300, 500)
     one = dataclasses.replace(wide, width=count * STEP * (1.0 - 2.0 * math.asin(0.1) / math.pi))
-    found = sampling.few_samples(record(np.zeros(900), wide, one, dataclasses.replace(wide, width=math.nan)))
+    found = examine(record(np.zeros(900), wide, one, dataclasses.replace(wide, width=math.nan)), sampling.few_samples)
     assert [(each.severity, each.harms) for each in found] == ([(severity, harms)] if severity else [])
     assert not found or found[0].value == pytest.approx(count, rel=1e-6)
-    assert sampling.few_samples(record(np.zeros(900))) == []
+    assert examine(record(np.zeros(900)), sampling.few_samples) == []
 
 
 @pytest.mark.parametrize(("length", "reach"), [(40, 150), (10, 64)])
@@ -875,20 +885,26 @@ def test_a_spectrum_is_that_of_four_widths_around_the_largest_blow(length, reach
     for place, seen in ((-reach + 8, True), (-reach - 1, False), (reach - 9, True), (reach, False)):
         values = 7.0 + one.smooth.at(START + STEP * np.arange(3000))
         values[middle + place] += 4e3
-        assert bool(sampling.aliased(record(values, blow(200, 240, 1.0), one))) is seen
-    found = sampling.aliased(record(values, dataclasses.replace(one, width=math.nan)))
-    assert found == sampling.aliased(record(values)) == []
+        assert bool(examine(record(values, blow(200, 240, 1.0), one), sampling.aliased)) is seen
+    found = examine(record(values, dataclasses.replace(one, width=math.nan)), sampling.aliased)
+    assert found == examine(record(values), sampling.aliased) == []
 
 
 @pytest.mark.parametrize(("level", "area"), [(0.0245, False), (0.0255, True)])
 def test_what_is_folded_harms_areas_twice_as_much(level, area, monkeypatch):
     monkeypatch.setattr(sampling, "folded_level", lambda part, noise: level)
-    [found] = sampling.aliased(record(np.zeros(3000), blow(1000, 1040)))
+    [found] = examine(record(np.zeros(3000), blow(1000, 1040)), sampling.aliased)
     assert found.value == level
     assert found.harms == ("peak", "rise", *(("width", "velocity_change") if area else ()), "spectrum")
 
 
 # blows
+
+
+def parts(seen, at_end):
+    """Return what is found of another blow at the end of a record, or at its begin."""
+    found = examine(seen, blow_checks.part_of_blow)
+    return [one for one in found if ("record ends" in one.message) is at_end]
 
 
 @pytest.mark.parametrize(
@@ -917,7 +933,7 @@ def test_a_part_of_a_blow_is_over_within_a_width_and_quiet_after_it(place, value
     values[place] = value
     values += 3.0
     one = blow(1400, 1600, 4.0 * sign, offset=2.65 * sign)  # the quiet stands off the zero of the blow
-    own = blow_checks._part_of_blow(record(sign * (values[::-1] if at_end else values), one), at_end)
+    own = parts(record(sign * (values[::-1] if at_end else values), one), at_end)
     if place == 11:  # half of the eighth does not stand there
         assert own == []
         return
@@ -929,20 +945,20 @@ def test_a_part_of_a_blow_needs_four_widths_beside_one():
     for before, seen in ((748, True), (747, False)):
         values = np.zeros(3000)
         values[:100] = 1.0
-        assert bool(blow_checks._part_of_blow(record(values, blow(before, before + 200)), False)) is seen
+        assert bool(parts(record(values, blow(before, before + 200)), False)) is seen
         ends = record(values[::-1], blow(3000 - before - 187 - 200, 3000 - before - 187, 4.0))
-        assert bool(blow_checks._part_of_blow(ends, True)) is seen
-    assert blow_checks._part_of_blow(record(values), True) == []
+        assert bool(parts(ends, True)) is seen
+    assert parts(record(values), True) == []
 
 
 def test_a_blow_that_reaches_the_last_sample_but_one_is_cut():
     values = np.zeros(900)
     for end, cut in ((897, False), (898, True)):
-        [*found] = blow_checks.cut(record(values, blow(end - 100, end)))
+        [*found] = examine(record(values, blow(end - 100, end)), blow_checks.cut, blow_checks.part_of_blow)
         assert [("end of the record" in one.message, one.severity, one.harms) for one in found] == (
             [(True, "suspect", BLOW)] if cut else []
         )
-    [found] = blow_checks.cut(record(values, blow(300, 400, width=math.nan)))
+    [found] = examine(record(values, blow(300, 400, width=math.nan)), blow_checks.cut, blow_checks.part_of_blow)
     assert "by the begin" in found.message
     assert (found.value, found.start, found.end) == pytest.approx((2.35, 2.3, 2.4))
 
@@ -955,8 +971,8 @@ def test_a_fall_gives_its_speed_to_twice_that(change, severity):
     """sqrt(2 g h) of 0.5 m is 3.1316 m/s; the largest change counts."""
     speed = math.sqrt(9.80665)
     pulses = [blow(300, 400, velocity_change=change * speed), blow(600, 700, velocity_change=0.1)]
-    seen = Examined(np.zeros(900), STEP, START, "m/s^2", tuple(pulses), drop_height=0.5)
-    found = blow_checks.beyond_drop_height(seen)
+    seen = BlowRecord(np.zeros(900), STEP, START, "m/s^2", tuple(pulses), drop_height=0.5)
+    found = examine(seen, blow_checks.above_fall, blow_checks.below_fall)
     assert [(one.severity, one.value) for one in found] == (
         [(severity, pytest.approx(abs(change) * speed))] if severity else []
     )
@@ -965,7 +981,7 @@ def test_a_fall_gives_its_speed_to_twice_that(change, severity):
         dataclasses.replace(seen, unit="g"),
         dataclasses.replace(seen, pulses=()),
     ):
-        assert blow_checks.beyond_drop_height(other) == []
+        assert examine(other, blow_checks.above_fall, blow_checks.below_fall) == []
 
 
 @pytest.mark.parametrize(("span", "swings"), [(2.9, False), (3.1, True)])
@@ -974,7 +990,7 @@ def test_a_record_without_a_blow_holds_something_beyond_thirty_noises(span, swin
     values[[300, 301]] = 0.5 * span, -0.5 * span
     seen = record(values)
     vars(seen).update(noise=0.1)
-    [found] = blow_checks.no_pulse(seen)
+    [found] = examine(seen, blow_checks.only_swings, blow_checks.only_noise)
     assert ("spectrum" in found.harms) is not swings
 
 
@@ -990,7 +1006,7 @@ def locked(moved=0.0, scale=0.0, before=0.6, after=0.6, doubt=0.0, scatter=0.0, 
         dataclasses.replace(blow(0, 4, peak), time=time, uncertainty=PulseUncertainty(doubt * peak, 0.0, 0.0))
         for time, peak in zip(times, peaks, strict=True)
     ]
-    seen = Examined(np.zeros(round((before + 5.0 + after) * period / step) + 1), step, START, "m", tuple(pulses))
+    seen = BlowRecord(np.zeros(round((before + 5.0 + after) * period / step) + 1), step, START, "m", tuple(pulses))
     vars(seen).update(scatter=scatter)
     return seen
 
@@ -1019,7 +1035,7 @@ def test_blips_of_the_mains_are_as_even_and_as_many_as_they_must_be(how, blips):
     """No place is left where one is due within 1.25 periods. Half of six peaks are higher and half lower: 1.2 x 1.4826 of
     that is their spread, 2 % or three uncertainties. Gaps of a period +- m or 2 m spread by 1.206 x 1.4826 m: a thousandth,
     or 3 sqrt 2 times what noise moves a peak by, its share of a width of 3.74 ms."""
-    found = train.mains_blips(locked(**how))
+    found = examine(locked(**how), blow_checks.mains_blips)
     assert bool(found) is blips
     if blips:
         [first, *_, last] = locked(**how).pulses
@@ -1028,13 +1044,13 @@ def test_blips_of_the_mains_are_as_even_and_as_many_as_they_must_be(how, blips):
 
 @pytest.mark.parametrize("period", [10e-3, 1.0 / 60.0, 1.0 / 120.0])
 def test_blips_of_all_mains_are_told(period):
-    assert [one.value for one in train.mains_blips(locked(period=period))] == [period]
+    assert [one.value for one in examine(locked(period=period), blow_checks.mains_blips)] == [period]
 
 
 def test_a_place_for_a_blip_is_counted_to_the_last_sample():
     """1.25 periods are 2500 samples; the last blip lies a fifth of a sample behind one."""
     for samples, blips in ((2499.8, True), (2500.8, False)):
-        assert bool(train.mains_blips(locked(before=0.6001, after=samples / 2000.0))) is blips
+        assert bool(examine(locked(before=0.6001, after=samples / 2000.0), blow_checks.mains_blips)) is blips
 
 
 # ringing beside its model
@@ -1055,7 +1071,7 @@ def rings(monkeypatch):
         monkeypatch.setattr(ringing_checks, "_swing_after", lambda record, pulse: swing * abs(pulse.peak))
         monkeypatch.setattr(ringing_checks, "ringing_of", lambda stretch: frequency)
         monkeypatch.setattr(ringing_checks, "goes_back", lambda record, pulse: back)
-        found = ringing_checks.ringing(record(np.zeros(900), one))
+        found = examine(record(np.zeros(900), one), ringing_checks.ringing)
         return found[0] if found else None
 
     return told
@@ -1147,9 +1163,9 @@ def test_of_several_blows_that_ring_the_worst_is_told(monkeypatch):
             for one, effect in zip(pulses, effects, strict=True)
         ]
         monkeypatch.setattr(ringing_checks, "_swing_after", lambda record, pulse: 0.0)
-        [found] = ringing_checks.ringing(record(np.zeros(900), *struck))
+        [found] = examine(record(np.zeros(900), *struck), ringing_checks.ringing)
         assert found.start == pulses[worst].begin
-    assert ringing_checks.ringing(record(np.zeros(900))) == []
+    assert examine(record(np.zeros(900)), ringing_checks.ringing) == []
 
 
 # sides and tops
@@ -1224,13 +1240,24 @@ def test_the_usual_tip_is_that_of_a_power_with_the_same_widths_of_both_sides_tog
 def looks(tip=0.43, usual=0.43, noise_of_top=0.0, swing=0.0, higher=1.0, flanks=None, halfway=(4.0, 4.0), rigid=None):
     """Return a blow with a shape that is put in; flanks are slope, bend and how far each goes on."""
     one = blow(300, 500, rigid=rigid)
-    sides = tuple(shape.Flank(*each) for each in (flanks or ((40.0, 0.05, 1.0), (40.0, 0.05, 1.0))))
+    sides = tuple(blow_shape.Flank(*each) for each in (flanks or ((40.0, 0.05, 1.0), (40.0, 0.05, 1.0))))
     seen = record(np.zeros(900), one)
     return SimpleNamespace(
         **{"tip": tip, "usual_tip": usual, "noise_of_top": noise_of_top, "swing_to_both_sides": swing},
         **{"half_sine_of_flanks": higher, "flanks": sides, "pulse": one, "record": seen},
         slope_halfway=lambda side: halfway[(side + 1) // 2],
     )
+
+
+def shaped(*shapes):
+    """Return a record whose blows have such shapes."""
+    seen = record(np.zeros(900), *(one.pulse for one in shapes))
+    seen._made[limits._shapes] = list(shapes)
+    return seen
+
+
+TOPS = (limits.flat_top, limits.bent_tip)
+SLOPES = (limits.straight_side, limits.corner)
 
 
 @pytest.mark.parametrize(
@@ -1246,10 +1273,10 @@ def looks(tip=0.43, usual=0.43, noise_of_top=0.0, swing=0.0, higher=1.0, flanks=
     ],
 )
 def test_a_top_is_flat_by_two_hundredths_and_its_doubt(how, flat):
-    found = limits._saturated([looks(**how)])
+    found = examine(shaped(looks(**how)), *TOPS)
     assert [(one.code, one.value, one.harms) for one in found] == ([("flat-top", how["tip"], BLOW)] if flat else [])
     for higher, told in ((1.049, False), (1.051, True)):
-        [one] = limits._saturated([looks(tip=0.5, higher=higher), looks(tip=0.5, higher=higher)])
+        [one] = examine(shaped(looks(tip=0.5, higher=higher), looks(tip=0.5, higher=higher)), *TOPS)
         assert ("half-sine of its flanks would be 5 % higher" in one.message) is told
 
 
@@ -1275,9 +1302,9 @@ def test_a_straight_side_goes_on_above_the_peak_by_more_than_its_tip_is_rounded(
         steep = flanks[1][1] == 0.0 and bend > 0.01
         assert higher == pytest.approx(goes_on - 1.0 if bent else 1.0 if steep else 0.0)
     both = [looks(flanks=((40.0, 0.0, goes_on), (90.0, 0.05, 1.0))) for goes_on in (1.2, 1.3)]
-    [found] = limits._saturated(both)
+    [found] = examine(shaped(*both), *TOPS)
     assert (found.code, found.value) == ("flat-top", pytest.approx(0.2))
-    assert limits._saturated([*both, looks()]) == limits._saturated([]) == []
+    assert examine(shaped(*both, looks()), *TOPS) == examine(shaped(), *TOPS) == []
 
 
 @pytest.mark.parametrize(
@@ -1297,7 +1324,7 @@ def test_the_steeper_side_is_straight_where_an_amplifier_is_too_slow(flanks, tol
     """Unless both are, and one is a fifth as steep or less, as those of a saw-tooth."""
     for order in (flanks, flanks[::-1]):
         one = looks(flanks=order)
-        found = limits._slew_limited(one.record, [looks(), one])
+        found = examine(shaped(looks(), one), *SLOPES)
         assert [(each.code, each.value) for each in found] == ([("slew-rate", 40.0)] if told else [])
         assert not told or told in found[0].message
 
@@ -1317,7 +1344,7 @@ def test_the_steeper_side_is_straight_where_an_amplifier_is_too_slow(flanks, tol
 )
 def test_a_top_is_a_corner_between_sides_that_are_about_as_steep(how, corner):
     one = looks(**how)
-    found = limits._slew_limited(one.record, [one])
+    found = examine(shaped(one), *SLOPES)
     assert [(each.code, each.value) for each in found] == ([("slew-rate", 4.0)] if corner else [])
 
 
@@ -1329,37 +1356,28 @@ def test_a_rail_is_off_the_zero_by_a_hundredth_of_the_span():
     values = np.r_[0.0, 50.0, 99.0, 99.3, 99.4, [100.0] * 9]
     for zero_at, found in ((98.9, 9), (99.1, 0)):
         for level in (0.0, 50.0, -70.0):
-            assert clipping.rail(values + level, zero_at + level).size == found
+            assert limits.rail(values + level, zero_at + level).size == found
 
 
 def test_the_step_of_a_converter_is_the_least_near_the_top():
     """A step of 0.9 within a twentieth of the span, beside which the next two of 100 count: up to 2.25 below it."""
     few = np.r_[0.0, 10.0, 10.1, 94.9, [97.8] * 4, [100.0] * 9, 98.7]  # those at 97.8 and 98.7 lie within
-    assert (
-        clipping.rail(few, 0.0).size
-        == clipping.rail(few - 70.0, -70.0).size
-        == clipping.rail(few + 90.0, 90.0).size
-        == 0
-    )
+    assert limits.rail(few, 0.0).size == limits.rail(few - 70.0, -70.0).size == limits.rail(few + 90.0, 90.0).size == 0
     far = np.r_[0.0, 10.0, 10.1, 94.9, [97.7] * 4, [100.0] * 9, 98.6]
-    assert (
-        clipping.rail(far, 0.0).size
-        == clipping.rail(far - 70.0, -70.0).size
-        == clipping.rail(far + 90.0, 90.0).size
-        == 9
-    )
+    assert limits.rail(far, 0.0).size == limits.rail(far - 70.0, -70.0).size == limits.rail(far + 90.0, 90.0).size == 9
 
 
 def test_a_switch_has_no_rail():
     values = np.r_[np.zeros(20), np.full(20, 5.0)]
-    assert clipping.rail(values, 0.0).size == 0
+    assert limits.rail(values, 0.0).size == 0
     values[3] = 2.0
-    assert clipping.rail(values, 0.0).size == 20
+    assert limits.rail(values, 0.0).size == 20
 
 
 def clips(values, *pulses):
     return [
-        (one.value, one.severity, one.start, one.end, one.harms) for one in clipping.clipped(record(values, *pulses))
+        (one.value, one.severity, one.start, one.end, one.harms)
+        for one in examine(record(values, *pulses), limits.clipped)
     ]
 
 
@@ -1373,7 +1391,7 @@ def test_a_rail_in_a_blow_is_bad_and_one_outside_suspect(sign):
     assert clips(sign * values, *elsewhere) == [(4.0 * sign, "suspect", *place, ("ringing_frequency", "spectrum"))]
     for edge in (blow(359, 400, 4.0 * sign), blow(200, 340, 4.0 * sign)):
         assert clips(sign * values, edge)[0][1] == "bad"
-    [found] = clipping.clipped(record(sign * values, one, blow(800, 850, sign)))
+    [found] = examine(record(sign * values, one, blow(800, 850, sign)), limits.clipped)
     assert "for 2e+04\xa0us in 1 of 2 blows" in found.message
 
 
@@ -1414,8 +1432,8 @@ def test_noise_before_the_first_blow_is_that_of_two_widths_of_it():
 
 def test_a_level_under_no_velocity_change_has_no_effect_on_it():
     one = blow(100, 200, velocity_change=0.0)
-    assert examined.effects_of_level(one, 0.4).keys() == {"peak", "width"}
-    assert examined.effects_of_level(blow(100, 200, -4.0), 0.4)["peak"] == pytest.approx(-0.1)
+    assert sampled_record.effects_of_level(one, 0.4).keys() == {"peak", "width"}
+    assert sampled_record.effects_of_level(blow(100, 200, -4.0), 0.4)["peak"] == pytest.approx(-0.1)
 
 
 @pytest.mark.parametrize(
@@ -1433,23 +1451,19 @@ def test_a_level_under_no_velocity_change_has_no_effect_on_it():
     ],
 )
 def test_values_are_written_with_units_of_a_usual_size(value, unit, text):
-    assert examined.with_unit(value, unit) == text
+    assert sampled_record.with_unit(value, unit) == text
 
 
 @pytest.mark.parametrize(("peak", "told"), [(0.004, False), (-0.004, True)])
 def test_blows_are_negative_where_the_first_is(peak, told):
-    found = blow_checks.polarity(record(np.zeros(900), blow(100, 150, peak), blow(300, 350, -peak)))
+    found = examine(record(np.zeros(900), blow(100, 150, peak), blow(300, 350, -peak)), blow_checks.polarity)
     assert [(one.value, one.severity) for one in found] == ([(-1.0, "suspect")] if told else [])
-    assert blow_checks.polarity(record(np.zeros(900))) == []
+    assert examine(record(np.zeros(900)), blow_checks.polarity) == []
 
 
-def test_shapes_are_those_of_blows_that_are_read_off_the_record(monkeypatch):
-    seen = []
-    monkeypatch.setattr(limits, "_saturated", lambda shapes: seen.extend(shapes) or [])
-    monkeypatch.setattr(limits, "_slew_limited", lambda record, shapes: [])
+def test_shapes_are_those_of_blows_that_are_read_off_the_record():
     pulses = blow(100, 150), blow(300, 350, method="fit"), blow(500, 550, width=math.nan), blow(700, 750, width=5e-3)
-    assert limits.limited(record(np.zeros(900), *pulses)) == []
-    assert [one.pulse for one in seen] == [pulses[0], pulses[3]]
+    assert [one.pulse for one in limits._shapes(record(np.zeros(900), *pulses))] == [pulses[0], pulses[3]]
 
 
 def test_pulses_without_ringing_are_those_without_the_coupling():
@@ -1476,7 +1490,7 @@ def test_a_fit_explains_what_is_no_chance():
     assert alike_as_one(rest, 0.99) == 1.0
     for share, explained in ((1.01, True), (0.99, False)):
         before = squares + share * 25.0 * squares / 100
-        assert response_zero._explains((before, rest, rest), (squares, rest, rest)) is explained
+        assert zero._explains((before, rest, rest), (squares, rest, rest)) is explained
 
 
 @pytest.mark.parametrize(("share", "flat"), [(0.55, True), (0.98, False)])
@@ -1484,12 +1498,12 @@ def test_flat_tops_of_a_swing(share, flat):
     """A sine cut at a share of its height is flat for 1 - 2 asin(share) / pi of its half swings."""
     t = np.arange(1000) + 0.5
     values = np.clip(np.sin(2.0 * np.pi * t / 100), -share, share)
-    found = response_range._flat(values, 0.0)
+    found = limits._flat(values, 0.0)
     assert (found is not None) is flat
     if flat:
         assert found[0] == pytest.approx(1.0 - 2.0 / math.pi * math.asin(0.98 * share), abs=0.03)  # two samples of 50
         assert found[1] == pytest.approx(1.0 - 2.0 / math.pi * math.asin(0.98), rel=1e-9)
-    noisy = response_range._flat(values, 0.05 * share)
+    noisy = limits._flat(values, 0.05 * share)
     if flat:
         assert noisy[1] == pytest.approx(1.0 - 2.0 / math.pi * math.asin(1.0 - 0.22), rel=1e-9)
-    assert response_range._flat(np.zeros(9), 0.0) is None
+    assert limits._flat(np.zeros(9), 0.0) is None

@@ -13,7 +13,7 @@ from strikewave.records import reading as readings
 from strikewave.records.baseline import LocalBaseline
 from strikewave.records.calibration import Calibration
 from strikewave.records.file_reading import read_file
-from strikewave.records.health.examined import Examined
+from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading, Request
 from strikewave.records.record import Channel, Record
@@ -71,7 +71,7 @@ def test_ac_coupling_of_a_stated_time_constant_or_the_one_found_is_taken_off():
     clean = np.zeros(900)
     clean[100:120] = 5.0 * np.sin(np.pi * np.arange(20) / 20.0)
     channel = channel_of(ac_coupled(clean, STEP, 0.15))
-    examined = Examined(channel.values, STEP, START, pulses=(blow(100, 120, 5.0, offset=0.0),))
+    examined = BlowRecord(channel.values, STEP, START, pulses=(blow(100, 120, 5.0, offset=0.0),))
     for model, wanted in ((None, 0.15), (TailModel("ac-coupling", -0.1, math.nan, 0.15, 2e-3), "auto")):
         vars(examined).update(tail=model)
         found, [said] = readings._without_coupling(channel, examined, wanted)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from strikewave.records import find_pulses
-from strikewave.records.health import Examined, examine
+from strikewave.records.health import examine
+from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.modes import decaying_modes
 from strikewave.records.two_sensors import paired_motion
 
@@ -99,7 +100,7 @@ def test_figures_of_blows_follow_their_units(value, unit, later, plain):
 def test_what_is_wrong_does_not_hang_on_the_unit(plain):
     found = [
         examine(
-            Examined(
+            BlowRecord(
                 value * ringing_blows(), STEP * unit, pulses=tuple(find_pulses(value * ringing_blows(), STEP * unit))
             )
         )

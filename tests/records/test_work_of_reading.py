@@ -20,9 +20,9 @@ from strikewave.records import (
     read_file,
     summed,
 )
-from strikewave.records.health.examined import Examined
-from strikewave.records.health.range import limited
-from strikewave.records.health.range.shape import BlowShape
+from strikewave.records.health import examine, limits
+from strikewave.records.health.blow_shape import BlowShape
+from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.pulses import Baseline, find_boxes
 from strikewave.records.readers import Options, common, read_record, tdms
 from strikewave.records.readers.common import ArrayColumn, assemble, one_each
@@ -130,7 +130,7 @@ def test_work_of_reading_grows_with_the_number_of_blows():
 def test_the_first_blow_that_ends_after_another_is_the_next(ends):
     """As a search through all blows finds it, whether or not one lies within another."""
     pulses = tuple(Mock(begin=0.5 + k, end=end) for k, end in enumerate(ends))
-    record = Examined(np.zeros(20), 1.0, pulses=pulses)
+    record = BlowRecord(np.zeros(20), 1.0, pulses=pulses)
     for pulse in pulses:
         later = [other.begin for other in pulses if other.end > pulse.end]
         assert record.next_begin(pulse) == min(later, default=math.inf)
@@ -145,7 +145,8 @@ def test_tip_and_sides_of_a_blow_are_measured_once(monkeypatch, measured):
     counted.__set_name__(BlowShape, measured)
     monkeypatch.setattr(BlowShape, measured, counted)
     values = 100.0 * np.sin(np.pi * np.clip(np.arange(900.0) / 80.0 - 5.0, 0.0, 1.0))
-    assert not limited(Examined(values, 1e-6, pulses=tuple(find_pulses(values, 1e-6))))
+    record = BlowRecord(values, 1e-6, pulses=tuple(find_pulses(values, 1e-6)))
+    assert not examine(record, limits.flat_top, limits.bent_tip, limits.straight_side, limits.corner)
     assert asked == [measured]
 
 

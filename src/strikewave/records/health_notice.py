@@ -1,14 +1,18 @@
-"""What is wrong with a record: what, where, how much, and which figures it harms."""
+"""What is wrong with a record: what, where, how much, and which figures it harms; and what finds it, a row a check."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from dataclasses import field
+import string
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import field, replace
 from math import nan
+from typing import Any, NamedTuple
 
 from strikewave.base import declare
 from strikewave.base.declare import NOT_MEASURED
+from strikewave.base.percents import percent
 from strikewave.base.result import INFO, WARNING, Notice
+from strikewave.records.thresholds import HARMED, NO_EFFECT
 
 STATUSES = ("good", "suspect", "bad")
 """From best to worst."""
@@ -16,10 +20,12 @@ FIGURES = ("peak", "rise", "width", "velocity_change", "interval", "ringing_freq
 """What a notice can harm."""
 RESPONSE_FIGURES = ("peak", "ratio", "delay", "duration", "rms", "frequency", "damping")
 """What a notice on a response channel can harm."""
-HARMED = 0.05
-"""Estimated effect on a figure beyond which it is harmed: the usual uncertainty of a calibrated shock accelerometer."""
-NO_EFFECT = 0.0005
-"""Effects below which they are not worth a word."""
+BLOW = ("peak", "rise", "width", "velocity_change")
+"""Figures of a single blow."""
+EVERY = ("every",)
+"""Harms of a check that takes all figures, of a blow or of a response."""
+OF_BLOWS, OF_RESPONSES, OF_BOTH = "blow", "response", "both"
+"""What a check looks at."""
 
 
 @declare.dataclass
@@ -109,6 +115,107 @@ def by_effect(
         end=end,
         effects=tuple((name, float(effect)) for name, effect in effects.items()),
     )
+
+
+class Fault(NamedTuple):
+    """What a check finds, in numbers; its row of the table words it.
+
+    Attributes
+    ----------
+    value : float
+        The number that raised it, SI.
+    said : mapping
+        What the message takes besides.
+    severity : str
+        That of the row, or of the effects, where it is empty.
+    harms : tuple of str
+        Figures beside those of the row and of the effects.
+    start, end : float
+        Where in time, s; NaN where it is the whole record.
+    effects : mapping or None
+        By how much of itself it may falsify each figure: then it is suspect where it harms one, and else good.
+    signed : bool
+        Whether it is known which way.
+    doubt : mapping or None
+        What is not known of the effects.
+    message : str
+        In place of that of the row.
+    """
+
+    value: float
+    said: Mapping[str, Any] = {}
+    severity: str = ""
+    harms: tuple[str, ...] = ()
+    start: float = nan
+    end: float = nan
+    effects: Mapping[str, float] | None = None
+    signed: bool = True
+    doubt: Mapping[str, float] | None = None
+    message: str = ""
+
+
+class Check(NamedTuple):
+    """A row of the table of checks.
+
+    Attributes
+    ----------
+    name : str
+        Code of what it finds.
+    severity : str
+        The worst that it finds; see `Fault`.
+    of : str
+        What it looks at: the blows of a record, a response, or both.
+    find : callable
+        Finds the faults of a record.
+    message : str
+        What is found, as `str.format` takes it. ``:unit`` writes a number with the unit of the record, ``:%1`` in
+        per cent with one decimal.
+    harms : tuple of str
+        Figures that are not to be trusted, whatever is found.
+    ends : bool
+        Whether nothing else is looked for where it finds something.
+    """
+
+    name: str
+    severity: str
+    of: str
+    find: Callable[[Any], Iterable[Fault]]
+    message: str
+    harms: tuple[str, ...] = ()
+    ends: bool = False
+
+    def notices(self, record: Any) -> list[HealthNotice]:
+        """Return what it finds on a record, in words."""
+        return [self._notice(record, fault) for fault in self.find(record)]
+
+    def _notice(self, record: Any, fault: Fault) -> HealthNotice:
+        words = _Wording(record).format(fault.message or self.message, value=fault.value, **fault.said)
+        harms = {*self.harms, *fault.harms}
+        if fault.effects is None:
+            chosen = record.figures if {*EVERY} <= harms else tuple(name for name in record.figures if name in harms)
+            severity = fault.severity or self.severity
+            return HealthNotice(self.name, words, fault.value, severity, chosen, fault.start, fault.end)
+        place = {"start": fault.start, "end": fault.end, "figures": record.figures}
+        notice = by_effect(self.name, words, fault.value, fault.effects, fault.signed, fault.doubt, **place)
+        only_timing = set(notice.harms) <= set(record.jumping)  # withheld, and nothing is suspect for it
+        return replace(
+            notice,
+            severity=fault.severity or ("good" if only_timing else notice.severity),
+            harms=tuple(name for name in record.figures if name in harms or name in notice.harms),
+        )
+
+
+class _Wording(string.Formatter):
+    """Writes the numbers of a message."""
+
+    def __init__(self, record: Any) -> None:
+        self.record = record
+
+    def format_field(self, value: Any, spec: str) -> str:
+        """Write a number with the unit of its record, in per cent, or as Python does."""
+        if spec == "unit":
+            return str(self.record.text(value))
+        return percent(value, int(spec[1:])) if spec.startswith("%") else str(super().format_field(value, spec))
 
 
 def unreadable(why: str) -> HealthNotice:

@@ -28,13 +28,13 @@ from strikewave.base.shock_quantities import (
 )
 from strikewave.records.band_split import BandSplit, split_bands
 from strikewave.records.baseline import LocalBaseline, baseline_before, noise_before
-from strikewave.records.health_notice import HARMED
 from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
 from strikewave.records.read_off import LONGEST, ReadPulse, Surroundings, read_pulse
 from strikewave.records.rigid_pulse import RigidPulse, rigid_pulse
 from strikewave.records.ringing import RINGS_WITHIN, Stretch, ringing_of
 from strikewave.records.smooth_pulse import BUDGETED, PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.smoothing import SmoothingWindow
+from strikewave.records.thresholds import HARMED
 from strikewave.records.trains import Contacts, sort_contacts
 from strikewave.signal.pulse import FOOT, WIDTH_FRACTION, area_between, crossing
 

@@ -19,8 +19,10 @@ from strikewave.records.budget.blows import BlowUncertainty
 from strikewave.records.calibration import Calibration, calibrated
 from strikewave.records.clock import even
 from strikewave.records.coupling import uncoupled
-from strikewave.records.health import Examined, examine, level_step, ringing
-from strikewave.records.health.examined import with_unit
+from strikewave.records.health import examine
+from strikewave.records.health.ringing import ringing
+from strikewave.records.health.sampled_record import BlowRecord, with_unit
+from strikewave.records.health.zero import level_step
 from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, STATUSES, HealthNotice, worst, worst_first
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel
@@ -226,7 +228,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
             findings.append(HealthNotice("too-short", message, channel.values.size, severity="bad", harms=FIGURES))
         return ChannelReading(channel, number, (), tuple(findings), calibration)
     pulses = _blows(channel)
-    examined = Examined(channel.values, channel.step, channel.start, channel.unit, pulses, request.drop_height)
+    examined = BlowRecord(channel.values, channel.step, channel.start, channel.unit, pulses, request.drop_height)
     if request.ac_coupling != "" and pulses:
         channel, said = _without_coupling(channel, examined, request.ac_coupling)
         findings += said
@@ -254,7 +256,7 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
                 finding.code == "ringing" for finding in findings
             ):  # what rings no more after the filter harms nothing
                 findings = [finding for finding in findings if finding.code != "ringing"]
-                findings += ringing(dataclasses.replace(examined, values=channel.values, pulses=pulses))
+                findings += examine(dataclasses.replace(examined, values=channel.values, pulses=pulses), ringing)
     if channel.of_body:
         pulses, findings = _as_body_motion(pulses, findings)
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
@@ -318,7 +320,9 @@ def _lightened(high_pass: HighPass, blows: Sequence[RecordedPulse], filtered: Ch
     return [HealthNotice("high-pass", message, left, severity="suspect" if left < HALF else "good")]
 
 
-def _without_coupling(channel: Channel, examined: Examined, wanted: str | float) -> tuple[Channel, list[HealthNotice]]:
+def _without_coupling(
+    channel: Channel, examined: BlowRecord, wanted: str | float
+) -> tuple[Channel, list[HealthNotice]]:
     """Return a channel without its AC coupling, of a stated time constant or of the one that is recognised."""
     if isinstance(wanted, str):
         model = examined.tail

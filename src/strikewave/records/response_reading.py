@@ -11,7 +11,8 @@ import numpy as np
 from strikewave.records.calibration import Calibration, calibrated
 from strikewave.records.clock import even
 from strikewave.records.coupling import resting
-from strikewave.records.health.response import ExaminedResponse, examine_response
+from strikewave.records.health import examine
+from strikewave.records.health.sampled_record import ResponseRecord
 from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, HealthNotice, worst_first
 from strikewave.records.measuring import FEWEST
 from strikewave.records.reading import (
@@ -55,25 +56,23 @@ def read_response(
         found += filter_changes(before, [one.peak for one in examined.responses])
     responses = tuple(examined.responses)
     if responses:
-        found += [*examine_response(examined), *_missing(holes, responses), *_of_base(base)]
+        found += [*examine(examined), *_missing(holes, responses), *_of_base(base)]
     return ChannelReading(channel, number, (), tuple(found), calibration, (), responses)
 
 
-def _examined_response(channel: Channel, blows: Sequence[BaseBlow], base: ChannelReading) -> ExaminedResponse:
+def _examined_response(channel: Channel, blows: Sequence[BaseBlow], base: ChannelReading) -> ResponseRecord:
     """Measure a response channel, for the checks of its health."""
     values, step, start = channel.values, channel.step, channel.start
     responses = measure_responses(values, step, start, blows, channel.unit == base.channel.unit)
     beside = step == base.channel.step and start == base.channel.start
-    return ExaminedResponse(
-        values, step, start, channel.unit, blows, responses, base.channel.values if beside else None
-    )
+    return ResponseRecord(values, step, start, channel.unit, blows, responses, base.channel.values if beside else None)
 
 
 def _response_without_coupling(
-    channel: Channel, examined: ExaminedResponse, wanted: str | float
+    channel: Channel, examined: ResponseRecord, wanted: str | float
 ) -> tuple[Channel, list[HealthNotice]]:
     """Return a response channel without its AC coupling, of a stated time constant or of the one recognised."""
-    seen = [finding.value for finding in examine_response(examined) if finding.code == "ac-coupling"]
+    seen = [finding.value for finding in examine(examined) if finding.code == "ac-coupling"]
     if isinstance(wanted, str) and not seen:
         return channel, [NOT_COUPLED]
     constant = seen[0] if isinstance(wanted, str) else float(wanted)

@@ -12,8 +12,8 @@ import numpy as np
 
 from strikewave.base.errors import show
 from strikewave.base.percents import plain
-from strikewave.records.health.examined import BLOW, with_unit
-from strikewave.records.health_notice import HealthNotice
+from strikewave.records.health.sampled_record import with_unit
+from strikewave.records.health_notice import BLOW, HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.robust import FEWEST_FOR_OUTLIERS, outliers, spread_of
 from strikewave.records.trains import mains_period

@@ -29,7 +29,9 @@ from strikewave.hopkinson.pulses import GaugeTrace, quieten
 from strikewave.records import Channel, Options, read_record
 from strikewave.records.calibration import Calibration, known_unit
 from strikewave.records.clock import even
-from strikewave.records.health import Examined, clipped
+from strikewave.records.health import examine
+from strikewave.records.health.limits import clipped
+from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.health_notice import HealthNotice
 from strikewave.waves import Layer
 
@@ -282,7 +284,7 @@ def _channel(case: HopkinsonCase, table: RecordedTable, path: str) -> tuple[Chan
         dataclasses.replace(
             finding, message=f"{path}: the record stops at {finding.value:.4g} again and again: its range ended there"
         )
-        for finding in clipped(Examined(channel.values, channel.step, channel.start))
+        for finding in examine(BlowRecord(channel.values, channel.step, channel.start), clipped)
     ]
     return channel, findings
 

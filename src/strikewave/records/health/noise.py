@@ -1,94 +1,101 @@
-"""What noise and hum beside the blows do to the figures of a record."""
+"""What noise and hum beside blows and responses do to the figures of a record."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.constants import COVERAGE
 from strikewave.base.percents import percent
-from strikewave.records.health.examined import Examined
-from strikewave.records.health_notice import HealthNotice, by_effect
+from strikewave.records.health.sampled_record import JUMPING, Array, BlowRecord, ResponseRecord
+from strikewave.records.health_notice import Fault
 from strikewave.records.measuring import RecordedPulse
+from strikewave.records.modes import FEWEST
 from strikewave.records.smooth_pulse import BUDGETED
+from strikewave.records.thresholds import HARMED, OfNoise
 
-Array = NDArray[np.float64]
-
-NOISY = 15.0
-"""Ratio of peak to noise, dB, below which a fitted pulse is suspect too: noise of a fifth of the peak."""
-NOTED_NOISE = 0.02
-"""Effect on a figure from which on noise is worth a word."""
 MAINS = (50.0, 60.0)
 """Frequencies of the mains, Hz."""
 HARMONICS = 3
 """Of the mains that are looked for: what rectifiers make besides is small."""
-BESIDE_MAINS = (0.62, 0.8, 1.25, 1.6)
-"""Of the frequency of the mains, others at which the record must swing less: hum is a line."""
-FEWEST_PERIODS, CLEAR_PERIODS = 1.2, 2.5
-"""Of the mains that the quiet parts must span: below, a swing is not distinct from a drift; below the second, no line
-is from its neighbours, and the swing must be `SWINGS` from a cubic."""
-SWINGS = 0.1
-"""Share of what a cubic leaves of the quiet parts that the swing leaves of them: both have four parameters or more."""
 A_PERIOD = 30
 """Means of the record a period of the mains: ten a period of its third harmonic."""
 MOST_MEANS = 6000
 """Means that are looked at: two hundred periods tell enough."""
-BEFORE_BLOW, AFTER_BLOW = 1.0, (20.0, 3.0)
-"""Widths before a blow, and after it, that are not quiet: what rings dies out within the first, and where too little is
-left, within the second if hum explains more."""
-EXPLAINED = (0.6, 0.9)
-"""Share of the swing of the quiet parts, before the first blow and after it, that hum must explain."""
-NOTED_HUM = 0.01
-"""Amplitude of hum over the peak from which on it is worth a word."""
 
 
-def noisy(record: Examined) -> list[HealthNotice]:
+def noisy(record: BlowRecord) -> Iterator[Fault]:
     """Find noise that hides a tenth of the peak: the figures are then those of a fitted smooth pulse."""
     fitted = [p for p in record.pulses if p.method == "fit"]
-    if not fitted:
-        return []
-    ratio = min(20.0 * math.log10(abs(p.peak) / p.noise) for p in fitted if p.noise > 0.0)
-    severity = "suspect" if ratio < NOISY else "good"
-    message = f"the noise is only {ratio:.0f} dB below the peak: figures are those of a fitted smooth pulse"
-    return [HealthNotice("noisy", message, ratio, severity=severity, harms=("rise",))]
+    if fitted:
+        ratio = min(20.0 * math.log10(abs(p.peak) / p.noise) for p in fitted if p.noise > 0.0)
+        yield Fault(ratio, severity="" if ratio < OfNoise.NOISY else "good")
 
 
-def uncertain(record: Examined) -> list[HealthNotice]:
-    """Find noise of any colour, or hum, that moves the figures of a blow, from what it does before the blow."""
-    worst = _worst_effects(record)
-    hum = mains_hum(record)
-    peak = min((abs(pulse.peak) for pulse in record.pulses), default=math.nan)
-    if hum is not None and not hum[1] <= NOTED_HUM * peak:
-        frequency, amplitude = hum
+def hum(record: BlowRecord) -> Iterator[Fault]:
+    """Find hum beside the blows that may move a figure."""
+    found = record.once(_noted_hum)
+    if found is not None:
+        frequency, amplitude = found
+        peak = min((abs(pulse.peak) for pulse in record.pulses), default=math.nan)
         share = f", {percent(amplitude / peak)} of the peak" if record.pulses else f" and {record.text(amplitude)}"
-        message = f"hum of {frequency:g}\xa0Hz{share}"
-        return [by_effect("hum", message, amplitude, worst, signed=False)]
-    if max(worst.values(), default=0.0) < NOTED_NOISE:
-        return []
+        said = {"frequency": frequency, "share": share}
+        yield Fault(amplitude, said, effects=record.once(worst_effects), signed=False)
+
+
+def _noted_hum(record: BlowRecord) -> tuple[float, float] | None:
+    line = mains_hum(record)
+    peak = min((abs(pulse.peak) for pulse in record.pulses), default=math.nan)
+    return line if line is not None and not line[1] <= OfNoise.NOTED_HUM * peak else None
+
+
+def noise(record: BlowRecord) -> Iterator[Fault]:
+    """Find noise of any colour that moves the figures of a blow, from what it does before the blow."""
+    effects = record.once(worst_effects)
+    if max(effects.values(), default=0.0) < OfNoise.NOTED or record.once(_noted_hum) is not None:
+        return
     wander = max((p.baseline.wander for p in record.pulses if math.isfinite(p.baseline.wander)), default=math.nan)
-    level = record.noise if math.isnan(wander) else wander
-    message = f"noise before the blow wanders by {record.text(level)} over its length"
     if math.isnan(wander):
-        message = f"noise of {record.text(level)} a sample"
-    return [by_effect("noise", message, level, worst, signed=False)]
+        message = "noise of {value:unit} a sample"
+        yield Fault(record.noise, effects=effects, signed=False, message=message)
+    else:
+        yield Fault(wander, effects=effects, signed=False)
 
 
-def short_before(record: Examined) -> list[HealthNotice]:
+def short_before(record: BlowRecord) -> Iterator[Fault]:
     """Find that too little lies before the first blow to know what noise and drift do to its figures."""
-    if not record.pulses or math.isfinite(record.pulses[0].baseline.wander):
-        return []
-    pulse = record.pulses[0]
-    message = (
-        f"only {pulse.baseline.widths} widths of the blow lie before it: what drift, hum and slow noise do to its "
-        "figures cannot be known"
-    )
-    return [HealthNotice("short-pretrigger", message, pulse.baseline.widths, severity="good", end=pulse.begin)]
+    if record.pulses and not math.isfinite(record.pulses[0].baseline.wander):
+        yield Fault(record.pulses[0].baseline.widths, end=record.pulses[0].begin)
 
 
-def _worst_effects(record: Examined) -> dict[str, float]:
+def hum_of_response(record: ResponseRecord) -> Iterator[Fault]:
+    """Find a line of the mains beside the response."""
+    spans = [(record.blows[one.blow - 1].begin, one.begin + one.duration) for one in record.responses]
+    line = hum_beside(record.values, record.step, record.start, spans)
+    if line is not None and not line[1] < OfNoise.NOTED_HUM * record.peak:
+        frequency, amplitude = line
+        said = {"frequency": frequency, "share": amplitude / record.peak}
+        yield Fault(amplitude, said, effects=record.moved_by(amplitude), signed=False)
+
+
+def noise_of_response(record: ResponseRecord) -> Iterator[Fault]:
+    """Find noise of any colour, or motion before the blow, that moves the figures."""
+    effects = record.moved_by(COVERAGE * record.noise)
+    least = max(effects["peak"], effects["rms"]) < OfNoise.NOTED
+    if not least or any(effects[name] > HARMED for name in JUMPING):
+        yield Fault(record.noise, effects=effects, signed=False)
+
+
+def short_before_response(record: ResponseRecord) -> Iterator[Fault]:
+    """Find that too little lies before the first blow to know the zero and the noise."""
+    if record.first < FEWEST:
+        yield Fault(record.first, end=record.blows[0].begin)
+
+
+def worst_effects(record: BlowRecord) -> dict[str, float]:
     """Return by how much of itself noise may falsify each figure of the smallest blow.
 
     The noise of a record is one, but what each blow tells of it scatters, and the largest of many is not their worst
@@ -102,7 +109,7 @@ def _worst_effects(record: Examined) -> dict[str, float]:
     return {name: float(np.median(each)) / smallest for name, each in over_peaks.items()}
 
 
-def _effects(record: Examined, pulse: RecordedPulse) -> dict[str, float]:
+def _effects(record: BlowRecord, pulse: RecordedPulse) -> dict[str, float]:
     """Return by how much of itself noise may falsify each figure; of white noise where no more is known."""
     doubt = pulse.uncertainty
     if math.isnan(doubt.peak) and pulse.width > 0.0:
@@ -111,14 +118,14 @@ def _effects(record: Examined, pulse: RecordedPulse) -> dict[str, float]:
     return {name: COVERAGE * effect for name, effect in known.items() if math.isfinite(effect)}
 
 
-def mains_hum(record: Examined) -> tuple[float, float] | None:
+def mains_hum(record: BlowRecord) -> tuple[float, float] | None:
     """Return frequency and amplitude of the hum of the mains; None where none is distinct.
 
     Examples
     --------
     >>> t = np.arange(20_000) * 1e-5
     >>> noise = np.random.default_rng(1).normal(size=t.size)
-    >>> frequency, amplitude = mains_hum(Examined(3.0 * np.sin(2.0 * np.pi * 50.0 * t) + noise, 1e-5))
+    >>> frequency, amplitude = mains_hum(BlowRecord(3.0 * np.sin(2.0 * np.pi * 50.0 * t) + noise, 1e-5))
     >>> frequency, round(amplitude, 1)
     (50.0, 3.0)
     """
@@ -138,15 +145,15 @@ def hum_beside(
     middles = size * np.arange(count) + 0.5 * (size - 1)
     time = np.asarray(start + step * middles, dtype=np.float64)
     first = min((begin for begin, _ in spans), default=-math.inf)
-    for after, explained in zip(AFTER_BLOW, EXPLAINED, strict=True):
+    for after, explained in zip(OfNoise.AFTER_BLOW, OfNoise.EXPLAINED, strict=True):
         quiet = np.ones(count, dtype=bool)
         for begin, end in spans:
             span = max(end - begin, step)
-            quiet &= (time < begin - BEFORE_BLOW * span) | (time > end + after * span)
+            quiet &= (time < begin - OfNoise.BEFORE_BLOW * span) | (time > end + after * span)
         periods = np.count_nonzero(quiet) * size * step * max(MAINS)
-        if periods >= CLEAR_PERIODS:
+        if periods >= OfNoise.CLEAR_PERIODS:
             return _line_of_mains(first, time, means, quiet, explained)
-    return _swing_of_mains(first, time, means, quiet) if periods >= FEWEST_PERIODS else None
+    return _swing_of_mains(first, time, means, quiet) if periods >= OfNoise.FEWEST_PERIODS else None
 
 
 def _line_of_mains(
@@ -160,7 +167,7 @@ def _line_of_mains(
             continue
         if _explained_of_parts(first, time, means, quiet, fitted) <= least:
             continue
-        if amplitude > max(_swing(time, means, quiet, frequency * share)[1] for share in BESIDE_MAINS):
+        if amplitude > max(_swing(time, means, quiet, frequency * share)[1] for share in OfNoise.BESIDE_MAINS):
             best = frequency, amplitude
     return best
 
@@ -174,8 +181,10 @@ def _swing_of_mains(first: float, time: Array, means: Array, quiet: NDArray[np.b
     for frequency in MAINS:
         fitted, amplitude = _swing(time, means, quiet, frequency, 1)
         left = float(np.sum((means - fitted)[quiet] ** 2))
-        if left < SWINGS * bent and _explained_of_parts(first, time, means, quiet, fitted) > max(EXPLAINED):
-            best, bent = (frequency, amplitude), left / SWINGS
+        if left < OfNoise.SWINGS * bent and _explained_of_parts(first, time, means, quiet, fitted) > max(
+            OfNoise.EXPLAINED
+        ):
+            best, bent = (frequency, amplitude), left / OfNoise.SWINGS
     return best
 
 

@@ -1,167 +1,192 @@
-"""Where the zero of a record lies: whether it is settled, drifts, or shifts."""
+"""Where the zero of a record lies: whether it is settled, drifts, shifts, or decays; before blows and after them."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from strikewave.base.percents import percent
 from strikewave.records.baseline import LOOK_BACK
-from strikewave.records.health.examined import BEGINNING, BLOW, FEWEST_OF_PART, Examined, effects_of_level
-from strikewave.records.health_notice import FIGURES, HealthNotice, by_effect
+from strikewave.records.correlation import alike_as_one
+from strikewave.records.health.sampled_record import (
+    BEGINNING,
+    FEWEST_OF_PART,
+    JUMPING,
+    Array,
+    BlowRecord,
+    ResponseRecord,
+    effects_of_level,
+)
+from strikewave.records.health_notice import Fault
 from strikewave.records.measuring import FOOT
+from strikewave.records.modes import FEWEST
 from strikewave.records.pulses import MAD_TO_SIGMA
+from strikewave.records.tail import TailModel
+from strikewave.records.thresholds import OfBeginning, OfZero
+from strikewave.signal.coupling import ac_uncoupled
 
-Array = NDArray[np.float64]
-
-
-IN_MOTION = 20.0
-"""Standard deviations that a beginning spans, or a zero drifts, before it is called unsettled: twice what noise
-spans."""
-FALLS_OFF = 5.0
-"""A beginning that spans this many times the end of the record swings; noise, drift and hum span both alike."""
-CUT_BLOW = 4.0
-"""`IN_MOTION` is taken over a quarter of what the end spans where a blow is thought to be cut: it rings on until
-then."""
-ONE_SIDED = 0.1
-"""A cut blow falls below this share within its part, and swings to the other side by less than this share of itself."""
-FAR_OFF = 100.0
-"""Scatters that the zero lies off 0 before it is called unsettled without a blow: offsets of tens of them are usual."""
-WRONG_PEAK = 0.02
-"""Share of a peak by which a drifting baseline may falsify it before that is suspect: below the usual 5 % of a
-sensor."""
-NOTED_ZERO, LARGE_ZERO = 0.05, 0.5
-"""Shares of the peak at which a zero is noted, and at which it swamps the low frequencies of a spectrum."""
-FEWEST_OF_TAIL = 16
-"""Samples after the blows, or of a level, without which their zero is not judged."""
-SHIFTED = 3.0
-"""Standard errors by which a zero must have shifted, so that chance does it in one record of 400."""
-NOTED_SHIFT, LARGE_SHIFT = 0.01, 0.03
-"""Shares of the peak at which a shift is noted, and at which a velocity integrated over ten widths is off
-by nearly half."""
-LAST_QUARTER, LONG_AFTER = 4, 40.0
-"""A drift of the velocity is that of the last quarter, where 40 widths or more follow the blow: nothing moves then."""
-NOTED_DRIFT, LARGE_DRIFT = 0.5, 2.0
-"""Drifts of the velocity to the end, over the change of velocity: half of it is noted, twice it is suspect."""
-STEP_OF_SPAN, STEP_OF_STRAY = 0.08, 10.0
-"""Share of the span, and times what either level strays, that a step of the zero is: more than a drift or hum makes."""
-STRAY_QUANTILE = 0.8
-"""Share of the samples of a level that lie within what it strays: blows fill less than the rest."""
+LAST_QUARTER = 4
+"""A drift of the velocity is that of the last quarter of what follows the blow."""
+TIME_CONSTANTS = 40
+"""Time constants of a decay of the zero that are tried."""
+MOST_LOOKED_AT = 4000
+"""Samples of a free decay in which its zero is looked for."""
 
 
-def not_settled(record: Examined) -> list[HealthNotice]:
-    """Find a zero that is far off or drifts, or a record that begins while something still swings."""
-    line = record.line
-    noise = record.noise
-    spread = MAD_TO_SIGMA * float(np.median(np.abs(record.values - line.at(np.arange(record.values.size)))))
-    drift = line.slope * (record.values.size - 1)
-    middle = line.at(0.5 * record.values.size)
-    pulse = record.largest
-    if pulse is None:
-        findings = []
-        part = max(record.values.size // BEGINNING, FEWEST_OF_PART)
-        begin, end = (float(np.ptp(piece)) for piece in (record.values[:part], record.values[-part:]))
-        above, below = (float(np.max(sign * (record.values[:part] - middle))) for sign in (1.0, -1.0))
-        over = float(np.ptp(record.values[part : 2 * part])) < ONE_SIDED * begin
-        one_sided = min(above, below) < ONE_SIDED * max(above, below)
-        if begin > IN_MOTION * max(noise, end / CUT_BLOW) and over and one_sided:
-            peak = above if above > below else -below
-            message = (
-                f"the record begins in a blow, at {record.text(peak)}: it is cut; record some time before the blow"
-            )
-            findings.append(
-                HealthNotice("cut", message, record.start, severity="bad", harms=FIGURES, start=record.start)
-            )
-        elif begin > FALLS_OFF * end and begin > IN_MOTION * noise:
-            message = (
-                f"the record begins while something still swings ({record.text(begin)} from top to bottom, at its end "
-                f"{record.text(end)})"
-            )
-            findings.append(
-                HealthNotice("not-settled", message, begin, severity="bad", harms=FIGURES, start=record.start)
-            )
-        elif abs(drift) > IN_MOTION * max(noise, spread) or abs(middle) > FAR_OFF * max(spread, noise):
-            message = f"the zero stands at {record.text(middle)} and drifts by {record.text(drift)}: it has not settled"
-            findings.append(HealthNotice("not-settled", message, middle, severity="bad", harms=FIGURES))
-        return findings
-    findings = []
-    if not pulse.baseline.widths:  # nothing lies before it: the line of the whole record is all there is
+class _Edges(NamedTuple):
+    """How a record without a blow begins and ends: what its first and last part span."""
+
+    begin: float
+    end: float
+    in_blow: float
+    """Peak of the blow that it begins in; 0 for none."""
+    in_motion: bool
+
+
+def _edges(record: BlowRecord) -> _Edges:
+    values, noise = record.values, record.noise
+    part = max(values.size // BEGINNING, FEWEST_OF_PART)
+    begin, end = (float(np.ptp(piece)) for piece in (values[:part], values[-part:]))
+    middle = record.line.at(0.5 * values.size)
+    above, below = (float(np.max(sign * (values[:part] - middle))) for sign in (1.0, -1.0))
+    falls_off = float(np.ptp(values[part : 2 * part])) < OfBeginning.ONE_SIDED * begin
+    one_sided = min(above, below) < OfBeginning.ONE_SIDED * max(above, below)
+    struck = begin > OfBeginning.IN_MOTION * max(noise, end / OfBeginning.CUT_BLOW) and falls_off and one_sided
+    in_motion = begin > OfBeginning.FALLS_OFF * end and begin > OfBeginning.IN_MOTION * noise
+    return _Edges(begin, end, (above if above > below else -below) if struck else 0.0, in_motion)
+
+
+def begins_in_blow(record: BlowRecord) -> Iterator[Fault]:
+    """Find that a record in which no blow is seen begins in one."""
+    if record.largest is None and record.once(_edges).in_blow:
+        yield Fault(record.start, {"peak": record.once(_edges).in_blow}, start=record.start)
+
+
+def begins_in_motion(record: BlowRecord) -> Iterator[Fault]:
+    """Find that a record in which no blow is seen begins while something still swings."""
+    if record.largest is None:
+        edges = record.once(_edges)
+        if not edges.in_blow and edges.in_motion:
+            yield Fault(edges.begin, {"end": edges.end}, start=record.start)
+
+
+def unsettled(record: BlowRecord) -> Iterator[Fault]:
+    """Find that the zero of a record in which no blow is seen is far off, or drifts."""
+    if record.largest is not None or record.once(_edges).in_blow or record.once(_edges).in_motion:
+        return
+    line, size = record.line, record.values.size
+    strays = MAD_TO_SIGMA * float(np.median(np.abs(record.values - line.at(np.arange(size)))))
+    scatter = max(strays, record.noise)
+    drift, middle = line.slope * (size - 1), line.at(0.5 * size)
+    if abs(drift) > OfBeginning.IN_MOTION * scatter or abs(middle) > OfBeginning.FAR_OFF * scatter:
+        yield Fault(middle, {"drift": drift})
+
+
+def drift_at_blow(record: BlowRecord) -> Iterator[Fault]:
+    """Find a drift with nothing before the blow that tells where the zero stood: the line of the record is all."""
+    pulse, line = record.largest, record.line
+    if pulse is not None and not pulse.baseline.widths:
         missed = 0.5 * LOOK_BACK * abs(line.slope) * max(pulse.width, record.step) / record.step / abs(pulse.peak)
-        if missed > WRONG_PEAK:
-            message = (
-                f"the zero drifts by {record.text(drift)} over the record, and nothing before the blow tells where it "
-                f"stood: the peak may be wrong by {percent(missed)}"
-            )
-            findings += [HealthNotice("drift", message, drift, severity="suspect", harms=(*BLOW, "spectrum"))]
-    elif abs(pulse.baseline.slope) * (record.values.size - 1) > NOTED_ZERO * abs(pulse.peak):
+        if missed > OfZero.WRONG_PEAK:
+            yield Fault(line.slope * (record.values.size - 1), {"missed": missed})
+
+
+def drift_before(record: BlowRecord) -> Iterator[Fault]:
+    """Find a drift of the zero before the largest blow, which is carried on under it."""
+    pulse = record.largest
+    if pulse is not None and pulse.baseline.widths:
         drift = pulse.baseline.slope * (record.values.size - 1)
-        message = (
-            f"before the blow the zero drifts, by {record.text(drift)} over a length of the record, "
-            f"{percent(abs(drift / pulse.peak))} of the peak: it is carried on under the blow; the spectrum still "
-            "holds it"
+        if abs(drift) > OfZero.NOTED * abs(pulse.peak):
+            yield Fault(drift, {"share": abs(drift / pulse.peak)})
+
+
+def offset(record: BlowRecord) -> Iterator[Fault]:
+    """Find a zero that is far off before the largest blow."""
+    pulse = record.largest
+    share = 0.0 if pulse is None else abs(pulse.offset) / abs(pulse.peak)
+    if pulse is not None and share > OfZero.NOTED:
+        large = share > OfZero.LARGE
+        yield Fault(
+            pulse.offset,
+            {"share": share},
+            severity="" if large else "good",
+            harms=("spectrum",) if large else (),
         )
-        findings += [HealthNotice("drift", message, drift, severity="good", harms=("spectrum",))]
-    share = abs(pulse.offset) / abs(pulse.peak)
-    if share > NOTED_ZERO:
-        message = f"the zero stands at {record.text(pulse.offset)}, {percent(share)} of the peak; it is taken off"
-        severity, harms = ("suspect", ("spectrum",)) if share > LARGE_ZERO else ("good", ())
-        findings += [HealthNotice("not-settled", message, pulse.offset, severity=severity, harms=harms)]
-    return findings
 
 
-def zero_shift(record: Examined) -> list[HealthNotice]:
-    """Find a zero that steps, or one after the blows that is not that before them: shifted, decaying, drifting."""
+def offset_of_response(record: ResponseRecord) -> Iterator[Fault]:
+    """Find a zero of a response that is far off."""
+    share = abs(record.largest.zero) / record.peak
+    if not share < OfZero.NOTED:
+        yield Fault(record.largest.zero, {"share": share}, severity="" if share > OfZero.LARGE else "good")
+
+
+def _step(record: BlowRecord) -> tuple[float, float, bool] | None:
+    """Return when the zero steps, s, by how much, and whether within a width of a blow, which then did it."""
     step = level_step(record.values)
-    if step is not None:
-        place, shift = step
-        code = "zero-shift" if _near_a_blow(record, record.time(place)) else "zero-step"
-        message = (
-            f"at {record.time(place):.6g}\xa0s the zero shifts by {record.text(shift)} and stays there: the sensor was "
-            "overloaded or came loose"
-        )
-        return [HealthNotice(code, message, shift, severity="bad", harms=FIGURES, start=record.time(place))]
+    if step is None:
+        return None
+    time = record.time(step[0])
+    spans = [(pulse.begin - pulse.smooth.length, pulse.end + pulse.smooth.length) for pulse in record.pulses]
+    return time, step[1], any(begin < time < end for begin, end in spans)
+
+
+def step_with_blow(record: BlowRecord) -> Iterator[Fault]:
+    """Find a zero that steps with a blow."""
+    step = record.once(_step)
+    if step is not None and step[2]:
+        yield Fault(step[1], {"time": step[0]}, start=step[0])
+
+
+def step_alone(record: BlowRecord) -> Iterator[Fault]:
+    """Find a zero that steps between blows."""
+    step = record.once(_step)
+    if step is not None and not step[2]:
+        yield Fault(step[1], {"time": step[0]}, start=step[0])
+
+
+def _noted_tail(record: BlowRecord) -> tuple[TailModel, float] | None:
+    """Return what the zero does after the blows, and its share of the smallest; None for motion, or what is none."""
     model = record.tail
-    if model is None or model.kind in ("rest", "motion", "ac-coupling"):
-        return []
-    last = record.pulses[-1]
+    if model is None or record.once(_step) is not None or model.kind in ("rest", "motion", "ac-coupling"):
+        return None
     share = abs(model.level) / min(abs(pulse.peak) for pulse in record.pulses)
-    if share < NOTED_SHIFT or abs(model.level) < SHIFTED * model.level_error:
-        return []
-    if model.kind == "line":
-        if share < NOTED_ZERO:
-            return []
-        level = record.text(model.level)
-        message = f"after the blows the zero drifts on by {level}, {percent(share)} of the peak: velocities drift"
-        return [HealthNotice("drift", message, model.level, severity="good", harms=("spectrum",), start=last.end)]
+    noted = not share < OfZero.NOTED_SHIFT and not abs(model.level) < OfZero.SHIFTED * model.level_error
+    return (model, share) if noted else None
+
+
+def drift_after(record: BlowRecord) -> Iterator[Fault]:
+    """Find a zero that drifts on after the blows."""
+    tail = record.once(_noted_tail)
+    if tail is not None and tail[0].kind == "line" and not tail[1] < OfZero.NOTED:
+        yield Fault(tail[0].level, {"share": tail[1]}, start=record.pulses[-1].end)
+
+
+def zero_shift(record: BlowRecord) -> Iterator[Fault]:
+    """Find a zero after the blows that is not that before them, for good or with a decay of its own."""
+    tail = record.once(_noted_tail)
+    if tail is None or tail[0].kind == "line":
+        return
+    (model, share), last = tail, record.pulses[-1]
+    back = f", and comes back with a time constant of {1e3 * model.constant:.3g} ms" if model.kind == "decay" else ""
     effects = {name: abs(e) for name, e in effects_of_level(last, model.level, after_peak=True).items()}
-    message = f"after the blows the zero has shifted by {record.text(model.level)}, {percent(share)} of the peak"
-    if model.kind == "decay":
-        message += f", and comes back with a time constant of {1e3 * model.constant:.3g}\xa0ms"
-    found = by_effect(
-        "zero-shift",
-        f"{message}: velocities drift, and if it did so in the blow",
+    yield Fault(
         model.level,
-        effects,
-        signed=False,
+        {"share": share, "back": back},
+        severity="suspect" if share > OfZero.LARGE_SHIFT else "",
         start=last.end,
+        effects=effects,
+        signed=False,
     )
-    severity = "suspect" if share > LARGE_SHIFT else found.severity
-    return [dataclasses.replace(found, severity=severity, harms=(*found.harms, "spectrum"))]
 
 
-def _near_a_blow(record: Examined, time: float) -> bool:
-    """Tell whether a time lies within a width of a blow: then the blow did it."""
-    return any(pulse.begin - pulse.smooth.length < time < pulse.end + pulse.smooth.length for pulse in record.pulses)
-
-
-def ac_coupling(record: Examined) -> list[HealthNotice]:
+def ac_coupling(record: BlowRecord) -> Iterator[Fault]:
     """Find AC coupling, and what it does to the figures: the blows are measured again without it."""
     model = record.tail
     if model is None or model.kind != "ac-coupling":
-        return []
+        return
     effects: dict[str, float] = {}
     for pulse, other in zip(record.pulses, record.uncoupled_pulses, strict=False):
         for name in ("peak", "width", "velocity_change"):
@@ -171,39 +196,36 @@ def ac_coupling(record: Examined) -> list[HealthNotice]:
     if not effects:  # nothing can be measured without it: half of a length over tau is what it takes off at least
         length = max(pulse.smooth.length for pulse in record.pulses)
         effects = {name: -min(0.5 * length / model.constant, 1.0) for name in ("peak", "width", "velocity_change")}
-    message = (
-        f"after the blows the record decays from {record.text(model.level)} as a high-pass of "
-        f"{1.0 / (2.0 * math.pi * model.constant):.4g}\xa0Hz makes it (AC coupling, tau = "
-        f"{1e3 * model.constant:.4g}\xa0ms +- {2e3 * model.constant_error:.2g}\xa0ms; --ac-coupling auto takes it off)"
-    )
-    found = by_effect("ac-coupling", message, model.constant, effects, start=record.pulses[0].begin)
-    return [dataclasses.replace(found, harms=(*found.harms, "spectrum"))]
+    said = {
+        "level": model.level,
+        "cutoff": 1.0 / (2.0 * math.pi * model.constant),
+        "constant": 1e3 * model.constant,
+        "doubt": 2e3 * model.constant_error,
+    }
+    yield Fault(model.constant, said, start=record.pulses[0].begin, effects=effects)
 
 
-def velocity_drift(record: Examined) -> list[HealthNotice]:
+def velocity_drift(record: BlowRecord) -> Iterator[Fault]:
     """Find an integrated velocity that still wanders off long after the last blow, when nothing moves any more."""
     if not record.pulses:
-        return []
+        return
     pulse = record.pulses[-1]
     after = record.values[record.place(pulse.end) :] - pulse.offset
-    total = abs(pulse.velocity_change)
+    lasts, total = after.size * record.step, abs(pulse.velocity_change)
     tail = after[-(after.size // LAST_QUARTER) :]
-    if tail.size < FEWEST_OF_TAIL or not total > 0.0 or after.size * record.step < LONG_AFTER * pulse.width:
-        return []
-    drift = float(np.mean(tail)) * after.size * record.step
-    unsure = SHIFTED * float(np.std(tail)) / math.sqrt(tail.size) * after.size * record.step
+    if tail.size < OfZero.FEWEST or not total > 0.0 or lasts < OfZero.LONG_AFTER * pulse.width:
+        return
+    off = float(np.mean(tail))
+    drift = off * after.size * record.step
+    unsure = OfZero.SHIFTED * float(np.std(tail)) / math.sqrt(tail.size) * after.size * record.step
     share = abs(drift) / total
-    if share < NOTED_DRIFT or abs(drift) < unsure or _as_at_first(record, float(np.mean(tail)) + pulse.offset, drift):
-        return []
-    message = (
-        f"long after the last blow the record stands {record.text(float(np.mean(tail)))} off its zero: the integrated "
-        f"velocity drifts by {percent(share, 0)} of the velocity change until the record ends"
-    )
-    severity = "suspect" if share > LARGE_DRIFT else "good"
-    return [HealthNotice("velocity-drift", message, drift, severity=severity, harms=("spectrum",), start=pulse.end)]
+    if share < OfZero.NOTED_DRIFT or abs(drift) < unsure or _as_at_first(record, off + pulse.offset, drift):
+        return
+    severity = "" if share > OfZero.LARGE_DRIFT else "good"
+    yield Fault(drift, {"off": off, "share": share}, severity=severity, start=pulse.end)
 
 
-def _as_at_first(record: Examined, level: float, drift: float) -> bool:
+def _as_at_first(record: BlowRecord, level: float, drift: float) -> bool:
     """Tell whether a record ends where it began, long before the first blow, much nearer than its drift says.
 
     Then its zero stands, and what it stood at before a later blow was motion: of a feed, or what the blow before left.
@@ -212,31 +234,28 @@ def _as_at_first(record: Examined, level: float, drift: float) -> bool:
     if first.size < FEWEST_OF_PART or record.time(2 * first.size) > record.pulses[0].begin:
         return False
     after = (record.values.size - record.place(record.pulses[-1].end)) * record.step
-    return abs(level - float(np.median(first))) * after < NOTED_DRIFT * min(
+    return abs(level - float(np.median(first))) * after < OfZero.NOTED_DRIFT * min(
         abs(drift), abs(record.pulses[-1].velocity_change)
     )
 
 
-def no_foot(record: Examined) -> list[HealthNotice]:
+def no_foot(record: BlowRecord) -> Iterator[Fault]:
     """Find blows after or before which the record does not come back to 2 % of the peak.
 
     The smooth pulse, whose area is then the velocity change, and the record over its length are two measures of it.
     """
     open_ = [p for p in record.pulses if p.method == "record" and p.begin == p.smooth.begin and p.width > 0.0]
     if not open_:
-        return []
-    worst = 0.0
+        return
+    largest = 0.0
     for pulse in open_:
         part = record.values[record.place(pulse.begin) : record.place(pulse.end) + 1]
         area = record.step * float(np.sum(part - pulse.offset))
         effect = pulse.velocity_change / area - 1.0 if area * pulse.peak > 0.0 else math.inf
-        worst = max(worst, effect, key=abs)
-    message = (
-        f"the record does not come back to {percent(FOOT, 0)} of the peak beside the blow at {open_[0].time:.6g}\xa0s: "
-        "the velocity change is that of the smooth pulse; against the record over its length"
-    )
-    effects = {"velocity_change": worst}
-    return [by_effect("no-foot", message, len(open_), effects, start=open_[0].begin, end=open_[0].end)]
+        largest = max(largest, effect, key=abs)
+    first = open_[0]
+    effects = {"velocity_change": largest}
+    yield Fault(len(open_), {"time": first.time, "foot": FOOT}, start=first.begin, end=first.end, effects=effects)
 
 
 def level_step(values: Array) -> tuple[int, float] | None:
@@ -247,9 +266,215 @@ def level_step(values: Array) -> tuple[int, float] | None:
     sums = np.cumsum(values - np.mean(values))
     place = int(np.argmax(np.abs(sums))) + 1
     parts = values[:place], values[place:]
-    if min(part.size for part in parts) < max(FEWEST_OF_TAIL, values.size // BEGINNING):
+    if min(part.size for part in parts) < max(OfZero.FEWEST, values.size // BEGINNING):
         return None
     before, after = (float(np.median(part)) for part in parts)
-    stray = max(float(np.quantile(np.abs(part - np.median(part)), STRAY_QUANTILE)) for part in parts)
+    stray = max(float(np.quantile(np.abs(part - np.median(part)), OfZero.STRAY_QUANTILE)) for part in parts)
     shift = after - before
-    return (place, shift) if abs(shift) > max(STEP_OF_STRAY * stray, STEP_OF_SPAN * float(np.ptp(values))) else None
+    least = max(OfZero.STEP_OF_STRAY * stray, OfZero.STEP_OF_SPAN * float(np.ptp(values)))
+    return (place, shift) if abs(shift) > least else None
+
+
+def _larger(effects: Mapping[str, float], others: Mapping[str, float]) -> dict[str, float]:
+    """Return effects, with those of others where figures jump and they are larger."""
+    jumping = {name: max(effects.get(name, 0.0), others[name], key=abs) for name in JUMPING}
+    return {**effects, **jumping}
+
+
+class _Straight(NamedTuple):
+    """A response without the drift before its blow, and that over the record; none where it is not significant."""
+
+    above: Array
+    drift: float = 0.0
+    slope: float = 0.0
+
+
+def _straight(record: ResponseRecord) -> _Straight:
+    line = _line_before(record)
+    if line is None:
+        return _Straight(record.above)
+    places = np.arange(record.values.size)
+    return _Straight(record.above - line[1] * (places - 0.5 * (record.first - 1)), line[1] * (places.size - 1), line[1])
+
+
+def _drifts(record: ResponseRecord) -> bool:
+    return abs(record.once(_straight).drift) > OfZero.NOTED_SHIFT * record.peak
+
+
+def drift_before_response(record: ResponseRecord) -> Iterator[Fault]:
+    """Find a zero that drifts before the blow of a response; what that does is measured without it."""
+    straight = record.once(_straight)
+    if _drifts(record):
+        end = record.place(record.largest.begin + record.largest.duration)
+        moved = record.moved_by(abs(straight.slope) * (end - 0.5 * record.first))
+        effects = _larger(record.against(straight.above), moved)
+        yield Fault(straight.drift, {"share": abs(straight.drift) / record.peak}, effects=effects)
+
+
+class _ZeroAfter(NamedTuple):
+    """What the zero of a response does after its last decay begins: it stays off, or decays too; from which values."""
+
+    above: Array
+    begin: int
+    level: float
+    decay: float
+    constant: float
+
+    def curve(self, step: float) -> Array:
+        """Return where the zero stands at each sample."""
+        since = np.maximum((np.arange(self.above.size) - self.begin) * step, 0.0)
+        return np.asarray(self.level + self.decay * np.exp(-since / self.constant))
+
+    def size(self, step: float) -> float:
+        """Return how far the zero is off at most."""
+        return float(np.max(np.abs(self.curve(step)[self.begin :])))
+
+
+def _after(record: ResponseRecord) -> _ZeroAfter | None:
+    """Return what the zero does after the response; None where that is worth no word.
+
+    A slope before the blow that noise made, carried on, makes a shift: one must be there without it, too.
+    """
+    straight = record.once(_straight)
+    models = []
+    for above in (record.above, straight.above) if _drifts(record) else (record.above,):
+        model = _zero_after(record, above)
+        if model is None:
+            return None
+        models.append(_ZeroAfter(above, *model))
+    least = min(models, key=lambda model: abs(model.level + model.decay))
+    return None if least.size(record.step) / record.peak < OfZero.NOTED_SHIFT else least
+
+
+def _coupled(record: ResponseRecord) -> bool:
+    after = record.once(_after)
+    if after is None or not after.decay or not abs(after.level) < OfZero.OWN_SIZE * abs(after.decay):
+        return False
+    return _is_coupled(record, after.above, after.decay, after.constant)
+
+
+def ac_coupling_of_response(record: ResponseRecord) -> Iterator[Fault]:
+    """Find a zero that decays after a response as AC coupling makes it; what that does is measured without it."""
+    after = record.once(_after)
+    if after is not None and record.once(_coupled):
+        plain = record.against(ac_uncoupled(after.above, record.step, after.constant))
+        effects = _larger(plain, record.moved_by(after.size(record.step)))
+        said = {"decay": after.decay, "cutoff": 1.0 / (2.0 * math.pi * after.constant)}
+        yield Fault(after.constant, said, start=record.blows[-1].end, effects=effects)
+
+
+def shift_after_response(record: ResponseRecord) -> Iterator[Fault]:
+    """Find a zero that has shifted with the last blow of a response; what that does is measured without it."""
+    after = record.once(_after)
+    if after is None or record.once(_coupled):
+        return
+    size = after.size(record.step)
+    places, begin = np.arange(after.above.size), record.span(record.responses[-1])[0]
+    ramp = np.clip((places - begin) / max(after.begin - record.first, 1), 0.0, 1.0)
+    moved = record.against(after.above - ramp * after.curve(record.step))
+    effects = {name: abs(effect) for name, effect in moved.items()}
+    share = size / record.peak
+    effects = _larger({**effects, "peak": max(effects.get("peak", 0.0), share)}, record.moved_by(size))
+    back = f", and comes back with a time constant of {1e3 * after.constant:.3g} ms" if after.decay else ""
+    said = {"share": share, "back": back}
+    start = record.blows[-1].end
+    yield Fault(after.level + after.decay, said, start=start, effects=effects, signed=False)
+
+
+def _line_before(record: ResponseRecord) -> tuple[float, float] | None:
+    """Return level and slope a sample of what lies before the first blow; None where no slope is significant.
+
+    Noise with a long memory makes slopes too: where much follows the last decay, it must lie where the line leads.
+    """
+    before = record.above[: record.first]
+    if before.size < 2 * FEWEST:
+        return None
+    place = np.arange(before.size) - 0.5 * (before.size - 1)
+    power = float(np.sum(place**2))
+    slope = float(np.sum(place * before)) / power
+    rest = before - np.mean(before) - slope * place
+    error = math.sqrt(float(np.mean(rest**2)) * alike_as_one(rest) / power)
+    if not abs(slope) > OfZero.BEFORE_A_RESPONSE * error:
+        return None
+    last = record.place(record.responses[-1].decay.end)
+    tail = record.above[last:]
+    if tail.size >= 2 * FEWEST:
+        expected = slope * (last + 0.5 * tail.size - 0.5 * record.first)
+        if abs(float(np.mean(tail)) - expected) > OfZero.CARRIED_ON * abs(expected):
+            return None
+    return float(np.mean(before)), slope
+
+
+class _FreeDecay(NamedTuple):
+    """The last free decay: where it begins, values and times since then, and cosines and sines of its modes."""
+
+    begin: int
+    values: Array
+    since: Array
+    swinging: Array
+
+    def beside(self, *more: Array) -> tuple[float, Array, Array]:
+        """Fit the modes with further columns; return squares left, amplitudes, and what is left."""
+        columns = np.hstack([self.swinging, *(column[:, None] for column in more)])
+        found = np.asarray(np.linalg.lstsq(columns, self.values, rcond=None)[0], dtype=np.float64)
+        rest = np.asarray(self.values - columns @ found, dtype=np.float64)
+        return float(rest @ rest), found, rest
+
+    def decayed(self, constant: float) -> tuple[float, Array, Array]:
+        """Fit the modes with a constant and a decay."""
+        return self.beside(np.ones(self.values.size), np.exp(-self.since / constant))
+
+
+def _free_decay(record: ResponseRecord, above: Array) -> _FreeDecay | None:
+    """Return the last free decay, thinned, to the end of the record; None where it is too short."""
+    one = record.responses[-1]
+    begin, end = record.place(one.decay.begin), record.values.size
+    if end - begin < 2 * FEWEST:
+        return None
+    every = max((end - begin) // MOST_LOOKED_AT, 1)
+    values = above[begin:end:every]
+    since = np.asarray(record.step * every * np.arange(values.size), dtype=np.float64)
+    waves = [np.empty((values.size, 0))]
+    for mode in one.modes:
+        wave = np.exp(since * (-1.0 / mode.decay_time + 2j * np.pi * mode.frequency))
+        waves.append(np.stack([wave.real, wave.imag], axis=1))
+    return _FreeDecay(begin, values, since, np.hstack(waves))
+
+
+def _zero_after(record: ResponseRecord, above: Array) -> tuple[int, float, float, float] | None:
+    """Return where the last free decay begins, and level, decay and its time constant of the zero from there on.
+
+    Fitted beside the modes: a constant, or a constant and a decay that explains more. None where neither stands out.
+    """
+    from scipy.optimize import minimize_scalar
+
+    part = _free_decay(record, above)
+    if part is None:
+        return None
+    plain, only = part.beside(), part.beside(np.ones(part.values.size))
+    first, last = OfZero.FASTEST * record.period, 0.5 * float(part.since[-1])
+    constants = np.geomspace(first, last, TIME_CONSTANTS) if last > 2.0 * record.period else np.empty(0)
+    if constants.size:
+        best = int(np.argmin([part.decayed(float(constant))[0] for constant in constants]))
+        low, high = constants[max(best - 1, 0)], constants[min(best + 1, constants.size - 1)]
+        found = minimize_scalar(lambda size: part.decayed(math.exp(size))[0], bounds=(math.log(low), math.log(high)))
+        constant = math.exp(found.x)
+        fit = part.decayed(constant)
+        if _explains(only, fit):
+            return part.begin, float(fit[1][-2]), float(fit[1][-1]), constant
+    return (part.begin, float(only[1][-1]), 0.0, math.inf) if _explains(plain, only) else None
+
+
+def _is_coupled(record: ResponseRecord, above: Array, decay: float, constant: float) -> bool:
+    """Tell whether a decay of the zero is that of AC coupling: without it the zero then stands where it did before.
+
+    A decay of another kind leaves a shift, as it is not as large as the area before demands.
+    """
+    part = _free_decay(record, ac_uncoupled(above, record.step, constant))
+    return part is not None and abs(float(part.beside(np.ones(part.values.size))[1][-1])) < OfZero.OWN_SIZE * abs(decay)
+
+
+def _explains(before: tuple[float, Array, Array], fit: tuple[float, Array, Array]) -> bool:
+    """Tell whether a fit leaves so much less than the one before that it is no chance, whatever the colour."""
+    squares, _, rest = fit
+    return before[0] - squares > OfZero.BEFORE_A_RESPONSE**2 * squares / rest.size * alike_as_one(rest, 0.99)

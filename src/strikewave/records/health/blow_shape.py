@@ -11,14 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records.health.examined import Examined
+from strikewave.records.health.sampled_record import Array, BlowRecord
 from strikewave.records.measuring import RecordedPulse
+from strikewave.records.thresholds import OfTops
 from strikewave.signal.pulse import crossing
 
-Array = NDArray[np.float64]
-
-FEWEST_OF_TOP = 6
-"""Samples above half of the peak without which the shape of a top is not known."""
 BENDS = 6
 """Degree of the polynomial through the upper half of a pulse: it follows every smooth one to 0.1 % of its peak."""
 UPPER, TIP = 0.5, 0.9
@@ -28,12 +25,6 @@ ROUNDEST = (0.5 * math.pi - math.asin(TIP)) / (0.5 * math.pi - math.asin(UPPER))
 
 A linear spring makes a half-sine. Contacts, felt and foam stiffen as they are pressed, and make more pointed pulses;
 only what yields, is made to be flat, or is compressed by an amplifier has a flatter top."""
-MOST_POINTED = 4.0
-"""Power of a sine beyond which pulses that have such flanks have no more pointed tips."""
-SURE = 3.0
-"""Standard deviations of noise that a top must be flatter by: chance does it in one record of 700."""
-SWINGS_WITHIN, NOISE_SPANS = 2.0, 4.0
-"""Widths after a blow in which what bends its top swings on, and standard deviations that noise alone swings there."""
 HALFWAY = np.array([0.25, 0.75])
 """Shares of the peak between which the slopes of sides are compared."""
 FROM, FINE = 0.8, 2001
@@ -41,21 +32,12 @@ FROM, FINE = 0.8, 2001
 LOW, HIGHEST = 0.2, 3.0
 """Lower share of the peak at which the half-sine of the flanks is as wide as they are (below, the foot is that of the
 contact), and its largest peak over that seen."""
-OVER, LEVELS = 0.75, np.array([0.02, 0.06, 0.1, 0.14, 0.18, 0.22])
-"""Share of the peak over which a side is looked at, and where that begins.
-
-A limited slope that falsifies a figure by 5 % holds over 0.77 of the peak and more, of all pulses planted."""
-STRAIGHT = 0.01
-"""Bend of such a side, over the peak, below which it is straight.
-
-The straightest that a smooth pulse has is that of a haversine, whose cubic is 0.02: of sin x, x within asin(0.75), half
-the coefficient x^3 / 6 times 2/5."""
-FEWEST_OF_FLANK = 6
-"""Samples of a side whose bend is known: two more than a cubic has parameters."""
+LEVELS = np.array([0.02, 0.06, 0.1, 0.14, 0.18, 0.22])
+"""Shares of the peak at which the part of a side begins that is looked at, over `OfTops.OVER`."""
 
 
 class Flank(NamedTuple):
-    """A side of a pulse: its largest slope, and by how much it bends at least over `OVER` of the peak.
+    """A side of a pulse: its largest slope, and by how much it bends at least over `OfTops.OVER` of the peak.
 
     ``goes_on``: how high the straight line through that goes on until the peak, over it.
     """
@@ -76,14 +58,14 @@ class BlowShape:
     >>> half_sine = np.sin(np.pi * np.clip(place / 80.0 - 5.0, 0.0, 1.0))
     >>> for values in (half_sine, half_sine**2, np.maximum(1.0 - np.abs(place / 40.0 - 11.0), 0.0)):
     ...     [pulse] = find_pulses(values, 1e-6)
-    ...     shape = BlowShape(Examined(values, 1e-6), pulse)
+    ...     shape = BlowShape(BlowRecord(values, 1e-6), pulse)
     ...     print(round(shape.tip, 2), round(shape.usual_tip, 2), round(shape.flanks[0].bend, 2))
     0.43 0.43 0.03
     0.41 0.41 0.02
     0.31 0.4 0.0
     """
 
-    record: Examined
+    record: BlowRecord
     pulse: RecordedPulse
 
     @cached_property
@@ -107,7 +89,7 @@ class BlowShape:
         """Width of the tip over that of the upper half, of a polynomial through it; NaN if too few samples make it."""
         low = np.flatnonzero(self.heights < FROM * UPPER)
         left, right = low[low < self.top], low[low > self.top]
-        if not (left.size and right.size) or right[0] - left[-1] < FEWEST_OF_TOP:
+        if not (left.size and right.size) or right[0] - left[-1] < OfTops.FEWEST:
             return math.nan
         inside = self.heights[left[-1] : right[0] + 1]
         degree = min(BENDS, inside.size - 3)
@@ -142,10 +124,10 @@ class BlowShape:
         ripple = 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple
         swing = max(ripple, self._amplitude_after)
         least, slope, goes_on = math.inf, float(np.max(np.diff(heights), initial=0.0)), math.nan
-        ends = _last_below(heights, np.stack([LEVELS, LEVELS + OVER])).T.tolist()
+        ends = _last_below(heights, np.stack([LEVELS, LEVELS + OfTops.OVER])).T.tolist()
         for first, below in dict.fromkeys(map(tuple, ends)):  # of few samples several levels have the same
             part = heights[first : below + 2]
-            if part.size < FEWEST_OF_FLANK:
+            if part.size < OfTops.FEWEST_OF_FLANK:
                 continue
             bends = _legendre_fit(part.size, 3) @ part
             doubt = max(pulse.noise * math.sqrt(7.0 / part.size), swing) / abs(pulse.peak)
@@ -180,20 +162,20 @@ class BlowShape:
     @cached_property
     def swing_to_both_sides(self) -> float:
         """By how much the record swings to both sides within two widths after it, over the peak: no tail does."""
-        return max(_to_both_sides(self._after) - NOISE_SPANS * self.pulse.noise, 0.0) / abs(self.pulse.peak)
+        return max(_to_both_sides(self._after) - OfTops.NOISE_SPANS * self.pulse.noise, 0.0) / abs(self.pulse.peak)
 
     @cached_property
     def _amplitude_after(self) -> float:
         """The amplitude of what swings to both sides after the blow, the most that noise makes of it taken off."""
         after = self._after
-        by_noise = self.record.scatter**2 * (1.0 + SURE * math.sqrt(2.0 / after.size))
+        by_noise = self.record.scatter**2 * (1.0 + OfTops.SURE * math.sqrt(2.0 / after.size))
         return min(max(_to_both_sides(after), 0.0), math.sqrt(2.0 * max(float(np.var(after)) - by_noise, 0.0)))
 
     @cached_property
     def _after(self) -> Array:
         """The record above the zero of the blow from its end on, as long as what bent its top swings on."""
         record, pulse = self.record, self.pulse
-        first, last = record.place(pulse.end), record.place(pulse.end + SWINGS_WITHIN * pulse.width)
+        first, last = record.place(pulse.end), record.place(pulse.end + OfTops.SWINGS_WITHIN * pulse.width)
         return np.asarray(record.values[first : last + 1] - pulse.offset)
 
 
@@ -211,7 +193,7 @@ def _to_both_sides(values: Array) -> float:
 @functools.cache
 def _powers_of_a_sine() -> tuple[Array, Array]:
     """Return how wide powers of a sine are at `UPPER` over `LOW`, with its sign changed, and at `TIP` over `UPPER`."""
-    powers = np.linspace(1.0, MOST_POINTED, FINE)
+    powers = np.linspace(1.0, OfTops.MOST_POINTED, FINE)
     tips, uppers, lows = (np.arccos(share ** (1.0 / powers)) for share in (TIP, UPPER, LOW))
     return -uppers / lows, tips / uppers
 

@@ -1,0 +1,318 @@
+"""The range of sensor, amplifier and recorder: rails, flat tops, limited slopes, spikes, and steps of the converter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base.percents import percent
+from strikewave.records.health.blow_shape import TIP, UPPER, BlowShape
+from strikewave.records.health.ringing import goes_back
+from strikewave.records.health.sampled_record import Array, BlowRecord, ResponseRecord
+from strikewave.records.health_notice import BLOW, Fault
+from strikewave.records.modes import FEWEST
+from strikewave.records.thresholds import HARMED, OfNoise, OfRange, OfResponses, OfSwings, OfTops
+
+LEVELS_LOOKED_AT = 4096
+"""Samples in which at least three different values stand, or the record is a switch or a count, and has no rail."""
+BESIDE = 3
+"""Samples to either side of a run at a rail through which a parabola is laid."""
+LAG = 16
+"""Parts of a swing over which its slope is taken: it then still is 97 % of the true one."""
+
+
+def clipped(record: BlowRecord) -> Iterator[Fault]:
+    """Find where the record stops at one value again and again: the recorder's range ended there.
+
+    A plateau of a rounded top in a coarse recorder is no clipping: there the steps beside it are long too. Neither is
+    the quiet zero of a record that goes to one side of it only.
+    """
+    pulse = record.largest
+    for at in _rails(record.values, float(np.median(record.values)) if pulse is None else pulse.offset):
+        level = float(record.values[at[0]])
+        if level == 0.0 and 0.0 in (record.values[0], record.values[-1]):
+            continue  # zeros before or after a blow, as a simulation or an edited record has them
+        struck = [p for p in record.pulses if np.any((at >= record.place(p.begin)) & (at <= record.place(p.end)))]
+        where = f"in {len(struck)} of {len(record.pulses)} blows" if struck else "outside the blows"
+        yield Fault(
+            level,
+            {"lasting": at.size * record.step * 1e6, "where": where},
+            severity="" if struck else "suspect",
+            harms=BLOW if struck else ("ringing_frequency", "spectrum"),
+            start=record.time(int(at[0])),
+            end=record.time(int(at[-1])),
+        )
+
+
+def clipped_response(record: ResponseRecord) -> Iterator[Fault]:
+    """Find where a response stops at one value again and again."""
+    for at in _rails(record.values, record.largest.zero):
+        begin, end = (record.time(int(k)) for k in (at[0], at[-1]))
+        yield Fault(float(record.values[at[0]]), {"lasting": at.size * record.step * 1e6}, start=begin, end=end)
+
+
+def _rails(values: Array, zero: float) -> Iterator[NDArray[np.intp]]:
+    """Yield the samples at which a recorder stopped above a zero, and below it."""
+    for sign in (1.0, -1.0):
+        at = rail(sign * values, sign * zero)
+        if at.size:
+            yield at
+
+
+def rail(values: Array, zero: float) -> NDArray[np.intp]:
+    """Return the samples at the largest value where a recorder stopped there; none where the record turned there.
+
+    A round top at k steps of the converter has about 1 : 0.7 samples in its highest and the next two; a rail has
+    three times as many at it as beside it, and at least three.
+    """
+    level, none = float(np.max(values)), np.empty(0, dtype=np.intp)
+    span = level - float(np.min(values))
+    at = np.flatnonzero(values == level)
+    if at.size < OfRange.FEWEST_AT_RAIL or np.unique(values[:: max(values.size // LEVELS_LOOKED_AT, 1)]).size < 3:
+        return none
+    near = values[values >= level - OfRange.NEAR_TOP * span]
+    steps = np.diff(np.unique(near))
+    resolution = float(np.min(steps)) if steps.size else OfRange.NEAR_TOP * span
+    if level - zero <= max(3.0 * resolution, OfRange.OFF_ZERO * span):
+        return none
+    beside = int(np.count_nonzero(near >= level - OfRange.BESIDE_RAIL * resolution)) - at.size
+    if at.size < OfRange.FEWEST_AT_RAIL * max(beside, 1):
+        return none
+    return at if _cut_off(values, level) > resolution else none
+
+
+def _cut_off(values: Array, level: float) -> float:
+    """Return how far the parabola through both sides of the longest run at a level goes above it.
+
+    A round top turns within a step of its converter. Infinite where a side is missing, or the run is long.
+    """
+    first, last = _longest_run(values == level)
+    if last - first + 1 > OfRange.SHORT_RUN or first < BESIDE or last + BESIDE >= values.size:
+        return math.inf
+    beside = np.concatenate([np.arange(first - BESIDE, first), np.arange(last + 1, last + 1 + BESIDE)])
+    place = beside - 0.5 * (first + last)
+    return float(np.polynomial.polynomial.polyfit(place, values[beside], 2)[0]) - level
+
+
+def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int]:
+    """Return first and last place of the longest run of true; (0, -1) where there is none."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
+    if not edges.size:
+        return 0, -1
+    k = int(np.argmax(edges[1::2] - edges[::2]))
+    return int(edges[2 * k]), int(edges[2 * k + 1]) - 1
+
+
+def _shapes(record: BlowRecord) -> list[BlowShape]:
+    return [BlowShape(record, pulse) for pulse in record.pulses if pulse.method == "record" and pulse.width > 0.0]
+
+
+def _of_shapes(value: float, shapes: Sequence[BlowShape], **said: object) -> Fault:
+    return Fault(value, said, start=shapes[0].pulse.begin, end=shapes[-1].pulse.end)
+
+
+def flat_top(record: BlowRecord) -> Iterator[Fault]:
+    """Find tops flatter than any that an elastic contact makes: an amplifier near its limit, or flat pulses.
+
+    Which of them is not known from one record. What swings after a blow may have bent its top as well.
+    """
+    shapes = record.once(_shapes)
+    top = record.once(_flat_top)
+    if top is not None:
+        higher = float(np.mean([shape.half_sine_of_flanks for shape in shapes])) - 1.0
+        flanks = f"; the half-sine of its flanks would be {percent(higher, 0)} higher" if higher > OfTops.WRONG else ""
+        yield _of_shapes(top.sharpness, shapes, tip=TIP, upper=UPPER, usual=top.usual, flanks=flanks)
+
+
+def _flat_top(record: BlowRecord) -> Top | None:
+    top = top_of(record.once(_shapes))
+    return top if top is not None and top.sharpness > top.usual + OfTops.FLATTER + top.doubt else None
+
+
+def bent_tip(record: BlowRecord) -> Iterator[Fault]:
+    """Find straight sides that bend before their tip, in all blows."""
+    shapes = record.once(_shapes)
+    if record.once(_flat_top) is None:
+        higher = min(map(_bent_off, shapes), default=0.0)
+        if higher > 0.0:
+            yield _of_shapes(higher, shapes)
+
+
+def _straight_side(record: BlowRecord) -> Fault | None:
+    """Return a side that is straight where a pulse is curved, of the first blow that has one.
+
+    An amplifier that is too slow follows the rise in a straight line until that meets the fall. A saw-tooth, straight
+    on both sides and much steeper on one, is meant to be so.
+    """
+    for shape in record.once(_shapes):
+        other, steep = sorted(shape.flanks)
+        own_slope = other.slope < (1.0 - OfTops.ALIKE) * steep.slope
+        saw_tooth = other.bend < OfTops.STRAIGHT and other.slope < OfTops.SAW_TOOTH * steep.slope
+        if steep.bend < OfTops.STRAIGHT and not saw_tooth:
+            return _of_shapes(
+                steep.slope,
+                [shape],
+                time=shape.pulse.time,
+                sides="one side is" if own_slope else "its sides are",
+                over=OfTops.OVER,
+                slope=1e-6 * steep.slope,
+            )
+    return None
+
+
+def straight_side(record: BlowRecord) -> Iterator[Fault]:
+    """Find an amplifier that is too slow for a blow, by a straight side."""
+    fault = record.once(_straight_side)
+    if fault is not None:
+        yield fault
+
+
+def corner(record: BlowRecord) -> Iterator[Fault]:
+    """Find an amplifier that is too slow for the blows, by a top that is a corner where it is round."""
+    if record.once(_straight_side) is not None:
+        return
+    shapes = record.once(_shapes)
+    even = [shape for shape in shapes if shape.pulse.rigid is None and not goes_back(record, shape.pulse)[0] > 0.0]
+    top = top_of(even)  # ringing makes corners too
+    if top is None or not top.sharpness < top.usual - OfTops.CORNER - top.doubt:
+        return
+    low, high = np.mean([sorted(shape.slope_halfway(side) for side in (-1, 1)) for shape in even], axis=0)
+    if low > OfTops.ONE_SLOPE * high:
+        yield _of_shapes(float(high), even, sharpness=top.sharpness, tip=TIP, upper=UPPER, usual=top.usual)
+
+
+class Top(NamedTuple):
+    """How sharp the tops of some pulses are, in the mean, what smooth ones with their flanks are, and the doubt."""
+
+    sharpness: float
+    usual: float
+    doubt: float
+
+
+def top_of(shapes: Sequence[BlowShape]) -> Top | None:
+    """Return how sharp the tops of some blows of a record are, all together; None where no shape is known.
+
+    One amplifier takes all of them alike: what noise does is less in their mean, what rings is not.
+
+    Examples
+    --------
+    >>> from strikewave.records.measuring import find_pulses
+    >>> values = np.sin(np.pi * np.clip(np.arange(900.0) / 80.0 - 5.0, 0.0, 1.0))
+    >>> top = top_of([BlowShape(BlowRecord(values, 1e-6), pulse) for pulse in find_pulses(values, 1e-6)])
+    >>> round(top.sharpness, 2), round(top.usual, 2), top.doubt < 0.01
+    (0.43, 0.43, True)
+    """
+    known = [shape for shape in shapes if not math.isnan(shape.tip)]
+    if not known:
+        return None
+    noise = math.sqrt(float(np.mean(np.square([shape.noise_of_top for shape in known]))) / len(known))
+    swing = float(np.mean([shape.swing_to_both_sides for shape in known]))
+    sharpness, usual = np.mean([(shape.tip, shape.usual_tip) for shape in known], axis=0)
+    return Top(float(sharpness), float(usual), OfTops.TIP_BY_PEAK * (OfTops.SURE * noise + swing))
+
+
+def _bent_off(shape: BlowShape) -> float:
+    """Return by how much a straight side of a blow goes on above its peak, over the peak; 0 where that may be chance.
+
+    A limit leaves the time of the peak as it is, and the lower part of a side.
+    """
+    straight = [flank for flank in shape.flanks if flank.bend < OfTops.STRAIGHT]
+    if not straight:
+        return 0.0
+    flank = min(straight)
+    rounded = OfTops.SAMPLES_OF_TIP * flank.slope * shape.record.step / abs(shape.pulse.peak)
+    higher = flank.goes_on - 1.0
+    return higher if higher > OfTops.GOES_ON + rounded + OfTops.SURE * shape.noise_of_top else 0.0
+
+
+def saturated(record: ResponseRecord) -> Iterator[Fault]:
+    """Find tops flatter than those of swings: an amplifier at its limit."""
+    begin, end = record.span(record.largest)
+    flat = _flat(record.above[begin:end], record.noise + 0.5 * record.resolution)
+    if flat is not None:
+        yield Fault(flat[0], {"usual": flat[1]}, start=record.largest.time)
+
+
+def compressed(record: ResponseRecord) -> Iterator[Fault]:
+    """Find tops that are lower than the modes, driven by the base, would make them: a limit that is soft.
+
+    Fitted are the base and the absolute accelerations of the modes on it to the samples below `OfSwings.LOWER` of the
+    peak, so that only the level is carried on. What they miss of these is the doubt.
+    """
+    one = record.largest
+    begin, end = record.span(one)
+    end = min(end, record.place(one.decay.end) + 1)
+    through = record.driven(end)
+    if through is None:
+        return
+    values, peak = record.above[begin:end], abs(one.peak)
+    low = np.abs(values) < OfSwings.LOWER * peak
+    if np.count_nonzero(~low) < OfSwings.FEWEST_OF_TOPS or np.count_nonzero(low) < FEWEST:
+        return
+    columns = through[begin:end]
+    shares = np.linalg.lstsq(columns[low], values[low], rcond=None)[0]
+    model = columns @ shares
+    missed = math.sqrt(float(np.mean((model - values)[low] ** 2))) / peak
+    lost = 1.0 - peak / float(np.max(np.abs(model)))
+    all_missed = columns @ np.linalg.lstsq(columns, values, rcond=None)[0] - values
+    worse = math.sqrt(float(np.mean(all_missed**2))) / peak
+    if lost > max(OfNoise.NOTED, OfSwings.MISSES * missed) and worse > OfSwings.WORSE * missed:
+        effects = {**record.moved_by(lost * peak), "peak": -lost}
+        yield Fault(lost, start=one.time, effects=effects, harms=record.figures if lost > HARMED else ())
+
+
+def slew_limited(record: ResponseRecord) -> Iterator[Fault]:
+    """Find slopes that stay at one value where those of swings turn: the amplifier could not follow."""
+    begin, end = record.span(record.largest)
+    lag = max(round(record.period / LAG / record.step), 1)
+    part = record.above[begin:end]
+    if part.size > 4 * lag:
+        flat = _flat(part[lag:] - part[:-lag], math.sqrt(2.0) * (record.noise + 0.5 * record.resolution))
+        if flat is not None:
+            yield Fault(flat[0], {"usual": flat[1]}, start=record.largest.begin)
+
+
+def _flat(values: Array, noise: float) -> tuple[float, float] | None:
+    """Return for how much of a half swing the highest tops are flat, and a sine's; None if no flatter."""
+    edges = np.flatnonzero(np.diff(np.signbit(values))) + 1
+    tops = []
+    for part in np.split(np.abs(values), edges):
+        height = float(np.max(part))
+        if not height > 0.0 or part.size < 4:
+            continue
+        depth = min(OfSwings.TOP + OfSwings.NOISES_OF_TOP * noise / height, OfSwings.DEEPEST_TOP)
+        high = np.flatnonzero(part >= (1.0 - depth) * height)
+        share = float(high[-1] - high[0] + 1) / part.size
+        tops.append((height, share, 1.0 - 2.0 / math.pi * math.asin(1.0 - depth)))
+    tops = sorted((top for top in tops if top[0] > OfSwings.HIGH * max(tops)[0]), reverse=True)
+    if not tops:
+        return None
+    near = OfSwings.SAME_LEVEL * tops[0][0] + OfSwings.NOISES_OF_TOP * noise
+    alike = [top for top in tops if tops[0][0] - top[0] < near]
+    share, usual = (float(np.median([top[k] for top in alike])) for k in (1, 2))
+    return (share, usual) if share - usual > (OfSwings.FLATTER if len(alike) > 1 else OfSwings.FLAT_ALONE) else None
+
+
+def coarse(record: ResponseRecord) -> Iterator[Fault]:
+    """Find a converter whose steps are large beside the response."""
+    reach = 0.5 * record.resolution
+    if not reach < OfRange.COARSE * record.peak:
+        share = record.resolution / record.peak
+        yield Fault(record.resolution, {"share": share}, effects=record.moved_by(reach), signed=False)
+
+
+def spike(record: ResponseRecord) -> Iterator[Fault]:
+    """Find a peak of one sample that its neighbours know nothing of."""
+    for response in record.responses:
+        top = record.place(response.time)
+        if not 2 <= top < record.values.size - 2:
+            continue
+        before_last, before, value, after, after_next = record.above[top - 2 : top + 3].tolist()
+        off = abs(value - (4.0 * (before + after) - (before_last + after_next)) / 6.0)
+        if off > max(OfRange.SPIKE * abs(value), OfResponses.STANDS_OUT * record.noise):
+            yield Fault(value, {"time": response.time}, start=response.time)
+            return
