@@ -18,8 +18,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.analyses.compare.result import CompareResult as CompareResult
     from strikewave.analyses.fem.result import FemSolution as FemSolution
     from strikewave.analyses.fem.run import run_fem as run_fem
+    from strikewave.analyses.hopkinson.build import load_setup as load_setup
     from strikewave.analyses.hopkinson.run import run_hopkinson as run_hopkinson
-    from strikewave.analyses.hopkinson.setup_file import load_setup as load_setup
     from strikewave.analyses.machine.result import Solution as Solution
     from strikewave.analyses.machine.result import load_solution as load_solution
     from strikewave.analyses.machine.run import run_case as run_case
@@ -84,7 +84,7 @@ _HOMES = {
     "fit": "studies.fit.study",
     "identify": "contact.identification",
     "load_case": "cases.case",
-    "load_setup": "analyses.hopkinson.setup_file",
+    "load_setup": "analyses.hopkinson.build",
     "load_solution": "analyses.machine.result",
     "map": "studies.map.study",
     "material": "base.materials",

@@ -6,7 +6,7 @@ import tomllib
 
 import pytest
 
-from strikewave.analyses.hopkinson.setup_file import example_setup, parse_setup, with_test
+from strikewave.analyses.hopkinson.build import example_setup, parse_setup, with_test
 from strikewave.base.errors import InputError
 from strikewave.cases.case import load_case, parse_case
 from strikewave.cases.stated_test import load_test

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from strikewave.analyses.hopkinson.setup_file import example_setup
+from strikewave.analyses.hopkinson.build import example_setup
 
 BAR = "li-ma-2019-fig13-bar"
 

@@ -83,5 +83,5 @@ def test_every_command_draws_each_file_for_itself():
         for room in ("analyses", "studies", "papers")
         for path in (home / room).rglob("*.py")
     }
-    assert {name for name, lines in places.items() if lines} == {"analyses/machine/drawn.py"}  # in a copied process
-    assert len(places["analyses/machine/drawn.py"]) == 1
+    assert {name for name, lines in places.items() if lines} == {"analyses/machine/report.py"}  # in a copied process
+    assert len(places["analyses/machine/report.py"]) == 1

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_case, run_fem, run_hopkinson, run_wave
-from strikewave.analyses.fem.report.page import fem_report
-from strikewave.analyses.hopkinson.report.shot import shot_report
-from strikewave.analyses.hopkinson.setup_file import load_setup
+from strikewave.analyses.fem.report import fem_report
+from strikewave.analyses.hopkinson.build import load_setup
+from strikewave.analyses.hopkinson.report import shot_report
 from strikewave.analyses.machine.figures.animation import machine_page
 from strikewave.analyses.machine.report import report
 from strikewave.analyses.record.report import record_report

@@ -23,7 +23,7 @@ def kinds():
     """Return every kind of result that can be made."""
     for room in ("analyses", "studies", "papers"):
         for module in pkgutil.walk_packages([f"{strikewave.__path__[0]}/{room}"], f"strikewave.{room}."):
-            if module.name.rpartition(".")[2] not in ("command", "drawn"):
+            if module.name.rpartition(".")[2] not in ("command", "report"):
                 importlib.import_module(module.name)
 
     def below(kind):

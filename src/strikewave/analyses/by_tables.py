@@ -24,8 +24,8 @@ def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = F
         If the file is neither, or what its analysis raises.
     """
     if holds_setup(read_case_text(name)[0]):
+        from strikewave.analyses.hopkinson.build import load_setup
         from strikewave.analyses.hopkinson.screen import run_setup
-        from strikewave.analyses.hopkinson.setup_file import load_setup
 
         if animate:
             raise InputError(

@@ -119,7 +119,7 @@ def _tell(shown: Shown, paths: Sequence[Path], command: str, words: str, line: S
 
 def _write_example(path: Path) -> Path:
     """Write a set-up of split bars, and beside it the record that it names; return the path of the record."""
-    from strikewave.analyses.hopkinson.setup_file import example_record, example_setup
+    from strikewave.analyses.hopkinson.build import example_record, example_setup
 
     name, record = example_record(path.stem)
     beside = path.with_name(name)

@@ -34,8 +34,7 @@ def command(case: CaseName, *, changes: Changes = None, shown: Shown) -> int:
     from strikewave.analyses.by_tables import holds_setup
     from strikewave.analyses.check import check
     from strikewave.analyses.fem.build import build_model
-    from strikewave.analyses.hopkinson.build import check_setup
-    from strikewave.analyses.hopkinson.setup_file import load_setup, values_of
+    from strikewave.analyses.hopkinson.build import check_setup, load_setup, values_of
     from strikewave.cases.material_notices import far_numbers, material_notices
 
     if holds_setup(read_case_text(case)[0]):

@@ -1,7 +1,7 @@
 """What a result shows of itself in Python: a line, a table with its curve in a notebook, its picture, report and table.
 
 What that is its fields declare: see `strikewave.base.declare`.
-Its picture, and its page where it has one of its own, stand in the module ``drawn`` beside it (``picture``, ``page``),
+Its picture, and its page where it has one of its own, stand in the module ``report`` beside it (``picture``, ``page``),
 which is found by its name: it takes long to import, and imports the result.
 """
 
@@ -131,7 +131,7 @@ def history_curve(time: ArrayLike, values: ArrayLike, si: str, usual: str, words
 class ShownResult(Result):
     """A result that shows itself in Python; see `Result` for what files and JSON take of it."""
 
-    drawing: ClassVar[str] = "drawn"
+    drawing: ClassVar[str] = "report"
     """The module beside the result with its picture and page; empty where nothing is drawn."""
     table_name: ClassVar[str] = "table"
     """What its main table is called in a workbook."""

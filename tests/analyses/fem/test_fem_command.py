@@ -351,7 +351,7 @@ def test_a_run_that_is_stopped_while_it_draws_keeps_its_fields(strikewave, small
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr("strikewave.analyses.fem.drawn.fem_report", stopped)
+        patch.setattr("strikewave.analyses.fem.report.fem_report", stopped)
         code, _, err = strikewave("run", small, "--out", "f")
     assert code == 130
     assert "to go on from there: strikewave fem small.toml --out f --restart" in err  # run has no --restart

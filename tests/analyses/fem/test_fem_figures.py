@@ -9,13 +9,13 @@ import matplotlib
 import numpy as np
 import pytest
 
+from strikewave.analyses.fem import report as fem_page
 from strikewave.analyses.fem.figures import histories as fem
 from strikewave.analyses.fem.figures import pictures as fem_pictures
 from strikewave.analyses.fem.figures.pictures import Camera, bodies
 from strikewave.analyses.fem.figures.pictures.camera import ZONE_FACES
 from strikewave.analyses.fem.figures.pictures.fields import beyond_scale
-from strikewave.analyses.fem.report import page as fem_page
-from strikewave.analyses.fem.report.page import fem_report
+from strikewave.analyses.fem.report import fem_report
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.base.errors import InputError
 from strikewave.base.result import FAILED, Notice

@@ -11,7 +11,7 @@ import pytest
 from strikewave import load_case
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.notices import model_notices
-from strikewave.analyses.fem.report.page import fem_words
+from strikewave.analyses.fem.report import fem_words
 from strikewave.analyses.fem.run import run_fem
 from strikewave.analyses.fem.sectors import blow_of_bodies, of_whole_bodies, open_cuts, sectors
 from strikewave.fem.model import Fixed, Guided, Rigid
@@ -59,7 +59,7 @@ def case_of(tmp_path, sector, held=True):
 
 
 def test_each_blow_names_the_body_of_its_rigid_peak_a_group_first(tmp_path, capsys, monkeypatch):
-    from strikewave.analyses.fem.report.blows import blows_section
+    from strikewave.analyses.fem.report import blows_section
     from strikewave.analyses.fem.screen import show
     from strikewave.reporting.parts import written
 

@@ -13,8 +13,7 @@ import pytest
 
 from strikewave import load_case
 from strikewave.analyses.compare.simulated import arrays_curve
-from strikewave.analyses.fem.drawn import picture
-from strikewave.analyses.fem.report.page import fem_report, fem_words
+from strikewave.analyses.fem.report import fem_report, fem_words, picture
 from strikewave.analyses.fem.run import run_fem
 from strikewave.analyses.fem.screen import show
 from strikewave.reporting.shown_units import ShownUnits, showing

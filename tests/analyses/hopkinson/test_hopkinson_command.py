@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from strikewave.analyses.hopkinson.setup_file import load_setup
+from strikewave.analyses.hopkinson.build import load_setup
 from strikewave.cases.tables.performed_test import EXAMPLE as TEST_EXAMPLE
 
 from ...hopkinson import bench
@@ -278,7 +278,7 @@ def test_set_ups_of_the_docs_are_read():
     """Every TOML block of docs/hopkinson.md is a set-up that the command takes."""
     import re
 
-    from strikewave.analyses.hopkinson.setup_file import parse_setup
+    from strikewave.analyses.hopkinson.build import parse_setup
 
     text = (Path(__file__).parents[3] / "docs" / "hopkinson.md").read_text("utf-8")
     blocks = re.findall(r"```toml\n(.*?)```", text, re.DOTALL)
@@ -294,7 +294,7 @@ def test_a_disk_needs_its_accelerometer(strikewave, shot, tmp_path):
 
 def test_changes_take_what_their_field_takes():
     """Text stays text, a bare number is SI, a number that was asked for is one; a path through a value is told."""
-    from strikewave.analyses.hopkinson.setup_file import parse_setup
+    from strikewave.analyses.hopkinson.build import parse_setup
     from strikewave.base.errors import InputErrors
 
     text = (

@@ -6,8 +6,7 @@ from html import unescape
 import pytest
 
 from strikewave import load_case, run_case
-from strikewave.analyses.machine.chapters import blow_table
-from strikewave.analyses.machine.report import report
+from strikewave.analyses.machine.report import blow_table, report
 from strikewave.analyses.machine.screen import show
 from strikewave.reporting.shown_units import ShownUnits, showing
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_case, run_wave
-from strikewave.analyses.machine.chapters import blow_table
+from strikewave.analyses.machine.report import blow_table
 from strikewave.analyses.machine.screen import show
 from strikewave.analyses.machine.words import answer_columns
 from strikewave.base.constants import STANDARD_GRAVITY

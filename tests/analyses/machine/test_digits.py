@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from strikewave.analyses.machine.chapters import blow_table
+from strikewave.analyses.machine.report import blow_table
 from strikewave.analyses.machine.screen import show
 from strikewave.analyses.machine.words import answer_columns, blow_columns, summary_words
 from strikewave.base.constants import STANDARD_GRAVITY as G

@@ -9,7 +9,6 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave import load_case
-from strikewave.analyses.machine.chapters import _drawing
 from strikewave.analyses.machine.figures import geometry as machine_geometry
 from strikewave.analyses.machine.figures.drawing import machine_drawings, scale_words, view
 from strikewave.analyses.machine.figures.geometry import (
@@ -25,7 +24,7 @@ from strikewave.analyses.machine.figures.geometry import (
 )
 from strikewave.analyses.machine.figures.parts import machine_parts
 from strikewave.analyses.machine.kinds.falling_ball import FallingBall
-from strikewave.analyses.machine.report import report
+from strikewave.analyses.machine.report import _drawing, report
 
 CAM = StrikeGeometry(radius=0.2, strikers=4, engagement=5.5e-3, nose_radius=0.01)
 TANGENTIAL = dataclasses.replace(CAM, blow_angle=0.5 * math.pi, face_width=0.04)

@@ -14,7 +14,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave import load_case, run_case, run_wave
-from strikewave.analyses.machine.stack_chapters import struck_field
+from strikewave.analyses.machine.report import struck_field
 from strikewave.analyses.wave.field import field_of_solution
 from strikewave.analyses.wave.figures import animation
 from strikewave.analyses.wave.figures.animation import wave_animation, wave_page, write_wave_gif

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
-from strikewave.analyses.compare.figures import half_figures, overlay
+from strikewave.analyses.compare.figures import half_figures, overlay, summary_figure
 from strikewave.analyses.compare.limits import verdict_of
 from strikewave.analyses.compare.result import TOGETHER, CompareResult, IsoScores
 from strikewave.analyses.compare.specified import SpecificationVerdict
@@ -23,6 +24,8 @@ from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, columns_of, face_table, line_table
 from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Part, Picture, Section, Table
+from strikewave.reporting.run_and_write import drawing
+from strikewave.reporting.style import save
 from strikewave.signal.iso18571 import RATE, SAMPLES
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 
@@ -138,3 +141,16 @@ def _specification(judged: SpecificationVerdict) -> Section:
         words += " The band lies where the smallest distance of A to it is largest."
     words += f" Source: {judged.specification.file.source}."
     return Section("Verdict by the specification", words, [clause_table(judged)])
+
+
+picture, page = summary_figure, compare_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+
+
+def draw_result(result: CompareResult, folder: Path) -> list[str]:
+    """Write page and summary of a comparison into a folder, and return their names."""
+    with drawing(folder / "summary.svg") as path:
+        save(summary_figure(result), path)
+    with drawing(folder / "report.html") as path:
+        path.write_text(compare_report(result), "utf-8", newline="\n")
+    return ["report.html", "summary.svg"]

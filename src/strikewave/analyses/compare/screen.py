@@ -84,6 +84,6 @@ class CompareCommand(Command[CompareResult]):
 
     def draw(self, result: CompareResult, folder: Path) -> list[str]:
         """Write page and summary."""
-        from strikewave.analyses.compare.drawn import draw_result
+        from strikewave.analyses.compare.report import draw_result
 
         return draw_result(result, folder)

@@ -14,7 +14,7 @@ from typing import Any
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.parts import exact_volume
-from strikewave.analyses.fem.report.largest import largest_words
+from strikewave.analyses.fem.report import largest_words
 from strikewave.analyses.fem.result import Energies, FemSolution
 from strikewave.analyses.fem.run import check_model, first_step, run_model
 from strikewave.analyses.fem.sectors import sectors
@@ -161,7 +161,7 @@ class FemCommand(Command[FemSolution]):
 
     def summary(self, result: FemSolution) -> str:
         """Say what happened."""
-        from strikewave.analyses.fem.report.page import fem_words
+        from strikewave.analyses.fem.report import fem_words
 
         return fem_words(result)
 
@@ -171,7 +171,7 @@ class FemCommand(Command[FemSolution]):
 
     def draw(self, result: FemSolution, folder: Path) -> list[str]:
         """Write page and pictures, and the animation, which takes some seconds."""
-        from strikewave.analyses.fem.drawn import draw_result
+        from strikewave.analyses.fem.report import draw_result
 
         return draw_result(result, folder, self.choice.report, self.choice.animate)
 

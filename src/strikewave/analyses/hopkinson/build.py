@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import math
 import re
+from collections.abc import Iterable, Iterator, Mapping
+from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from pydantic import BaseModel
 
-from strikewave.analyses.hopkinson.setup_file import HopkinsonCase
-from strikewave.base.errors import MISSING, InputError
+from strikewave.base.errors import MISSING, InputError, InputErrors, show
 from strikewave.base.materials import material
+from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
+from strikewave.base.result import Notice
+from strikewave.base.toml_text import read_toml
+from strikewave.cases.paths import Form
+from strikewave.cases.provenance import with_provenance
+from strikewave.cases.tables.base import CaseTable
 from strikewave.cases.tables.hopkinson import (
     AccelerometerTable,
     BarTable,
@@ -23,6 +32,8 @@ from strikewave.cases.tables.hopkinson import (
     RecordedTable,
     SpecimenTable,
 )
+from strikewave.cases.tables.performed_test import PerformedTest
+from strikewave.hopkinson import Pulses, Reduction, StressStrainCurve
 from strikewave.hopkinson.bars import Bar, BarMaterial, Specimen, StrikerBar, elastic
 from strikewave.hopkinson.gauges import Bridge
 from strikewave.hopkinson.pulses import GaugeTrace, quieten
@@ -312,3 +323,232 @@ def _strain(channel: Channel, table: GaugeTable, path: str, bar: Bar) -> np.ndar
 
 def _si(value: Value | None) -> float | None:
     return None if value is None else value.si
+
+
+EXAMPLE = resources.files("strikewave.cases") / "hopkinson_example"
+"""Folder of the example: set-up, record, and the licence of the record."""
+RECORD = "shot.csv"
+"""The record there, as its set-up calls it."""
+LARGEST_FILE = 1_000_000
+"""A set-up above this many bytes is refused: a record was named in its place, since no set-up comes near."""
+FORM = Form(HopkinsonSetup, "set-up", 'bar.incident.speed="4866 m/s"')
+"""A set-up file."""
+
+
+class HopkinsonCase(NamedTuple):
+    """A set-up, its text with all changes, and the folder that its files are relative to."""
+
+    setup: HopkinsonSetup
+    text: str
+    folder: Path
+
+
+def example_setup(record: str = RECORD) -> str:
+    """Return the text of a set-up of a shot to begin from, every key with a comment; ``record`` is its file.
+
+    Examples
+    --------
+    >>> parse_setup(example_setup("my-bars-shot.csv")).setup.bar.incident.gauge.file
+    'my-bars-shot.csv'
+    """
+    text = (EXAMPLE / "setup.toml").read_text("utf-8")
+    quoted, plain = re.escape(f'"{RECORD}"'), re.escape(RECORD)
+    typed = json.dumps(record, ensure_ascii=False)
+    return re.sub(f"{quoted}|{plain}", lambda found: typed if found[0].startswith('"') else record, text)
+
+
+def example_record(name: str = "") -> tuple[str, str]:
+    """Return name and text of the record of the example: a shot that was measured, with its credit.
+
+    The record of a set-up is called after that, so that it takes the place of no measurement: ``my-bars-shot.csv``.
+
+    Examples
+    --------
+    >>> example_record("my-bars")[0], example_record("shot")[0]
+    ('my-bars-shot.csv', 'shot.csv')
+    """
+    import lzma
+
+    called = f"{name}.csv" if name.endswith(Path(RECORD).stem) else "-".join(filter(None, (name, RECORD)))
+    return called, lzma.decompress((EXAMPLE / f"{RECORD}.xz").read_bytes()).decode("utf-8")
+
+
+def load_setup(path: str, changes: Iterable[str] = ()) -> HopkinsonCase:
+    """Read a set-up file, change some of its fields, and check it.
+
+    Parameters
+    ----------
+    path : str
+        A TOML file, or a folder that holds ``case.toml``.
+    changes : iterable of str, optional
+        ``path=value`` each, such as ``bar.incident.speed=4866 m/s``; a bare number is SI.
+
+    Returns
+    -------
+    HopkinsonCase
+        The checked set-up.
+
+    Raises
+    ------
+    InputError
+        With one line for each thing that is wrong.
+    """
+    file = Path(path)
+    try:
+        file = file / "case.toml" if file.is_dir() else file
+        with file.open("rb") as opened:
+            data = opened.read(LARGEST_FILE + 1)
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError("SETUP", path, "a text file in UTF-8") from None
+    except (OSError, ValueError) as error:
+        raise InputError("SETUP", path, "a set-up file", getattr(error, "strerror", "") or "") from None
+    if len(data) > LARGEST_FILE:
+        raise InputError("SETUP", path, f"a set-up file of at most {LARGEST_FILE // 1000} kB")
+    name = re.sub(r"[^\w.+-]+", "-", file.stem).strip("-.+") or "shot"
+    return parse_setup(text, name, changes, file.parent)
+
+
+def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: Path | None = None) -> HopkinsonCase:
+    """Check the TOML text of a set-up; see `load_setup`."""
+    import tomlkit
+
+    try:
+        document = read_toml(text)
+    except ValueError as error:
+        reason = show(str(error), 120).strip('"')
+        raise InputErrors([f"{name or 'set-up'}: not a TOML file: {reason}"]) from None
+    schema = document.get("schema", MISSING)
+    if schema is MISSING or isinstance(schema, bool) or schema != 1:
+        raise InputError("schema", schema, "schema = 1", "begin the set-up with schema = 1")
+    for change in changes:
+        FORM.change(document, change)
+    _check_tables(document, [])
+    document.setdefault("name", name)
+    place = folder or Path()
+    if isinstance(document.get("folder"), str) and document["folder"]:
+        place = place / document["folder"]
+    document["folder"] = str(place.absolute())
+    setup = with_provenance(FORM.read(document), document)
+    return HopkinsonCase(setup, tomlkit.dumps(_toml(document)), place)
+
+
+def with_test(case: HopkinsonCase, test: Mapping[str, str]) -> HopkinsonCase:
+    """Return a set-up with what is stated of its test in the place of its own; the set-up itself where nothing is."""
+    import tomlkit
+
+    if not test:
+        return case
+    document = tomlkit.parse(case.text)
+    document["test"] = dict(test)
+    setup = case.setup.model_copy(update={"test": PerformedTest.model_validate(dict(test))})
+    return case._replace(setup=setup, text=tomlkit.dumps(document))
+
+
+def _check_tables(part: dict[str, Any], places: list[str]) -> None:
+    """Refuse what stands where a table belongs, in words."""
+    for key, entry in part.items():
+        model = FORM.table_at([*places, key])
+        if model is None or not issubclass(model, CaseTable):
+            continue
+        path = ".".join([*places, key])
+        if not isinstance(entry, dict):
+            keys = ", ".join(FORM.keys_at([*places, key]))
+            raise InputError(path, entry, f"a table [{path}] with {keys}")
+        _check_tables(entry, [*places, key])
+
+
+def values_of(part: Any, path: str = "") -> Iterator[tuple[str, Value]]:
+    """Yield every quantity of a set-up with its path, such as ``bar.incident.density``."""
+    if isinstance(part, Value):
+        yield path, part
+    elif isinstance(part, BaseModel):
+        for key, entry in part:
+            yield from values_of(entry, f"{path}.{key}" if path else key)
+
+
+def _toml(value: Any) -> Any:
+    """Turn plain tables into TOML's: a quantity stays on its line."""
+    import tomlkit
+
+    if isinstance(value, dict):
+        table: Any = tomlkit.inline_table() if "value" in value else tomlkit.table()
+        plain_first = sorted(value.items(), key=lambda item: isinstance(item[1], dict) and "value" not in item[1])
+        for key, entry in plain_first:
+            table[key] = _toml(entry)
+        return table
+    return value
+
+
+BAR_STRAIN = 0.005
+"""Plateau strain of a bar above which its material must be asked: a strong steel yields at 0.7 %."""
+FLATTEST, SLENDEREST = 0.25, 2.0
+"""Length over diameter: below it friction at the faces counts, above it the specimen buckles or is late."""
+NEAREST_GAUGE = 10.0
+"""Diameters between gauge and end of a bar after which the higher modes of a front have died away, as a rule."""
+STRESS_OF_MODULUS = 0.1
+"""Largest stress over the modulus: about the strength of a perfect crystal."""
+LARGEST_STRESS = 10e9
+"""Largest stress, Pa, where no modulus is stated."""
+
+
+def check_strain(reduction: Reduction, curve: StressStrainCurve) -> None:
+    """Refuse a specimen that is shorter than the way that its faces come together.
+
+    Raises
+    ------
+    InputError
+        If the engineering strain comes to 1 while the incident wave lasts.
+    """
+    on = reduction.loading
+    gone = np.flatnonzero(curve.strain[on] >= 1.0)
+    if gone.size:
+        when = float(reduction.time[on][gone[0]]) * 1e6
+        got = f"{reduction.specimen.length * 1e3:.4g} mm, an engineering strain of 100 % after {when:.4g} us"
+        hint = "look at the units of length and strain, and at diameter and speed of the bars"
+        raise InputError("specimen.length", got, "more than the way by which its faces come together", hint)
+
+
+def strain_notices(pulses: Pulses) -> Iterator[Notice]:
+    """Yield an incident pulse that would bring most bars to yield."""
+    if pulses.plateau > BAR_STRAIN:
+        message = (
+            f"the plateau of the incident pulse is {percent(pulses.plateau, 2)} of strain: does the bar bear that?"
+        )
+        yield Notice("bar-strain", message, pulses.plateau, BAR_STRAIN)
+
+
+def gauge_notices(bars: tuple[Bar, Bar]) -> Iterator[Notice]:
+    """Yield a gauge so near the specimen that the wave is not yet one-dimensional there."""
+    for name, bar in zip(("incident", "transmitted"), bars, strict=True):
+        diameters = bar.gauge_distance / bar.diameter
+        if diameters < NEAREST_GAUGE:
+            message = (
+                f"the gauge of the {name} bar is {diameters:.3g} diameters from the specimen: waves are not yet plane"
+            )
+            yield Notice("gauge-near", message, diameters, NEAREST_GAUGE)
+
+
+def specimen_notices(specimen: Specimen, bars: tuple[Bar, Bar]) -> Iterator[Notice]:
+    """Yield a specimen wider than a bar, and one too flat or too slender for a uniform stress."""
+    width = math.sqrt(4.0 * specimen.area / math.pi)
+    narrowest = min(bar.diameter for bar in bars)
+    if width > narrowest:
+        message = f"the specimen, {width * 1e3:.4g} mm wide, is wider than a bar, {narrowest * 1e3:.4g} mm"
+        yield Notice("specimen-wide", message, width, narrowest)
+    shape = specimen.length / width
+    if shape > SLENDEREST:
+        message = f"the specimen is {shape:.3g} times as long as wide: it may buckle, and comes late to equilibrium"
+        yield Notice("specimen-slender", message, shape, SLENDEREST)
+    if shape < FLATTEST:
+        message = f"the specimen is {shape:.3g} times as long as wide: friction at its faces raises the stress"
+        yield Notice("specimen-flat", message, shape, FLATTEST)
+
+
+def stress_notices(stress: float, specimen: Specimen) -> Iterator[Notice]:
+    """Yield a largest stress (Pa) that no specimen bears."""
+    limit = LARGEST_STRESS if specimen.modulus is None else STRESS_OF_MODULUS * specimen.modulus
+    if stress > limit:
+        words = "10 GPa" if specimen.modulus is None else "a tenth of the stated modulus"
+        message = f"the largest stress is {stress / 1e9:.4g} GPa, above {words}: look at units, gains and diameters"
+        yield Notice("stress-implausible", message, stress, limit)

@@ -25,7 +25,7 @@ def command(setup: Setup, *, changes: Changes = None, output: Output) -> int:
     the gauge gives; with neither, a bar alone, calibrated by its echoes. With --json, no files are written unless
     --out is given. The exit code is 3 where forces or impulses miss each other by more than [limits].
     """
+    from strikewave.analyses.hopkinson.build import load_setup
     from strikewave.analyses.hopkinson.screen import run_setup
-    from strikewave.analyses.hopkinson.setup_file import load_setup
 
     return run_setup(load_setup(setup, changes or ()), changes or (), output)

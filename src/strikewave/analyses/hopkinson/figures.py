@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from strikewave.analyses.hopkinson.echo_result import EchoSolution
-from strikewave.analyses.hopkinson.result import HopkinsonSolution
-from strikewave.analyses.hopkinson.sensor_result import SensorSolution
+from strikewave.analyses.hopkinson.result import EchoSolution, HopkinsonSolution, SensorSolution
 from strikewave.hopkinson import ANALYSES, stress_difference
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.hopkinson.pulses import Pulses

@@ -7,16 +7,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.analyses.hopkinson.echo_result import EchoSolution
+from strikewave.analyses.hopkinson.build import HopkinsonCase, with_test
 from strikewave.analyses.hopkinson.notices import digests
-from strikewave.analyses.hopkinson.outcome import marked_text
-from strikewave.analyses.hopkinson.report.echoes import echo_tables, echo_words
-from strikewave.analyses.hopkinson.report.sensor import sensor_tables, sensor_words
-from strikewave.analyses.hopkinson.report.shot import shot_tables, shot_words
-from strikewave.analyses.hopkinson.result import HopkinsonSolution
+from strikewave.analyses.hopkinson.report import (
+    echo_tables,
+    echo_words,
+    sensor_tables,
+    sensor_words,
+    shot_tables,
+    shot_words,
+)
+from strikewave.analyses.hopkinson.result import EchoSolution, HopkinsonSolution, SensorSolution, marked_text
 from strikewave.analyses.hopkinson.run import run_hopkinson
-from strikewave.analyses.hopkinson.sensor_result import SensorSolution
-from strikewave.analyses.hopkinson.setup_file import HopkinsonCase, with_test
 from strikewave.reporting.options.output import Output
 from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
@@ -66,7 +68,7 @@ class SetupCommand(Command[AnySolution]):
 
     def draw(self, result: AnySolution, folder: Path) -> list[str]:
         """Write page and summary."""
-        from strikewave.analyses.hopkinson.drawn import draw_result
+        from strikewave.analyses.hopkinson.report import draw_result
 
         return draw_result(result, folder)
 

@@ -2,18 +2,56 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from strikewave.analyses.machine import chapters
-from strikewave.analyses.machine.stack_chapters import accuracy_section, sensor_section, stack_section
-from strikewave.analyses.machine.words import summary_words
+import numpy as np
+
+from strikewave.analyses.machine.figures.animation import machine_page, write_machine_gif
+from strikewave.analyses.machine.figures.summary import summary
+from strikewave.analyses.machine.kind import kind_of
+from strikewave.analyses.machine.result import Solution
+from strikewave.analyses.machine.words import (
+    ANSWERS_CALLED,
+    MACHINES,
+    answer_columns,
+    blow_columns,
+    launch_tables,
+    reference_law,
+    restitution_words,
+    summary_words,
+)
+from strikewave.base.shock_quantities import KILOGRAMS, PULSE_WIDTH, RIGID_PEAK
 from strikewave.reporting import chapters as shared
 from strikewave.reporting.bands import band_sections
-from strikewave.reporting.parts import Section
+from strikewave.reporting.chapters import balance_table, layer_steps
+from strikewave.reporting.columns import page_table
+from strikewave.reporting.curves import Trace, traces
+from strikewave.reporting.faces import amount, face_table, text_of
+from strikewave.reporting.numbers import headed, listed, shown
+from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag
+from strikewave.reporting.run_and_write import drawing
+from strikewave.reporting.stack_chapters import (
+    PEAK_WORDS,
+    field_pictures,
+    fit_table,
+    layer_table,
+    mismatch_words,
+    route_section,
+    sensor_part,
+)
+from strikewave.reporting.style import save
+from strikewave.reporting.terminal import progress_bar, say
+from strikewave.reporting.wave_field import WaveField
+from strikewave.uncertainty.beside import computed_beside
+from strikewave.waves.transit import TimeGrid, field_nodes
 
 if TYPE_CHECKING:
-    from strikewave.analyses.machine.result import Solution
+    from matplotlib.figure import Figure
+
+    from strikewave.cases.case import Case
 
 
 def report(solution: Solution, sections: Sequence[Section] = (), moving: str = "") -> str:
@@ -36,18 +74,374 @@ def report(solution: Solution, sections: Sequence[Section] = (), moving: str = "
     ('<!doctype html>', False)
     """
     parts = [
-        chapters.pulse_pictures(solution, moving),
+        pulse_pictures(solution, moving),
         *stack_section(solution),
         *sensor_section(solution),
         *sections,
-        chapters.blow_table(solution),
+        blow_table(solution),
         *band_sections(solution),
         *shared.published(solution.comparisons),
         shared.warnings(solution.notices),
-        chapters.setup(solution.case),
+        setup(solution.case),
         shared.inputs(solution.case),
         *accuracy_section(solution),
-        chapters.checks(solution),
+        checks(solution),
     ]
     summary = shared.Summary("Report of a run", summary_words(solution), solution.highlights())
     return shared.result_page(solution, summary, parts)
+
+
+_DATA_FLOW = (
+    "case file",
+    "checks of units and fits",
+    "machine",
+    "motion with every contact located in time",
+    "blows",
+    "pulses: peak, width, velocity change",
+    "comparison with published values",
+)
+
+
+_PARTS = "The parts with their numbers, counted as in the drawing"
+_WORDS = (
+    "A blow is one pass of one striker, all its re-contacts included. It is glancing when its approach speed is below "
+    "half of the nominal one, double when a second group of contacts, more than a pulse width later, carries a tenth "
+    "of the contact impulse, missed when the striker passed an object in place without touching it, and full "
+    "otherwise. Time counts from {begun}. The rigid peak and its width, taken at 10 % of the peak, belong to "
+    "the rigid-body acceleration: the momentum rate of the assembly over its mass, its zero that of a sensor, taken "
+    "before the blow (of an object that falls, in the fall: gravity is not in it). The velocity change is the integral "
+    "of this pulse from foot to foot, where 2 % of its peak is left. g is standard gravity, 9.80665 m/s²."
+)
+
+
+def setup(case: Case) -> Section:
+    """Say what machine it is and how the numbers come about."""
+    words, chain = MACHINES[case.machine.kind if case.machine else ""]
+    layers = layer_steps(case)
+    parts = _drawing(case.with_stale_fits_assumed())
+    if chain and not layers:
+        parts.append(Flow(chain, "Bodies and links, in the order in which a blow runs through them"))
+    if layers:
+        parts.append(Flow(layers, "The stack, from its loaded face on"))
+    parts.append(Flow(_DATA_FLOW, "From the case to this report"))
+    return Section("Set-up", words + _strike_words(case), parts)
+
+
+def _strike_words(case: Case) -> str:
+    """Say how the nose of a striker of the rotary machine meets the face; nothing for another machine."""
+    from strikewave.analyses.machine.figures.geometry import strike_geometry
+
+    geometry = strike_geometry(case)
+    if geometry is None:
+        return ""
+    if not geometry.blow_angle:
+        return " The nose of a striker acts on the object's face like a cam."
+    return f" The blow stands at {math.degrees(geometry.blow_angle):.4g}° to the radius at the strike position."
+
+
+def _drawing(case: Case) -> list[Part]:
+    """Return drawings of the machine and a table of its numbers; nothing for a machine that is not drawn."""
+    drawing = kind_of(case).drawing(case)
+    if drawing is None:
+        return []
+    rows: list[list[Cell]] = []
+    for number, part in enumerate(drawing.parts, 1):
+        name = f"{number} {part.name}" if part.place else part.name
+        for one in part.entries:
+            looks = ("follows", "") if one.provenance == "computed" else (one.provenance, one.provenance)
+            rows.append([f"{name}: {one.name}", one.shown, Tag(*looks)])
+        if not part.entries:
+            rows.append([name, NONE, NONE])
+    return [*drawing.pictures, Table(_PARTS, ["part", "value", "provenance"], rows)]
+
+
+def blow_table(solution: Solution) -> Section:
+    """List the blows, in the units and columns of the command line."""
+    columns = blow_columns("blows", solution.blows, solution.band)
+    table = page_table("Blows", columns, "No blow: no striker passed the object.")
+    reference = solution.reference
+    beside = (
+        f"\n\nFor comparison, {reference_law(solution.case)} on a rigid object, at the nominal "
+        f"{text_of(reference, 'approach_speed')} and with no frame or mount to bend: {reference.words}."
+    )
+    words = _WORDS.format(begun=solution.case.time_zero) if solution.blows else ""
+    return Section("Blows", words + beside, [table, *_contacts(solution), *_answers(solution)])
+
+
+def _contacts(solution: Solution) -> list[Table]:
+    """List the contact of each blow that struck, and what its nose does across the face where friction acts."""
+    contact = (
+        "Contact, blow by blow. The coefficient of restitution is that of the contact: the square root of the work it "
+        "gives back over the work it takes; the rebound speed depends on frame and mount too. The stiffness is the "
+        "slope of the contact force at the largest indentation on the way back. What stays of the indentation, and the "
+        "radius of the spot over that before, change only where the case gives a yield pressure."
+    )
+    sliding = (
+        "The nose slides across the face, blow by blow: the largest side force and the side impulse on the object, "
+        "above 0 the way the nose passes, the heat of this friction, and the turntable's speed at first touch. The "
+        "guide of the object bears the side force; the friction that this adds in the guide is not in the model."
+    )
+    struck = solution.struck
+    shown = {"contact": contact, "sliding": sliding} if solution.slides else {"contact": contact}
+    return [page_table(caption, blow_columns(which, struck)) for which, caption in shown.items() if struck]
+
+
+def _answers(solution: Solution) -> list[Table]:
+    """List what the contact says of the first blow as elastic and as yielding, where that differs."""
+    answers = solution.contact
+    if answers is None or not answers.differ:
+        return []
+    asked = restitution_words(answers)
+    passed = "" if answers.first_yield is None else text_of(answers, "first_yield")
+    caption = (
+        f"{ANSWERS_CALLED}. The weaker material first yields inside at {passed}. Low and high are the ends of what is "
+        f"known of the pressure that the contact bears. {asked[0].upper()}{asked[1:]}."
+    )
+    return [page_table(caption, answer_columns(answers, solution.band))]
+
+
+def pulse_pictures(solution: Solution, moving: str = "") -> Section:
+    """Draw acceleration and force of the first blow, all pulses, the train; say what is missing.
+
+    ``moving`` is the name of the page that shows the machine in motion.
+    """
+    from strikewave.analyses.machine.figures import pulses
+
+    data = solution.arrays
+    struck = [row for row, blow in enumerate(solution.blows) if blow.kind != "missed"]
+    parts: list[Part] = []
+    words = [] if struck else ["No striker touched the object: there is no pulse to show."]
+
+    def add(needs: Sequence[str], draw: Callable[[], Figure], caption: str, label: str) -> None:
+        if all(name in data for name in needs):
+            parts.append(Picture(draw(), caption, label))
+        else:
+            words.append(
+                f"Without the history {listed([n for n in needs if n not in data])} there is no picture: {label}"
+            )
+
+    if struck:
+        first = solution.blows[struck[0]]
+        add(
+            ["pulse_time", "pulse_acceleration"],
+            lambda: pulses.rigid_acceleration(solution, struck[0]),
+            f"Rigid-body acceleration of the assembly, blow {first.index}"
+            + ("; the marks are published peaks and widths." if _marked(solution) else "."),
+            f"Rigid-body acceleration over time, blow {first.index}: peak "
+            f"{amount(RIGID_PEAK, first.rigid_peak, solution.band.get('first.rigid_peak'))}, "
+            f"width {amount(PULSE_WIDTH, first.width, solution.band.get('first.width'))}.",
+        )
+        add(
+            ["pulse_time", "pulse_force"],
+            lambda: pulses.contact_force(solution, struck[0]),
+            f"Contact force between striker and object, blow {first.index}. Each rise from zero is a contact.",
+            f"Contact force over time, blow {first.index}: peak {text_of(first, 'peak_force')}, "
+            f"{first.contacts} contacts.",
+        )
+        drawn = pulses.chosen(solution)
+        some = "" if len(drawn) == len(struck) else f" {len(drawn)} of {len(struck)} are drawn."
+        add(
+            ["pulse_time", "pulse_acceleration"],
+            lambda: pulses.overlaid_pulses(solution),
+            f"Rigid-body pulses of all blows over each other, each from its first touch.{some}",
+            f"Rigid-body pulses of {len(drawn)} blows over each other; their peaks and widths stand in the table of "
+            "blows.",
+        )
+    add(
+        ["time", "rigid_acceleration"],
+        lambda: pulses.whole_train(solution),
+        "Rigid-body acceleration over the whole train"
+        + ("; the marks are the peaks of the table of blows, with its numbers." if len(struck) else "."),
+        f"Rigid-body acceleration over the whole train: {len(struck)} blows.",
+    )
+    if moving:
+        parts.append(Link(moving, "The machine in motion, with its histories: the whole run, or one blow slowed down"))
+    return Section("Pulses", "\n\n".join(words), parts)
+
+
+def _marked(solution: Solution) -> bool:
+    peaks = any(entry.quantity == "first.rigid_peak" for entry in solution.published)
+    return peaks and not solution.case.changed_fields()
+
+
+def checks(solution: Solution) -> Section:
+    """List balances, masses and phases."""
+    masses: list[list[Cell]] = [[name, shown(mass, *KILOGRAMS.units)] for name, mass in solution.masses.items()]
+    return Section(
+        "Balances, masses and phases",
+        "Energy: what the balance of work and losses misses, over the energy that flowed. Momentum: impulse of all "
+        "forces less change of momentum, over the contact impulse; the worst blow.",
+        [
+            balance_table(solution.balance_checks),
+            Table("Masses", ["body", headed("mass", *KILOGRAMS.units)], masses, empty="No mass is listed."),
+            *launch_tables(solution),
+            face_table(
+                solution, "phase_rows", caption=f"Phases, from {solution.case.time_zero}", empty="No phase is listed."
+            ),
+        ],
+    )
+
+
+_SINCE_TOUCH = "time after first touch"
+
+
+def struck_field(solution: Solution) -> WaveField | None:
+    """Return the field of a machine's first blow on a stack; None where there is none. It holds no velocities."""
+    from strikewave.cases.stack_of_case import build_stack, build_taps
+
+    data = solution.arrays
+    if "field_force" not in data:
+        return None
+    stack, setup = build_stack(solution.case), solution.waves
+    assert setup is not None
+    nodes, _ = field_nodes(stack, TimeGrid(setup.step, tuple(layer.steps for layer in setup.layers), 0.0))
+    return WaveField(
+        stack,
+        data["field_time"].values,
+        data["field_position"].values,
+        nodes[:, 0],
+        data["field_force"].values,
+        None,
+        build_taps(solution.case),
+        _SINCE_TOUCH,
+    )
+
+
+def stack_section(solution: Solution) -> list[Section]:
+    """Show rigid, total and wave acceleration of each blow, and the waves of the first one; nothing without a stack."""
+    setup = solution.waves
+    if setup is None:
+        return []
+    data, struck = solution.arrays, [k for k, reading in enumerate(solution.readings) if reading is not None]
+    if not struck or "tap_acceleration" not in data:
+        return [Section("Stress waves", "No blow touched the object: there are no waves to show.")]
+    first, names = struck[0], [str(name) for name in data["tap"].values]
+    reading = solution.readings[first]
+    assert reading is not None
+    route = solution.case.solver.route
+    band = "" if reading.bandwidth is None else f" at a bandwidth of {text_of(reading, 'bandwidth')}"
+    refused = reading.total_peak is None
+    text = f"{PEAK_WORDS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
+    if refused:
+        text += " No peak of total and wave is quoted: see the warning on the rise."
+    table = face_table(solution, "wave_blows", "waves", "Rigid, total and wave acceleration")
+    parts: list[Part] = []
+    time = data["pulse_time"].values
+    until = _settled(data["tap_force"].values[first])
+    curves = [
+        Trace(f"total, {name}", time[:until], data["tap_acceleration"].values[first, k, :until])
+        for k, name in enumerate(names[:3])
+    ]
+    curves.append(Trace("rigid", time[:until], data["rigid_acceleration_filtered"].values[first, :until]))
+    index = solution.blows[first].index
+    parts.append(
+        Picture(
+            traces(f"Total and rigid-body acceleration, blow {index}", curves, "g", _SINCE_TOUCH),
+            f"Total acceleration at the taps and rigid-body acceleration, both{band}; route: {route}.",
+        )
+    )
+    force = [Trace(name, time[:until], data["tap_force"].values[first, k, :until]) for k, name in enumerate(names[:4])]
+    force.append(Trace("contact", time[:until], data["pulse_force"].values[first, :until]))
+    parts.append(
+        Picture(
+            traces(f"Force in the stack, blow {index}", force, "kN", _SINCE_TOUCH),
+            f"Force in the stack at the taps, and the contact force that drives it; route: {route}.",
+        )
+    )
+    field = struck_field(solution)
+    if field is not None:
+        parts += field_pictures(field)
+    if not refused:
+        parts.append(table)
+    sections = [Section("Stress waves", text, parts)]
+    waves = data["route_acceleration"].values
+    tap = next((k for k in range(len(names)) if np.isfinite(waves[:, k]).any()), None)
+    if tap is not None and route == "exact":
+        sections.append(_run_routes(solution, first, tap, until))
+    return sections
+
+
+def accuracy_section(solution: Solution) -> list[Section]:
+    """Say how exact the waves are, layer by layer; nothing without a stack."""
+    from strikewave.cases.losses_of_case import fitted_losses
+
+    setup = solution.waves
+    if setup is None or not any(solution.readings):
+        return []
+
+    losses = fitted_losses(solution.case)
+    tables: list[Part] = [layer_table(setup), *([fit_table(losses)] if losses else [])]
+    return [Section("Accuracy of the waves", mismatch_words(setup), tables)]
+
+
+def _settled(force: Any) -> int:
+    """Return how many samples of a blow's window hold waves."""
+    return int(np.flatnonzero(np.isfinite(force).any(axis=0))[-1]) + 1
+
+
+def _run_routes(solution: Solution, first: int, tap: int, until: int) -> Section:
+    data = solution.arrays
+    time, name = data["pulse_time"].values[:until], str(data["tap"].values[tap])
+    rigid = data["rigid_acceleration_filtered"].values[first, :until]
+    exact = data["tap_acceleration"].values[first, tap, :until]
+    reading = solution.readings[first]
+    quoted = reading is not None and reading.total_peak is not None
+    waves = data["route_acceleration"].values[:, tap, :until]
+    return route_section(name, quoted, time, exact, rigid, waves, _SINCE_TOUCH)
+
+
+def sensor_section(solution: Solution) -> list[Section]:
+    """Show what each sensor made of the blows, and what its buffer takes off; nothing without sensors."""
+    readings = [reading for reading in solution.readings if reading is not None]
+    if not solution.case.sensor or not readings:
+        return []
+    from strikewave.cases.sensors_of_case import build_channels
+
+    channels, data = build_channels(solution.case), solution.arrays
+    struck = [k for k, reading in enumerate(solution.readings) if reading is not None]
+    curves = []
+    for k, channel in enumerate(channels):
+        values, start = data[f"reading_{k + 1}"], float(data[f"reading_{k + 1}_start"].values[struck[0]])
+        samples = values.values[struck[0]]
+        curves.append(
+            Trace(channel.sensor.name, start + float(values.attrs["step"]) * np.arange(samples.size), samples)
+        )
+    index = solution.blows[struck[0]].index
+    picture = traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH)
+    table = face_table(solution, "sensor_rows")
+    return [sensor_part(channels, picture, table)]
+
+
+picture, page = summary, report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+
+
+def draw_result(solution: Solution, folder: Path, animate: bool = False) -> list[str]:
+    """Write page and pictures of a run into a folder, and return their names."""
+
+    def sheet() -> bool:
+        save(summary(solution), folder / "summary.svg")
+        return True
+
+    with computed_beside(sheet) as is_written:
+        moving = _animate(solution, folder) if animate else []
+        with drawing(folder / "report.html") as path:
+            page = report(solution, moving=moving[0] if moving else "")
+            path.write_text(page, "utf-8", newline="\n")
+        with drawing(folder / "summary.svg"):
+            if not is_written():
+                sheet()
+    return ["report.html", "summary.svg", *moving]
+
+
+def _animate(solution: Solution, folder: Path) -> list[str]:
+    """Write the machine in motion as a page and as a GIF, and return their names."""
+    with drawing(folder / "machine.html") as path:
+        page = machine_page(solution)
+        if page is None:
+            say("no animation: only the rotary machine can be shown in motion")
+            return []
+        path.write_text(page, "utf-8", newline="\n")
+    with drawing(folder / "machine.gif") as path, progress_bar("machine.gif", clocks=("left",)) as progress:
+        write_machine_gif(solution, path, progress)
+    return [name for name in ("machine.html", "machine.gif") if (folder / name).exists()]

@@ -72,7 +72,7 @@ class MachineCommand(Command[Solution]):
             with band_compiled_beside(self.case), progress_bar("blows") as report:
                 solution = run_case(self.case, report)
             if self.files:
-                importlib.import_module("strikewave.analyses.machine.drawn")  # long, and the runs go on meanwhile
+                importlib.import_module("strikewave.analyses.machine.report")  # long, and the runs go on meanwhile
             with progress_bar("band") as report:
                 return with_bands(solution, report, runs())
 
@@ -86,7 +86,7 @@ class MachineCommand(Command[Solution]):
 
     def draw(self, result: Solution, folder: Path) -> list[str]:
         """Write page and summary, and the machine in motion, which takes some seconds."""
-        from strikewave.analyses.machine.drawn import draw_result
+        from strikewave.analyses.machine.report import draw_result
 
         return draw_result(result, folder, self.animate)
 

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from strikewave.analyses.record import chapters as chapters
 from strikewave.analyses.record import pictures as pictures
 from strikewave.analyses.record.budget_chapter import budget_section
+from strikewave.analyses.record.figures.many_spectra import several_figure
+from strikewave.analyses.record.figures.spectra import record_summary, srs_figure
 from strikewave.analyses.record.motion_chapter import motion_section
 from strikewave.analyses.record.pair_chapter import pair_card, pair_section
 from strikewave.analyses.record.response_chapter import response_sections
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rigid_chapter import rigid_sections
 from strikewave.analyses.record.sensor_chapter import sensor_section
+from strikewave.analyses.record.spectrum import SpectrumResult
+from strikewave.analyses.record.spectrum_report import spectrum_report
 from strikewave.analyses.record.tables import amount, between, called, percent, short_names
+from strikewave.analyses.record.test_report.page import report_of_test, write_report_of_test
 from strikewave.analyses.record.verdicts.chapter import verdict_section
 from strikewave.analyses.record.verdicts.words import tag_of_records
 from strikewave.analyses.record.words import counted, doubted_peaks, peak_range, record_words
@@ -22,6 +29,11 @@ from strikewave.records.reading import FileReading
 from strikewave.reporting import chapters as shared
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Tag
+from strikewave.reporting.run_and_write import drawing
+from strikewave.reporting.style import save, titled
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def record_report(result: RecordResult) -> str:
@@ -108,3 +120,33 @@ def _with_doubt(files: Sequence[FileReading], campaign: Campaign, name: str, uni
 def _of(n: int, name: str) -> str:
     what = "interval" if name == "interval" else "blow"
     return f"mean of {n} {what}s" if n > 1 else f"one {what}"
+
+
+def record_picture(result: RecordResult) -> Figure:
+    """Return the records with what is measured of them."""
+    return record_summary(result.readings, result.campaigns[0] if result.campaigns else None)
+
+
+def spectrum_picture(result: SpectrumResult) -> Figure:
+    """Return the first spectrum over frequency, or all of several."""
+    unit = result.reading.channel.unit
+    if result.shocks:
+        return titled(several_figure(result, 0), result.title)
+    figure = srs_figure(result.spectra[0], unit=unit, expanded=result.expanded(0), side=result.side)
+    return titled(figure, result.title)
+
+
+picture: dict[type, Callable[[Any], Figure]] = {RecordResult: record_picture, SpectrumResult: spectrum_picture}
+page: dict[type, Callable[[Any], str]] = {RecordResult: record_report, SpectrumResult: spectrum_report}
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+test_page: dict[type, Callable[[Any], str]] = {RecordResult: report_of_test}
+"""The same for a test report."""
+
+
+def draw_result(result: RecordResult, folder: Path) -> list[str]:
+    """Write page and picture of records into a folder, and return their names."""
+    with drawing(folder / "summary.svg") as path:
+        save(record_picture(result), path)
+    with drawing(folder / "report.html") as path:
+        path.write_text(record_report(result), "utf-8", newline="\n")
+    return ["report.html", *write_report_of_test(result, folder), "summary.svg"]

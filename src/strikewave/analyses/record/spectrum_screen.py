@@ -76,9 +76,9 @@ class SrsCommand(Command[SpectrumResult]):
 
     def draw(self, result: SpectrumResult, folder: Path) -> list[str]:
         """Write the page, the spectra, and the four-coordinate picture."""
-        from strikewave.analyses.record.drawn import spectrum_picture
         from strikewave.analyses.record.figures.many_spectra import response_figure, rolling_figure
         from strikewave.analyses.record.figures.spectra import tripartite
+        from strikewave.analyses.record.report import spectrum_picture
         from strikewave.analyses.record.spectrum_report import spectrum_report
         from strikewave.reporting.style import save, titled
 

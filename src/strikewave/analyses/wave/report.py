@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.wave.field import field_of_solution
+from strikewave.analyses.wave.figures.animation import wave_page, write_wave_gif
+from strikewave.analyses.wave.figures.summary import wave_summary
+from strikewave.analyses.wave.result import WaveSolution
 from strikewave.base.shock_quantities import STEP
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import band_sections
@@ -14,6 +18,7 @@ from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.faces import amount, face_rows, face_table, numbers_of, part_tables
 from strikewave.reporting.numbers import listed, spelled
 from strikewave.reporting.parts import Flow, Part, Picture, Section, Table
+from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.stack_chapters import (
     MOST_LAYERS,
     field_pictures,
@@ -22,13 +27,13 @@ from strikewave.reporting.stack_chapters import (
     route_section,
     sensor_part,
 )
+from strikewave.reporting.style import save
+from strikewave.reporting.terminal import progress_bar
 from strikewave.reporting.wave_curves import staircase_diagram
-from strikewave.reporting.wave_field import WaveField, sandwiched
+from strikewave.reporting.wave_field import WaveField, sandwiched, xt_diagram
 
 if TYPE_CHECKING:
-    from strikewave.analyses.wave.result import WaveSolution
     from strikewave.cases.case import Case
-
 
 _SINCE_LOAD = "time after the start of the load"
 _DATA_FLOW = ("case file", "checks of units and fits", "stack", "stress waves", "taps and sensors")
@@ -179,3 +184,30 @@ def _setup(case: Case) -> Section:
         Flow(_DATA_FLOW, "From the case to this report"),
     ]
     return Section("Set-up", "A layered bar, loaded at its first face; no machine.", flows)
+
+
+picture, page = wave_summary, wave_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+
+
+def draw_result(solution: WaveSolution, folder: Path, quantity: str = "stress", animate: bool = False) -> list[str]:
+    """Write page and pictures of a stack into a folder, and return their names."""
+    with drawing(folder / "summary.svg") as path:
+        save(wave_summary(solution), path)
+    with drawing(folder / "field.svg") as path:
+        save(xt_diagram(field_of_solution(solution), quantity), path)
+    with drawing(folder / "report.html") as path:
+        path.write_text(wave_report(solution, quantity), "utf-8", newline="\n")
+    moving = _animate(solution, folder) if animate else []
+    return ["report.html", "summary.svg", "field.svg", *moving]
+
+
+def _animate(solution: WaveSolution, folder: Path) -> list[str]:
+    """Write the animation as a page and as a GIF, and return their names."""
+    field = field_of_solution(solution)
+    with drawing(folder / "animation.html") as path:
+        page = wave_page(field, solution.title, solution.case.name)
+        path.write_text(page, "utf-8", newline="\n")
+    with drawing(folder / "animation.gif") as path, progress_bar("animation.gif", clocks=("left",)) as progress:
+        write_wave_gif(field, solution.title, path, progress)
+    return ["animation.html", "animation.gif"]

@@ -88,7 +88,7 @@ class WaveCommand(Command[WaveSolution]):
 
     def draw(self, result: WaveSolution, folder: Path) -> list[str]:
         """Write page and pictures, and the animation, which takes a few seconds."""
-        from strikewave.analyses.wave.drawn import draw_result
+        from strikewave.analyses.wave.report import draw_result
 
         return draw_result(result, folder, self.field, self.animate)
 

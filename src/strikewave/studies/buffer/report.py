@@ -111,3 +111,8 @@ def _sensor_section(study: BufferStudy) -> Section:
             f"The largest sample, with the noise that readings have too, is {text_of(motion, 'largest_sample')}."
         )
     return Section("Sensor and blow", " ".join(words), [*part_tables(study, "sensor"), *part_tables(study, "motion")])
+
+
+picture = peak_bandwidth
+page = buffer_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""

@@ -130,3 +130,8 @@ def _question_section(study: DesignStudy) -> Section:
         f"{plan.seed}. Goals: {'; '.join(aim.typed for aim in plan.aims)}."
     )
     return Section("What was asked", text, [face_table(study, "vary", "range")])
+
+
+picture = design_picture
+page = design_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""

@@ -11,7 +11,7 @@ from strikewave.reporting.numbers import listed, percent
 from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table, written
 from strikewave.studies.fit.checking import Checks, PredictedFigure, PulseAgreement
 from strikewave.studies.fit.corner import corner_figure
-from strikewave.studies.fit.figures import MOST_DRAWN, overlay, profile_figures, values_figure
+from strikewave.studies.fit.figures import MOST_DRAWN, fit_figure, overlay, profile_figures, values_figure
 from strikewave.studies.fit.notices import MET
 from strikewave.studies.fit.posterior import SEED, WALKERS, Posterior
 from strikewave.studies.fit.result import FitStudy, FittedParameter, MisfitOfRun, PosteriorValue, combination_words
@@ -188,3 +188,8 @@ def _files(study: FitStudy) -> Section:
     rows: list[list[Cell]] = [[name, digest] for fit in study.case.fit for name, digest in fit.records.items()]
     empty = "No record: the case was fitted to stated numbers."
     return Section("Files", "", [Table("Records that the case was fitted to", ["file", "SHA-256"], rows, empty)])
+
+
+picture = fit_figure
+page = fit_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""

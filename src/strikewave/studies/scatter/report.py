@@ -99,3 +99,8 @@ def _tolerance_section(study: ScatterStudy) -> Section:
     text = f"{plan.runs} runs, random seed {plan.seed}: equal seeds reproduce them bit for bit.{left}"
     names = listed([one.path for one in study.tolerances[:3]])
     return Section("What was drawn", text, [face_table(study, "drawn", "drawn", f"Tolerances, such as {names}")])
+
+
+picture = scatter_picture
+page = scatter_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""

@@ -114,3 +114,8 @@ def _left_section(study: SettingsStudy) -> list[Section]:
     rows: list[list[Cell]] = [[f"{count} strikers", why] for count, why in study.left_out.items()]
     rows += [["no result", why] for why in study.failed]
     return [Section("Left out", "", [Table("Not run, or without a result", ["what", "why"], rows)])] if rows else []
+
+
+picture = settings_figure
+page = settings_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""

@@ -3,23 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from strikewave.analyses.fem.ls_dyna.figures import comparison_sheet
+from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
 from strikewave.base.declare import declarations
 from strikewave.base.shock_quantities import MICROSECONDS
-from strikewave.exchange.ls_dyna.comparison import ForcePair, PulseDifferences
-from strikewave.exchange.ls_dyna.folder import ENERGIES, ContactPulse, Extreme
+from strikewave.exchange.ls_dyna.comparison import ForcePair, PulseDifferences, RunComparison
+from strikewave.exchange.ls_dyna.folder import ENERGIES, ContactPulse, Extreme, LsDynaRun
 from strikewave.fem.measures import EnergyExtent
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import amount, columns_of, face_table, text_of
 from strikewave.reporting.numbers import shown
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
+from strikewave.reporting.run_and_write import drawing
+from strikewave.reporting.style import save
 
 if TYPE_CHECKING:
-    from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
-    from strikewave.exchange.ls_dyna.comparison import RunComparison
-    from strikewave.exchange.ls_dyna.folder import LsDynaRun
+    from matplotlib.figure import Figure
 
 RUNS = ("LS-DYNA", "strikewave")
 
@@ -155,3 +158,21 @@ def field_table(comparison: RunComparison) -> Table:
     rows = [(other, name, theirs.get(other or ""), ours.get(name or "")) for other, name in pairs]
     heads = [f"part in {run}" for run in RUNS]
     return _table_of_both("Parts", heads, Extreme, rows, "No fields are there.")
+
+
+page = ls_dyna_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+
+
+def picture(result: LsDynaResult) -> Figure:
+    """Return the sheet of forces and energies."""
+    return comparison_sheet(result.found, result.title)
+
+
+def draw_result(result: LsDynaResult, folder: Path) -> list[str]:
+    """Write page and picture into a folder, and return their names."""
+    with drawing(folder / "comparison.svg") as path:
+        save(picture(result), path)
+    with drawing(folder / "report.html") as path:
+        path.write_text(ls_dyna_report(result), "utf-8", newline="\n")
+    return ["report.html", "comparison.svg"]

@@ -49,7 +49,7 @@ class LsDynaCommand(Command[LsDynaResult]):
 
     def draw(self, result: LsDynaResult, folder: Path) -> list[str]:
         """Write page and picture."""
-        from strikewave.analyses.fem.ls_dyna.drawn import draw_result
+        from strikewave.analyses.fem.ls_dyna.report import draw_result
 
         return draw_result(result, folder)
 

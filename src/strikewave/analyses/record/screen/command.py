@@ -146,7 +146,7 @@ class RecordCommand(Command[RecordResult]):
 
     def draw(self, result: RecordResult, folder: Path) -> list[str]:
         """Write page and summary."""
-        from strikewave.analyses.record.drawn import draw_result
+        from strikewave.analyses.record.report import draw_result
 
         return draw_result(result, folder)
 

@@ -59,7 +59,7 @@ class SynthesisCommand(Command[SynthesisResult]):
 
     def draw(self, result: SynthesisResult, folder: Path) -> list[str]:
         """Write page and picture."""
-        from strikewave.analyses.record.synthesis.drawn import page, picture
+        from strikewave.analyses.record.synthesis.report import page, picture
         from strikewave.reporting.style import save
 
         with drawing(folder / "report.html") as path:

@@ -129,7 +129,7 @@ class SpecificationCommand(Command[SpecificationResult]):
 
     def draw(self, result: SpecificationResult, folder: Path) -> list[str]:
         """Write page and picture."""
-        from strikewave.analyses.record.verdicts.drawn import draw_specification
+        from strikewave.analyses.record.verdicts.report import draw_specification
 
         return draw_specification(result, folder)
 

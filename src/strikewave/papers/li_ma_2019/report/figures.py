@@ -7,7 +7,7 @@ import string
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.fem.report.fields import fields_section
+from strikewave.analyses.fem.report import fields_section
 from strikewave.analyses.wave.field import field_of_solution
 from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import ACCELERATION, IMPULSE

@@ -10,13 +10,14 @@ from strikewave.cases.case import Case
 from strikewave.papers.li_ma_2019.report import tables as tables
 from strikewave.papers.li_ma_2019.report.figures import figure_sections, fitted_inputs, key_numbers, overview_picture
 from strikewave.papers.li_ma_2019.report.studies import study_tables
+from strikewave.papers.li_ma_2019.result import Reproduction
 from strikewave.papers.li_ma_2019.runs import BAR, PASSING, quick_changes
 from strikewave.reporting import chapters
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Cell, Code, Section, Table, Tag
 
 if TYPE_CHECKING:
-    from strikewave.papers.li_ma_2019.result import Reproduction
+    from matplotlib.figure import Figure
 
 
 def reproduction_report(result: Reproduction) -> str:
@@ -93,3 +94,12 @@ def again(case: Case, quick: bool = False) -> str:
 
 def _command(command: str, case: str, changes: Sequence[str] = ()) -> str:
     return " ".join(["strikewave", command, case, *(f"--set {shlex.quote(change)}" for change in changes)])
+
+
+page = reproduction_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+
+
+def picture(result: Reproduction) -> Figure:
+    """Return how far everything that can be compared is from the published numbers."""
+    return overview_picture(result).figure

@@ -100,3 +100,8 @@ def drop_words(study: DropStudy) -> str:
         words.append(f"It misses the goal: {first.obstacles}.")
     words += [study.verdicts.sentence] if study.verdicts.words else []
     return " ".join(words)
+
+
+picture = drop_figure
+page = drop_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""

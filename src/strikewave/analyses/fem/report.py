@@ -1,4 +1,4 @@
-"""The report of an explicit run: method and mesh, contacts, parts, fields, energy and momentum balance."""
+"""Report of an element run: its chapters and tables, and page and pictures as files."""
 
 from __future__ import annotations
 
@@ -6,33 +6,52 @@ import dataclasses
 import math
 import re
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from strikewave.analyses.fem.figures import histories
+from strikewave.analyses.fem.figures.animation import fem_page, movie_of, write_fem_gif
+from strikewave.analyses.fem.figures.blows import blows_figure
+from strikewave.analyses.fem.figures.cut import (
+    COVERED,
+    Zone,
+    close_up_figure,
+    cut_figure,
+    pressed_most,
+    seen_close_up,
+    wave_figure,
+)
+from strikewave.analyses.fem.figures.histories import summary_sheet
 from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture, view_of
-from strikewave.analyses.fem.report.blows import blows_section
-from strikewave.analyses.fem.report.fields import fields_section
+from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.sectors import unlike_sectors
-from strikewave.base.shock_quantities import DENSITY, LENGTH, MASS, MODULUS, STEP, STRESS, VELOCITY
+from strikewave.base.shock_quantities import DENSITY, LENGTH, MASS, MICROSECONDS, MODULUS, STEP, STRESS, VELOCITY
 from strikewave.fem.blow_measures import still_presses
-from strikewave.fem.measures import ALIGNED, EnergyExtent
+from strikewave.fem.invariants import von_mises
+from strikewave.fem.measures import ALIGNED, EnergyExtent, contact_measure
 from strikewave.fem.quality import PartQuality, quality_report
-from strikewave.fem.run import ENERGIES
-from strikewave.fem.skin import blow_contact
-from strikewave.fem.solids import Bilinear, JohnsonCook, ZerilliArmstrong
+from strikewave.fem.run import ENERGIES, FemRun
+from strikewave.fem.skin import blow_contact, faces_on
+from strikewave.fem.snapshots import Snapshot, SnapshotRecorder, recorder_from_frames
+from strikewave.fem.solids import AnySolid, Bilinear, JohnsonCook, ZerilliArmstrong
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import FaceRow, amount, columns_of, face_columns, face_rows, face_table, text_of
 from strikewave.reporting.numbers import headed, listed, percent, shown
-from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
+from strikewave.reporting.run_and_write import drawing
+from strikewave.reporting.style import save
+from strikewave.reporting.terminal import progress_bar
 from strikewave.signal.pulse import WIDTH_FRACTION
 
 if TYPE_CHECKING:
-    from strikewave.analyses.fem.result import FemSolution
+    from matplotlib.figure import Figure
+
+    from strikewave.fem.mesh import Mesh
     from strikewave.fem.model import Model
-    from strikewave.fem.run import FemRun
-    from strikewave.fem.solids import AnySolid
 
 _SOLIDS = {
     "Elastic": "elastic",
@@ -347,3 +366,194 @@ def _energy_table(run: FemRun) -> Table:
     rows = [EnergyExtent(math.nan, run.initial_energy), *(EnergyExtent.of(run.energy[name]) for name in ENERGIES)]
     names = Column("energy", ["at the start, all", *called.values()])
     return page_table("Energies", [names, *columns_of(EnergyExtent, rows)])
+
+
+FEWEST_OF_WAVE = 3
+"""Instants after first touch without which there is no row of them (chosen: two show no motion of a front)."""
+_HOW = (
+    "Each element has the colour of its one value, at its place at that instant: displacements are to scale. Dark "
+    "lines are the outlines of bodies, thin lines the mesh, where its elements are large enough. Faces seen "
+    "obliquely are darker."
+)
+_BEFORE = " Elements in front of the cutting plane are left out whole."
+_END_OF_SCALE = (
+    f"The colour scale covers {100.0 * COVERED:.0f} % of the loaded surface over these instants; a tip at its end "
+    "marks that a few elements lie beyond it."
+)
+
+
+class PeakContact(NamedTuple):
+    """The instant nearest to the largest force of the contact of the blow, where it presses, and that in words."""
+
+    still: Snapshot
+    zone: Zone
+    words: str
+
+
+def fields_section(solution: FemSolution) -> Section:
+    """Return the pictures of the fields, with what is seen in them."""
+    film = getattr(solution, "film", None)
+    frames = solution.frames or solution.run.frames
+    if film is None or not film.snapshots:
+        film = recorder_from_frames(solution.model, frames) if frames else None
+    if film is None or not film.snapshots:
+        return Section("Fields", "No frame of the fields was kept for pictures.")
+    pressed = _pressed(solution, film)
+    mesh = solution.model.mesh
+    parts: list[Part] = [_whole(film, pressed), *_close_up(film, pressed, mesh), *_wave(film)]
+    cut = film.skin.cut
+    opened = f" {_opened(film)}" + (_BEFORE if not cut.symmetric else "")
+    return Section("Fields", f"{_HOW}{opened} {largest_words(film, mesh)}".rstrip(), parts)
+
+
+def _pressed(solution: FemSolution, film: SnapshotRecorder) -> PeakContact | None:
+    """Return when and where the contact of the blow presses, nearest to its largest force; None where it does not."""
+    model: Model = solution.model
+    meeting = blow_contact(model)
+    measure = contact_measure(solution.run, meeting.name) if meeting and meeting.name in solution.run.force else None
+    if meeting is None or measure is None:
+        return None
+    own = faces_on(film.skin, model.mesh, model.touching[meeting.name])
+    pressed = pressed_most(film.skin, film.snapshots, measure.at, own)
+    instant = f"the stored instant nearest to the force peak of {meeting.name}, at {instant_words(measure.at)}"
+    return None if pressed is None else PeakContact(*pressed, instant)
+
+
+def _opened(film: SnapshotRecorder) -> str:
+    """Say where the bodies are cut open."""
+    cut = film.skin.cut
+    if not cut.symmetric:
+        return "The bodies, which are modelled whole, are cut open along the blow."
+    if cut.mirror is None:
+        return "The bodies are seen from their plane of symmetry: the half that is modelled."
+    return "The bodies are seen from a plane of symmetry; the quarter that is modelled is mirrored at the other plane."
+
+
+def _whole(film: SnapshotRecorder, pressed: PeakContact | None) -> Picture:
+    """Return the bodies cut open when the force of the blow is largest, or else the stress, and at the end."""
+    stills = film.snapshots
+    still, when = (film.worst or stills[-1], "when the stress is largest")
+    if pressed is not None:
+        still, when = pressed.still, pressed.words
+    shown = [still] if still.time == stills[-1].time else [still, stills[-1]]
+    largest = float(von_mises(still.stress.astype(float)).max(initial=0.0))
+    caption = f"Von Mises stress in the bodies cut open at {_instant(still)}, {when}"
+    caption += f", and at {_instant(stills[-1])}, the last instant." if len(shown) > 1 else "."
+    caption += f" The largest value in view at {_instant(still)} is {amount(STRESS, largest)}."
+    return Picture(cut_figure(film.skin, shown), f"{caption} {_END_OF_SCALE}")
+
+
+def _close_up(film: SnapshotRecorder, pressed: PeakContact | None, mesh: Mesh) -> list[Part]:
+    """Return where bodies press each other, and what yielded there; nothing where nothing is pressed."""
+    if pressed is None:
+        return []
+    (still, zone, when), last = pressed, film.snapshots[-1]
+    pictures = [(still, "von_mises")]
+    caption = (
+        f"Where bodies touch, straight onto the cut, within about {zone.reach * 1e3:.2g} mm: von Mises stress at "
+        f"{_instant(still)}, {when}"
+    )
+    spot, elsewhere = film.largest.get("plastic_strain"), ""
+    if spot is not None:
+        pictures.append((last, "plastic_strain"))
+        caption += f", and equivalent plastic strain at {_instant(last)}, the last instant"
+        largest_seen = float(seen_close_up(film.skin, zone, last, "plastic_strain").max(initial=0.0))
+        if largest_seen < 0.999 * spot.value:
+            elsewhere = f" The largest plastic strain of all, {written(spot.value)}, is not in this view: it is in "
+            elsewhere += f"{place_words(mesh, spot.element)}."
+    caption += f". The scales reach the largest value that is seen.{elsewhere}"
+    return [Picture(close_up_figure(film.skin, zone, pictures), caption)]
+
+
+def _wave(film: SnapshotRecorder) -> list[Part]:
+    """Return the row of instants after first touch; nothing where nothing touches, or the run went on later."""
+    if len(film.wave) < FEWEST_OF_WAVE or film.touched is None:
+        return []
+    caption = (
+        f"The first wave through the bodies, {len(film.wave)} instants from first touch on, which is at "
+        f"{instant_words(film.touched)}: the stress along the blow, blue compression and red tension, "
+        f"at {listed([_instant(still) for still in film.wave])}. A wave takes "
+        f"{amount(MICROSECONDS, film.transit)} from there to the far end, at the speed sqrt(E/rho) of the body there. "
+        f"One scale for all instants. {_END_OF_SCALE}"
+    )
+    return [Picture(wave_figure(film.skin, film.wave), caption)]
+
+
+def _instant(still: Snapshot) -> str:
+    return instant_words(still.time)
+
+
+def largest_words(film: SnapshotRecorder, mesh: Mesh) -> str:
+    """Say where von Mises stress and plastic strain are largest of all elements, seen or not; nothing where none is."""
+    names, places = {"von_mises": "von Mises stress", "plastic_strain": "plastic strain"}, []
+    for name, spot in film.largest.items():
+        value = amount(STRESS, spot.value) if name == "von_mises" else written(spot.value)
+        places.append(f"{names[name]} {value} in {place_words(mesh, spot.element)} at {instant_words(spot.time)}")
+    if not places:
+        return ""
+    where = "centre of the element before the blow"
+    return f"Largest values of all elements at the stored instants: {listed(places)} ({where})."
+
+
+def place_words(mesh: Mesh, element: int) -> str:
+    """Name the part of an element and its middle before the blow."""
+    middle = mesh.points[mesh.hexahedra[element]].mean(axis=0) * 1e3
+    place = ", ".join(f"{x:.4g}" for x in np.where(np.abs(middle) < 1e-9, 0.0, middle))
+    return f"{mesh.names[int(mesh.part[element])]} at ({place}) mm"
+
+
+def instant_words(time: float) -> str:
+    """Write a time with its unit; the time 0 as the start."""
+    return amount(MICROSECONDS, time) if time > 0.0 else "the start"
+
+
+_WORDS = (
+    "After a blow the bodies come to rest (dynamic relaxation) without their loads and contacts, go back to where "
+    "they began as rigid bodies, and meet again with the velocities of the case. Plastic strain, back stress, "
+    "temperature, shape and residual stress are those that the blow before left. All other sections are those of the "
+    "first blow. The coefficient of restitution is the speed of separation at the end over that of approach at the "
+    "start, of the parts of the contact as rigid bodies."
+)
+
+
+def blows_section(solution: FemSolution) -> Section:
+    """Return what each blow came to, and the dynamic relaxation before it."""
+    caption = "Force of the strongest contact of each blow, means of intervals; and what yield takes of each."
+    picture = Picture(blows_figure([blow.run for blow in solution.blows]), caption)
+    forces = face_table(solution, "contacts_of_blows", "blow", empty="No contact is in the model.")
+    return Section("Blow after blow", _WORDS, [forces, face_table(solution, "yield_of_blows"), picture])
+
+
+page = fem_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+
+
+def picture(solution: FemSolution) -> Figure:
+    """Return the sheet of histories of a run."""
+    return summary_sheet(solution.run, solution.title)
+
+
+def draw_result(solution: FemSolution, folder: Path, report: bool = True, animate: bool = False) -> list[str]:
+    """Write page and pictures of a run into a folder, and return their names."""
+    names = ["summary.svg"]
+    with drawing(folder / names[0]) as path:
+        save(picture(solution), path)
+    if report:
+        with drawing(folder / "report.html") as path:
+            path.write_text(fem_report(solution), "utf-8", newline="\n")
+        names.insert(0, "report.html")
+    return names + (animate_run(solution, folder) if animate else [])
+
+
+def animate_run(solution: FemSolution, folder: Path) -> list[str]:
+    """Write the animation as a page and as a GIF, and return their names; nothing where nothing was kept."""
+    with progress_bar("animation", clocks=("left",)) as progress:
+        movie = movie_of(solution, progress=lambda share: progress(0.5 * share))
+        if movie is None:
+            return []
+        with drawing(folder / "animation.html") as path:
+            page = fem_page(movie, solution.title, solution.case.name)
+            path.write_text(page, "utf-8", newline="\n")
+        with drawing(folder / "animation.gif") as path:
+            write_fem_gif(movie, solution.title, path, lambda share: progress(0.5 + 0.5 * share))
+    return ["animation.html", "animation.gif"]
