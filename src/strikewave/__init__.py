@@ -53,8 +53,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.studies.map.study import map as map
     from strikewave.studies.scatter.study import ScatterPlan as ScatterPlan
     from strikewave.studies.scatter.study import scatter as scatter
-    from strikewave.studies.settings.drop_table.question import drop_table as drop_table
-    from strikewave.studies.settings.question import settings as settings
+    from strikewave.studies.settings.drop_table.study import drop_table as drop_table
+    from strikewave.studies.settings.study import settings as settings
     from strikewave.studies.sweep.study import SweepStudy as SweepStudy
     from strikewave.studies.sweep.study import sweep as sweep
 
@@ -78,7 +78,7 @@ _HOMES = {
     "buffer": "studies.buffer.question",
     "compare": "analyses.compare.question",
     "design": "studies.design.question",
-    "drop_table": "studies.settings.drop_table.question",
+    "drop_table": "studies.settings.drop_table.study",
     "dump_case": "cases.written_case",
     "find_pulses": "records.measuring",
     "fit": "studies.fit.study",
@@ -97,7 +97,7 @@ _HOMES = {
     "run_wave": "analyses.wave.run",
     "scatter": "studies.scatter.study",
     "shock_spectra": "analyses.record.spectrum_question",
-    "settings": "studies.settings.question",
+    "settings": "studies.settings.study",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",
     "sweep": "studies.sweep.study",

@@ -142,7 +142,7 @@ def test_completion_names_what_the_libraries_know():
     from strikewave.studies.buffer.candidate import RANKS
     from strikewave.studies.map.figures import COLOURS
     from strikewave.studies.scatter.study import METHODS
-    from strikewave.studies.settings.search import VARIED
+    from strikewave.studies.settings.study import VARIED
 
     assert set(srs.KINDS) == set(KINDS)
     assert complete_case("")[: len(bundled_cases())] == bundled_cases()

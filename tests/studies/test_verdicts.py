@@ -181,16 +181,14 @@ def first_words(study):
     from strikewave.studies.fit.report import fit_words
     from strikewave.studies.map.report import map_words
     from strikewave.studies.scatter.report import scatter_words
-    from strikewave.studies.settings.drop_table.report import drop_words
-    from strikewave.studies.settings.report import settings_words
     from strikewave.studies.sweep.report import sweep_words
 
     words = {
         "SweepStudy": sweep_words, "MapStudy": map_words, "ScatterStudy": scatter_words, "DesignStudy": design_words,
-        "DropStudy": drop_words, "SettingsStudy": settings_words, "BufferStudy": buffer_words, "FitStudy": fit_words,
+        "BufferStudy": buffer_words, "FitStudy": fit_words,
         "CompareResult": compare_words, "Reproduction": reproduction_words,
     }  # fmt: skip
-    return words[type(study).__name__](study)
+    return words[type(study).__name__](study) if type(study).__name__ in words else study.words
 
 
 @pytest.mark.parametrize("make", STUDIES)

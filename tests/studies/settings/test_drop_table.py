@@ -18,8 +18,7 @@ from strikewave.studies.engine.pools import GivenPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.settings.drop_table.candidate import DropGoal
 from strikewave.studies.settings.drop_table.programmers import power_estimate, read_programmer
-from strikewave.studies.settings.drop_table.search import DropDesign, drop_candidate
-from strikewave.studies.settings.drop_table.study import DropChoices, design_drop_table
+from strikewave.studies.settings.drop_table.study import DropChoices, DropDesign, design_drop_table
 
 ROWS = ("H", "G", "B", "F", "A", "E", "D", "C")
 FELT = "felt, stress=20 MPa, exponent=2.5, retardation=20 us"
@@ -155,7 +154,7 @@ def test_a_velocity_change_beyond_the_fall_is_refused_with_the_height_that_it_ne
     assert study.best is not None
     goal = goal_of("jesd22-b110:B", 0.3)
     lossy = DropDesign(load_case("jesd22-b111-b"), goal, read_programmer("linear, restitution=0.5"), None, None, "")
-    assert "needs a drop of" in drop_candidate(lossy, lossy.answer()).obstacles
+    assert "needs a drop of" in lossy.candidate(lossy.answer()).obstacles
 
 
 def test_a_spring_that_loses_energy_asks_for_the_height_of_its_velocity_change():

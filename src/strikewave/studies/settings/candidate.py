@@ -4,38 +4,34 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from statistics import median
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN, MORE, Quantity
-from strikewave.base.materials import material
-from strikewave.base.percents import percent
-from strikewave.base.result import BALANCE_LIMIT, RUN_BROKEN, status_of
-from strikewave.base.shock_quantities import (
-    ENERGY,
-    LENGTH,
-    PULSE_WIDTH,
-    RATIO,
-    VARIATION,
-    VELOCITY_CHANGE,
-    usual_unit,
-)
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.declare import MAIN, MORE, Quantity
+from strikewave.base.errors import MISSING, InputError
+from strikewave.base.materials import Material, material
+from strikewave.base.result import BALANCE_LIMIT
+from strikewave.base.shock_quantities import ENERGY, LENGTH, PULSE_WIDTH, RATIO, VARIATION, VELOCITY_CHANGE
 from strikewave.cases.case import Case
 from strikewave.cases.law_names import CUSHION, POWER
 from strikewave.contact import Geometry, first_yield, stiffness_law
 from strikewave.machines import Blow, MachineRun, Striker, Turntable
 from strikewave.machines.blows import contact_table
 from strikewave.machines.spans import ChainSpan
+from strikewave.signal.pulse import WIDTH_FRACTION
 from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
+from strikewave.specifications.ideal_pulses import HALF_SINE as HALF_SINE_SHAPE
 from strikewave.specifications.judging import Clause, ShockVerdict, worst_clauses
+from strikewave.specifications.reading import Specification, load_specification
 from strikewave.studies.settings.estimate import disc_stress, engagement_sensitivity, rim_speed_at_yield
-from strikewave.studies.settings.goal import BlowGoal
+from strikewave.studies.settings.search import PEAK, RUN_CHECKS, STIFFNESS, ChosenValue, Limit, MachineCandidate
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
@@ -62,15 +58,99 @@ SCATTER_DIGITS = 3
 since tolerances scatter the blows by more."""
 
 
-PEAK = Quantity("m/s^2", "g", "peak")
 INTERVAL = Quantity("s", "ms", "interval", 3, 0)
 TURNING = Quantity("rad/s", "rpm", digits=3)
-STIFFNESS = Quantity("N/m", "MN/m", digits=3)
 DAMPING = Quantity("N s/m", "N s/m")
 MILLISECONDS = Quantity("s", "ms")
 TYPICAL, FIRST, WORST = "median of the later full blows", "of the first blow", "of the blow farthest from the goal"
 SCATTER, MISS = "standard deviation over mean of all struck blows", "by how much of itself the goal is missed"
-OWN_UNIT = "its unit"
+
+
+@dataclass(frozen=True)
+class BlowGoal:
+    """What the blows shall be, SI; ``disc`` carries the strikers, ``stop_limit`` is the largest force of the stop.
+
+    With a specification peak and width are those of its ideal pulse, and each blow is judged by it.
+    """
+
+    interval: float
+    peak: float
+    width: float
+    disc: Material
+    stop_limit: float | None = None
+    specification: Specification | None = None
+
+    @property
+    def words(self) -> str:
+        """It in words.
+
+        Examples
+        --------
+        >>> from strikewave.base.materials import Material, material
+        >>> BlowGoal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")).words
+        'blows of 4000 g and 200 us every 20 ms'
+        """
+        pulse = f"{self.peak / STANDARD_GRAVITY:.6g} g and {self.width * 1e6:.6g} us"
+        by = "" if self.specification is None else f", by {self.specification.asked}"
+        return f"blows of {pulse} every {self.interval * 1e3:.6g} ms{by}"
+
+    @property
+    def printed(self) -> str:
+        """It in words with its units as print spells them."""
+        return self.words.replace(" us ", " µs ")
+
+    @property
+    def name(self) -> str:
+        """Name of the case and of the folder.
+
+        Examples
+        --------
+        >>> from strikewave.base.materials import Material, material
+        >>> BlowGoal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")).name
+        'settings-20ms-4000g-200us'
+        """
+        peak, width = f"{self.peak / STANDARD_GRAVITY:.6g}g", f"{self.width * 1e6:.6g}us"
+        return f"settings-{self.interval * 1e3:.6g}ms-{peak}-{width}"
+
+
+def blow_goal(
+    interval: float | None,
+    peak: float | None,
+    width: float | None,
+    disc: Material,
+    stop_limit: float | None = None,
+    spec: str | None = None,
+) -> BlowGoal:
+    """Return what blows shall be: as given, or those of a specification, at its rate where no interval is given.
+
+    Raises
+    ------
+    InputError
+        If something is missing, or the specification cannot be read, or is of no half-sine.
+
+    Examples
+    --------
+    >>> from strikewave.base.materials import Material, material
+    >>> goal = blow_goal(None, None, None, material("45 steel"), spec="iec-60068-2-27-bump:100g-2ms")
+    >>> round(goal.interval, 4), round(goal.peak / STANDARD_GRAVITY), round(goal.width * 1e3, 3)
+    (0.3333, 100, 1.872)
+    """
+    specification = None
+    if spec is not None:
+        specification = load_specification(spec)
+        pulse = specification.pulse
+        if pulse.shape != HALF_SINE_SHAPE:
+            raise InputError("--spec", specification.asked, "a half-sine: no blow of this machine is a " + pulse.shape)
+        peak, width, rate = pulse.peak, pulse.width(WIDTH_FRACTION), specification.repetition()
+        if interval is None and rate is not None:
+            interval = 1.0 / (rate.high if math.isfinite(rate.high) else rate.low)
+    if interval is None:
+        hint = "a drop table is set by --spec; strikewave spec new writes one of your own"
+        raise InputError("--interval", MISSING, 'time between blows, such as "20 ms"', hint)
+    if peak is None or width is None:
+        option, example = ("--peak", "4000 g") if peak is None else ("--width", "200 us")
+        raise InputError(option, MISSING, f'that of the blows, such as "{example}", or --spec')
+    return BlowGoal(interval, peak, width, disc, stop_limit, specification)
 
 
 @declare.dataclass
@@ -106,32 +186,6 @@ class IntervalSpread:
     worst: float = declare.number(INTERVAL, WORST)
     variation: float = declare.number(VARIATION, SCATTER)
     miss: float = declare.number(RATIO, MISS)
-
-
-@declare.dataclass
-class Limit:
-    """A value beside its limit; one that does not decide is only warned of."""
-
-    name: str = declare.word("what is limited")
-
-    @declare.phrase("limit", column=KEY)
-    def words(self) -> str:
-        """Return what is limited, in words."""
-        return self.name.replace("_", " ")
-
-    value: float = declare.number(Quantity.of_data(OWN_UNIT, digits=3), "what it comes to, in its unit", column=MAIN)
-    limit: float = declare.number(
-        Quantity.of_data(OWN_UNIT, "at most", digits=3), "the limit, in its unit", column=MAIN
-    )
-    unit: str = declare.word("SI unit of both")
-    decides: bool = declare.word("whether it decides, or is only warned of", default=True)
-
-    kept = declare.computed(declare.word("whether it is kept"))(lambda one: bool(one.value <= one.limit))
-
-    @property
-    def given_units(self) -> declare.GivenUnits:
-        """Its unit, and the one in which it is shown."""
-        return {OWN_UNIT: (self.unit, usual_unit(self.unit))}
 
 
 @declare.dataclass
@@ -196,13 +250,10 @@ class Observation:
     energy_error: float = declare.number(RATIO, "energy that the balance misses, as a share of what flowed")
     supply: Supply = declare.part(Supply, "what stop and drive bear", inline=True)
 
-
-@declare.dataclass
-class ChosenValue:
-    """A value that was chosen."""
-
-    si: float = declare.number(Quantity.of_data("as the field"), "value of what was chosen, SI")
-    typed: str | float = declare.word("as it stands in the case")
+    @property
+    def misses(self) -> dict[str, float]:
+        """Relative misses of the typical blow."""
+        return {"peak": self.peak.miss, "width": self.width.miss, "interval": self.interval.miss}
 
 
 @declare.dataclass
@@ -230,58 +281,18 @@ def _of_case(
 
 
 @declare.dataclass(eq=False)
-class SettingsCandidate:
-    """A setting: its case, the blows of its full run, the limits, and how many runs were needed.
+class SettingsCandidate(MachineCandidate):
+    """A setting of the rotary machine with the blows of its full run; see `MachineCandidate`.
 
     Attributes
     ----------
-    case : Case
-        Its case.
-    chosen : tuple of str
-        Paths of what was chosen.
-    goal : BlowGoal
-        What it is held against.
-    halt : str
-        Why the search ended before the goal.
     verdicts : tuple of ShockVerdict
         Of the specification on each blow that struck.
     """
 
-    case: Case
-    chosen: tuple[str, ...]
-    place: int = declare.count("in the ranking, from 1", label="#", column=KEY, tables="ranking")
+    within: ClassVar[float] = WITHIN
 
-    @declare.computed(
-        declare.word(
-            "whether it meets the goal and keeps all limits", column=MAIN, tables="ranking", is_tag=True, order=1
-        )
-    )
-    def meets(self) -> bool:
-        """Whether the typical blow is within 5 % of the goal, every blow full, and every limit kept.
-
-        And whether the specification passes every blow, where there is one.
-        """
-        kept = self.largest_miss <= WITHIN and not self.observation.blows.odd and not self.broken
-        kept = kept and status_of(self.run_verdict) != RUN_BROKEN
-        return kept and self.judged in ("", PASS)
-
-    @declare.computed(declare.word("what keeps it from that, in words"))
-    def obstacles(self) -> str:
-        """What keeps the setting from the goal, in one line."""
-        odd = self.observation.blows.odd
-        reasons = [
-            f"{name} off by {percent(miss, 1, '+')}" for name, miss in self.misses.items() if not abs(miss) <= WITHIN
-        ]
-        reasons += [odd] if odd else []
-        reasons += [f"{limit.words} above its limit" for limit in self.broken]
-        if status_of(self.run_verdict) == RUN_BROKEN:
-            reasons.append(f"the run is {self.run_verdict}")
-        reasons += [
-            f"{one.clause} of blow {one.blow} not passed"
-            for one in self.clauses or ()
-            if one.verdict in (FAIL, CANNOT_TELL)
-        ]
-        return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
+    goal: BlowGoal
 
     strikers = declare.computed(declare.count("how many strikers", column=MAIN, tables="ranking", headline="strikers"))(
         lambda one: round(one.case.values()["machine.strikers"].si)
@@ -323,19 +334,11 @@ class SettingsCandidate:
         values = self.case.values()
         return engagement_sensitivity(values["machine.engagement"].si, values["machine.radius"].si)
 
-    goal: BlowGoal
     limits: tuple[Limit, ...] = declare.rows(Limit, "its limits")
     estimate: FirstGuess = declare.part(FirstGuess, "closed forms with which the search began, SI")
     runs: int = declare.count("runs that it took")
-    halt: str = ""
-    verdicts: tuple[ShockVerdict, ...] = ()
-    run_verdict: str = declare.word(
-        "what the checks of its full run came to: passed, or broken with the checks that failed",
-        column=MAIN,
-        tables="ranking",
-        order=1,
-        default="",
-    )
+    run_verdict: str = declare.word(RUN_CHECKS, column=MAIN, tables="ranking", order=2)
+    verdicts: tuple[ShockVerdict, ...]
     judged_or_none = declare.computed(
         declare.word("of the specification on all blows that struck", key="verdict", optional=True)
     )(lambda one: one.judged or None)
@@ -355,42 +358,39 @@ class SettingsCandidate:
         return together(one.verdict for one in self.verdicts) if self.verdicts else ""
 
     @property
-    def misses(self) -> dict[str, float]:
+    def relative_misses(self) -> dict[str, float]:
         """Relative misses of the typical blow."""
-        return misses(self.observation)
+        return self.observation.misses
 
     @property
-    def largest_miss(self) -> float:
-        """Largest of the misses, infinite where one has no number."""
-        return max((abs(miss) if math.isfinite(miss) else math.inf) for miss in self.misses.values())
+    def odd_blows(self) -> list[str]:
+        """Blows that are not as they shall be, in words."""
+        return [self.observation.blows.odd] if self.observation.blows.odd else []
 
     @property
-    def broken(self) -> tuple[Limit, ...]:
-        """Limits that decide and are not kept."""
-        return tuple(limit for limit in self.limits if limit.decides and not limit.kept)
+    def passes(self) -> bool:
+        """Whether all wanted blows came and are full, and the specification passes each, where there is one."""
+        return not self.odd_blows and self.judged in ("", PASS)
 
+    @property
+    def not_passed(self) -> list[str]:
+        """Clauses of the specification that are not passed, in words."""
+        failed = [one for one in self.clauses or () if one.verdict in (FAIL, CANNOT_TELL)]
+        return [f"{one.clause} of blow {one.blow} not passed" for one in failed]
 
-def misses(observation: Observation) -> dict[str, float]:
-    """Return the relative misses of the typical blow: peak, width, interval."""
-    return {name: getattr(observation, name).miss for name in ("peak", "width", "interval")}
+    @property
+    def rank(self) -> tuple[bool, float, float]:
+        """What candidates are ordered by.
 
-
-def rank_key(candidate: SettingsCandidate) -> tuple[bool, float, float]:
-    """Return what candidates are ordered by.
-
-    First those that meet the goal, by the scatter of their peaks in steps of 0.1 %, then by the force of the stop; then
-    the others by how far they are from it, a broken limit, odd blows or a specification not passed counting as 100 %.
-    """
-    if candidate.meets:
-        scatter = candidate.observation.peak.variation
-        return (
-            False,
-            round(scatter, SCATTER_DIGITS) if math.isfinite(scatter) else 0.0,
-            candidate.observation.supply.stop_force,
-        )
-    unpassed = candidate.judged not in ("", PASS)
-    far = candidate.largest_miss + len(candidate.broken) + bool(candidate.observation.blows.odd) + unpassed
-    return True, far, candidate.observation.supply.stop_force
+        First those that meet the goal, by the scatter of their peaks in steps of 0.1 %, then by the force of the stop;
+        then the others by how far they are from it, a broken limit, odd blows or a specification not passed counting as
+        100 %.
+        """
+        scatter, stop_force = self.observation.peak.variation, self.observation.supply.stop_force
+        if self.meets:
+            return False, round(scatter, SCATTER_DIGITS) if math.isfinite(scatter) else 0.0, stop_force
+        unpassed = self.judged not in ("", PASS)
+        return True, self.largest_miss + len(self.broken) + bool(self.odd_blows) + unpassed, stop_force
 
 
 def observe_blows(run: MachineRun, train: Sequence[Blow], goal: BlowGoal) -> Observation | None:

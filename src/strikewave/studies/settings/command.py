@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Literal
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
 
@@ -12,11 +13,78 @@ from strikewave.base.errors import InputError
 from strikewave.reporting.options.kinds import quantity
 from strikewave.reporting.options.output import StudyOutput
 from strikewave.reporting.options.shared import Changes, Running, complete_case
-from strikewave.studies.settings.defaults import DISC, DROP_TABLE, REFERENCE, STIFFNESS
-from strikewave.studies.settings.drop_table.options import DropOptions
+from strikewave.studies.settings import DISC, DROP_TABLE, REFERENCE, STIFFNESS
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
+    from strikewave.studies.settings.drop_table.study import DropChoices
+
+
+@dataclass(frozen=True)
+class DropOptions:
+    """What is tried of a drop table, and how high it falls."""
+
+    panel: ClassVar[str] = "Drop table (with --spec)"
+
+    programmer: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--programmer",
+            metavar="NAME[,KEY=VALUE]",
+            help=(
+                "Programmer: linear, a cushion law or a material, such as 'felt, stress=20 MPa, exponent=2.5, "
+                "retardation=20 us'; linear, two rubbers and a felt by default; may be repeated."
+            ),
+            show_default=False,
+        ),
+    ] = None
+    diameter: Annotated[
+        list[float] | None,
+        quantity(
+            "--diameter",
+            si="m",
+            bare=False,
+            help="Diameter of a pad; 50, 75, 100, 150, 200 and 300 mm by default; may be repeated.",
+        ),
+    ] = None
+    table_mass: Annotated[
+        list[float] | None,
+        quantity(
+            "--table-mass",
+            si="kg",
+            bare=False,
+            help="Mass of the table with its load; that of the case by default; may be repeated.",
+        ),
+    ] = None
+    stroke: Annotated[
+        float | None,
+        quantity("--stroke", si="m", bare=False, help="Largest drop height; 2 m by default."),
+    ] = None
+
+    def given(self) -> dict[str, object]:
+        """Return the options that were given, by name."""
+        named = {
+            "--programmer": self.programmer,
+            "--diameter": self.diameter,
+            "--table-mass": self.table_mass,
+            "--stroke": self.stroke,
+        }
+        return {option: value for option, value in named.items() if value}
+
+    def choices(self) -> DropChoices:
+        """Return what is tried.
+
+        Raises
+        ------
+        InputError
+            If a programmer is none.
+        """
+        from strikewave.studies.settings.drop_table.programmers import read_programmer
+        from strikewave.studies.settings.drop_table.study import DropChoices
+
+        programmers = tuple(read_programmer(word) for word in dict.fromkeys(self.programmer or ()))
+        sizes, masses = (tuple(dict.fromkeys(map(float, one or ()))) for one in (self.diameter, self.table_mass))
+        return DropChoices(programmers, sizes, masses)
 
 
 def command(
@@ -115,9 +183,15 @@ def command(
     from strikewave.base.materials import material
     from strikewave.cases.case import load_case
     from strikewave.studies.engine.runner import pool_of
-    from strikewave.studies.settings.checks import check_changes, check_goal, is_rotary
-    from strikewave.studies.settings.goal import SettingsChoices, blow_goal
-    from strikewave.studies.settings.screen import SettingsCommand, find_settings
+    from strikewave.studies.settings.candidate import blow_goal
+    from strikewave.studies.settings.screen import SearchCommand
+    from strikewave.studies.settings.study import (
+        SettingsChoices,
+        check_changes,
+        check_goal,
+        design_settings,
+        is_rotary,
+    )
 
     place = source or (REFERENCE if spec is None else DROP_TABLE)
     if spec is not None:
@@ -136,8 +210,8 @@ def command(
     case = load_case(place, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
     check_goal(case, goal, choice)
     pool = pool_of(None, running.workers, running.cluster)
-    searching = SettingsCommand(output.tested(case), goal, choice, pool, place=running.store, fresh=running.fresh)
-    return find_settings(searching, output, plain)
+    asked = design_settings, output.tested(case), goal, choice, pool
+    return SearchCommand(*asked, place=running.store, fresh=running.fresh).run(output, plain)
 
 
 def _refuse(options: Mapping[str, object], allowed: str) -> None:
@@ -155,13 +229,19 @@ def _drop_table(
     from strikewave.specifications.reading import load_specification
     from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.settings.drop_table.candidate import DropGoal
-    from strikewave.studies.settings.drop_table.screen import DropCommand, find_drop_table
-    from strikewave.studies.settings.drop_table.study import STROKE, check_drop, check_drop_changes
+    from strikewave.studies.settings.drop_table.study import (
+        STROKE,
+        check_drop,
+        check_drop_changes,
+        design_drop_table,
+    )
+    from strikewave.studies.settings.screen import SearchCommand
 
     specification = load_specification(spec)
     goal, choice = DropGoal(specification, specification.pulse_limits(), drop.stroke or STROKE), drop.choices()
     check_drop(case, goal, choice)
     check_drop_changes(changes, case, choice)
     pool = pool_of(None, running.workers, running.cluster)
-    searching = DropCommand(case, goal, choice, pool, place=running.store, fresh=running.fresh)
-    return find_drop_table(searching, output, plain and not (changes or drop.given()))
+    plain = plain and not (changes or drop.given())
+    asked = design_drop_table, case, goal, choice, pool
+    return SearchCommand(*asked, place=running.store, fresh=running.fresh).run(output, plain)

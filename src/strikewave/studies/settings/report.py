@@ -1,30 +1,142 @@
-"""The report of a search for settings: what was asked, what the best settings give, and what they cost."""
+"""Page and picture of a search for settings: what the best ones give, what they cost, and what cannot and why."""
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
 from strikewave.base.declare import declarations
+from strikewave.base.percents import percent
+from strikewave.base.result import Verdicts
+from strikewave.base.shock_quantities import FORCE
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import clause_columns
 from strikewave.reporting.columns import Column, page_table
-from strikewave.reporting.numbers import headed, percent, shown, spelled
+from strikewave.reporting.numbers import axis_unit, headed, shown
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, mark_runs, quiet, sheet_title
+from strikewave.studies.axes import plain_log_ticks
 from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
-from strikewave.studies.settings.figures import settings_figure
-from strikewave.studies.settings.goal import goal_words
-from strikewave.studies.settings.result import SettingsStudy, candidate_columns, limit_columns
+from strikewave.studies.settings.search import MachineCandidate, limit_columns
+from strikewave.studies.settings.study import SettingsStudy
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Candidate = TypeVar("Candidate", bound=MachineCandidate)
+Places = tuple[list[float], list[float]]
 
 MOST_ROWS = 40
 """Candidates in the table: more would not be read; settings.json has all."""
+SIZE = (10.0, 4.6)
+MOST_DRAWN = 30
+"""First of the ranking whose misses are drawn: more marks would run into one another."""
+LINEAR = 1.0
+"""Misses up to this, in %, stand on a linear scale: those of a search that came to its end are below."""
+LEAST = 0.01
+"""Scatter below this, in %, is drawn there: 0 has no place on a logarithmic axis."""
+QUANTITIES = (("peak", BLUE, "o"), ("width", ORANGE, "s"), ("interval", GREEN, "^"))
+MARKERS = (("o", BLUE), ("s", ORANGE), ("^", GREEN), ("D", RED), ("v", "#CC79A7"), ("P", "#56B4E9"), ("X", GREY))
 
 
-def settings_report(study: SettingsStudy) -> str:
+def picture(study: SettingsStudy) -> Figure:
+    """Draw misses of the typical blow by place, and scatter of the peaks against the force of the stop."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, layout="constrained")
+    left, right = figure.subplots(1, 2)
+    _misses(left, study.candidates[:MOST_DRAWN])
+    _scatter(right, study.candidates)
+    sheet_title(figure, textwrap.shorten(f"Settings {'' if study.broken else 'for '}{study.title}", 90))
+    return figure
+
+
+def draw_kinds(
+    axes: Any,
+    kinds: Mapping[str, Sequence[Candidate]],
+    places: Callable[[Sequence[Candidate]], Places],
+    size: float,
+) -> None:
+    """Draw the candidates of each kind with a marker of its own, filled where they meet the goal."""
+    for k, (label, mine) in enumerate(kinds.items()):
+        marker, colour = MARKERS[k % len(MARKERS)]
+        for met, fill in ((True, colour), (False, "none")):
+            points = [one for one in mine if one.meets == met]
+            if points:
+                axes.plot(*places(points), marker, color=colour, markerfacecolor=fill, markersize=size)
+        axes.plot([], [], marker, color=colour, markersize=size, label=label)
+
+
+def mark_candidates(axes: Any, candidates: Sequence[MachineCandidate], places: Places) -> None:
+    """Mark candidates whose runs failed a check."""
+    mark_runs(axes, *places, Verdicts(one.run_verdict for one in candidates))
+
+
+def _misses(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
+    """Draw typical peak, width and interval over the goal, and the worst peak, of each candidate."""
+    places = list(range(1, len(candidates) + 1))
+    axes.axhspan(-100.0 * WITHIN, 100.0 * WITHIN, color="#EEEEEE", zorder=0, label=f"within {percent(WITHIN, 0)}")
+    axes.axhline(0.0, color="#333333", linewidth=0.9)
+    worst = [100.0 * (one.observation.peak.worst / one.goal.peak - 1.0) for one in candidates]
+    typical = [100.0 * one.observation.misses["peak"] for one in candidates]
+    axes.vlines(places, typical, worst, color=BLUE, linewidth=1.0, label="to the worst peak")
+    for name, colour, marker in QUANTITIES:
+        values = [100.0 * one.observation.misses[name] for one in candidates]
+        axes.plot(places, values, marker, color=colour, markersize=4, label=name)
+    mark_candidates(axes, candidates, (list(map(float, places)), typical))
+    axes.set_yscale("symlog", linthresh=LINEAR)
+    ticks = [-100, -20, -5, -1, 0, 1, 5, 20, 100]
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, -10.0), max(high, 10.0))
+    axes.set_yticks(ticks, [f"{tick:+d}" if tick else "0" for tick in ticks], minor=False)
+    axes.set_yticks([], minor=True)
+    axes.set_ylim(min(low, -10.0), max(high, 10.0))
+    quiet(axes, "Typical blow over the goal", "place of the candidate", "miss (%)")
+    axes.set_xlim(0.0, len(candidates) + 1.0)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=3)
+
+
+def _scatter(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
+    """Draw the scatter of the peaks against the largest force of the stop; filled where the goal is met."""
+    counts = sorted({one.strikers for one in candidates})
+    kinds = {f"{n} striker{'s' if n > 1 else ''}": [one for one in candidates if one.strikers == n] for n in counts}
+    draw_kinds(axes, kinds, _places, 5.0)
+    axes.plot(*_places(candidates[:1]), "o", color="#333333", markersize=11, fillstyle="none", label="first")
+    axes.plot([], [], "o", color=GREY, fillstyle="none", markersize=5, label="goal not met")
+    mark_candidates(axes, candidates, _places(candidates))
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for axis in (axes.xaxis, axes.yaxis):
+        plain_log_ticks(axis)
+    quiet(axes, "What it costs", headed("largest force of the stop", *FORCE.units), "scatter of the peaks, CV (%)")
+    if not any(np.isfinite(one.observation.peak.variation) for one in candidates):
+        axes.set_ylabel("one blow alone has no scatter")
+        axes.set_yticks([], minor=False)
+    axes.margins(0.08)
+    axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4)
+
+
+def _places(candidates: Sequence[SettingsCandidate]) -> Places:
+    """Return forces as shown and scatters in %."""
+    newton, _ = axis_unit(*FORCE.units)
+    return (
+        [max(one.observation.supply.stop_force, 1.0) / newton for one in candidates],
+        [float(np.fmax(100.0 * one.observation.peak.variation, LEAST)) for one in candidates],
+    )
+
+
+def page(study: SettingsStudy) -> str:
     """Return the report of a search for settings as one HTML page: no script, nothing fetched, the same bytes."""
     caption = (
         "Left, how far the typical blow of each candidate misses the goal, by place, and its worst peak. Right, what "
         "the settings cost: scatter of the peaks over the largest force of the stop; filled where the goal is met."
     )
     sections = [
-        Section("What the settings give", "", [Picture(settings_figure(study), caption, caption)]),
+        Section("What the settings give", "", [Picture(picture(study), caption, caption)]),
         _first_section(study),
         _ranking_section(study),
         chapters.warnings(study.notices),
@@ -32,28 +144,8 @@ def settings_report(study: SettingsStudy) -> str:
         chapters.inputs(study.case_of()),
     ]
     status = Tag("goal missed", "bad") if study.broken else None
-    summary = chapters.Summary(
-        "Report of a search for machine settings", settings_words(study), study.highlights(), status
-    )
+    summary = chapters.Summary("Report of a search for machine settings", study.words, study.highlights(), status)
     return chapters.result_page(study, summary, sections)
-
-
-def settings_words(study: SettingsStudy) -> str:
-    """Say in words what was found."""
-    first, met = study.candidates[0], sum(one.meets for one in study.candidates)
-    values = first.case.values()
-    which = "None" if not met else str(met)
-    settings = ", ".join(f"{path} = {values[path].typed}" for path in first.chosen)
-    words = [
-        f"{which} of {len(study.candidates)} settings that were run in full {'gives' if met == 1 else 'give'} "
-        f"{spelled(goal_words(study.goal))}, each within {percent(WITHIN, 0)}, with all blows full and all limits "
-        "kept.",
-        f"{'The first' if met else 'The nearest'}: {settings}.",
-    ]
-    if not met:
-        words.append(f"It misses the goal: {first.obstacles}.")
-    words += [study.verdicts.sentence] if study.verdicts.words else []
-    return " ".join(words)
 
 
 def _share(value: float) -> str:
@@ -101,21 +193,16 @@ def _ranking_section(study: SettingsStudy) -> Section:
         "Peak, width and interval are those of the typical blow; stop is the largest force on it; sensitivity is the "
         f"change of the peak with engagement.{f' settings.json has {more} more.' if more else ''}"
     )
-    caption = f"Candidates, best first, for {spelled(goal_words(study.goal))}"
-    tables = [page_table(caption, candidate_columns(study.choice.vary, rows))]
+    caption = f"Candidates, best first, for {study.goal.printed}"
+    tables = [page_table(caption, study.columns_of(rows))]
     if len(study.masses) > 1:
         caption = "What the mass of a striker costs, all else as the first"
-        tables.append(page_table(caption, candidate_columns(study.choice.vary, study.masses, "mass")))
+        tables.append(page_table(caption, study.columns_of(study.masses, "mass")))
     return Section("Candidates", text, tables)
 
 
 def _left_section(study: SettingsStudy) -> list[Section]:
     """List what was not run, or gave no result; nothing where there is none."""
-    rows: list[list[Cell]] = [[f"{count} strikers", why] for count, why in study.left_out.items()]
+    rows: list[list[Cell]] = [[f"{one.strikers} strikers", one.why] for one in study.left_out]
     rows += [["no result", why] for why in study.failed]
     return [Section("Left out", "", [Table("Not run, or without a result", ["what", "why"], rows)])] if rows else []
-
-
-picture = settings_figure
-page = settings_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.percents import percent
-from strikewave.base.result import RUN_BROKEN, status_of
 from strikewave.base.shock_quantities import (
     LENGTH,
     MICROSECONDS,
@@ -19,14 +18,14 @@ from strikewave.base.shock_quantities import (
     RIGID_PEAK,
     VELOCITY,
 )
-from strikewave.cases.case import Case
 from strikewave.machines import Blow
+from strikewave.reporting.faces import amount
 from strikewave.specifications.decisions import PASS
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judging import Clause, PulseLimits, Shock, ShockVerdict, area_between
 from strikewave.specifications.reading import Specification
-from strikewave.studies.settings.candidate import PEAK, STIFFNESS, ChosenValue, Limit
 from strikewave.studies.settings.drop_table.programmers import FirstEstimate, Programmer
+from strikewave.studies.settings.search import PEAK, RUN_CHECKS, STIFFNESS, ChosenValue, Limit, MachineCandidate
 
 LOSSLESS = 0.99
 """Coefficient of restitution from which on a programmer is said to lose nothing. Chosen: one that gives back 0.99 takes
@@ -57,6 +56,25 @@ class DropGoal:
         """Width of the ideal pulse at the share of its peak where the specification takes it, s."""
         return self.pulse.width(self.limits.level)
 
+    @property
+    def words(self) -> str:
+        """It in words.
+
+        Examples
+        --------
+        >>> from strikewave.specifications.reading import load_specification
+        >>> specification = load_specification("jesd22-b110:B")
+        >>> DropGoal(specification, specification.pulse_limits(), 2.0).words
+        'a half-sine of 1500 g and 0.5 ms by jesd22-b110:B'
+        """
+        peak, duration = amount(PEAK, self.pulse.peak), amount(WIDTH, self.pulse.duration)
+        return f"a half-sine of {peak} and {duration} by {self.specification.asked}".replace("\xa0", " ")
+
+    @property
+    def name(self) -> str:
+        """Name of the case and of the folder."""
+        return f"drop-{self.specification.file_name}"
+
 
 @declare.dataclass
 class DropReading:
@@ -70,8 +88,6 @@ class DropReading:
         What the run says of the first blow.
     energy_error : float
         Of the balance of the run.
-    verdict : str
-        What the checks of the run came to: the text of `strikewave.base.result.Verdict`.
     """
 
     shock: Shock
@@ -79,7 +95,6 @@ class DropReading:
     width: float = declare.number(WIDTH, "of the pulse as it is judged", column=MAIN, headline="pulse width")
     blow: Blow
     energy_error: float
-    verdict: str = ""
 
 
 @declare.dataclass
@@ -122,43 +137,18 @@ class ProgrammerBlow:
 
 
 @declare.dataclass(eq=False)
-class DropCandidate:
-    """A programmer with a drop height: its case, its pulse in a full run, the verdict, the limits.
+class DropCandidate(MachineCandidate):
+    """A programmer with a drop height: its pulse in a full run, and the verdict on it; see `MachineCandidate`.
 
     Attributes
     ----------
-    case : Case
-        Its case.
-    goal : DropGoal
-        What it is held against.
     verdict : ShockVerdict
         Of the specification.
-    halt : str
-        Why the search ended before the goal.
     """
 
-    case: Case
-    place: int = declare.count("in the ranking, from 1", label="#", column=KEY)
+    within: ClassVar[float] = WITHIN
 
-    @declare.computed(
-        declare.word("whether every clause passes and all limits are kept", column=MAIN, is_tag=True, order=2)
-    )
-    def meets(self) -> bool:
-        """Whether peak and width come to the ideal pulse, the specification passes it, and every limit is kept."""
-        kept = not self.broken and status_of(self.run_verdict) != RUN_BROKEN
-        return self.largest_miss <= WITHIN and self.verdict.verdict == PASS and kept
-
-    @declare.computed(declare.word("what keeps it from that, in words"))
-    def obstacles(self) -> str:
-        """What keeps it from the goal, in one line."""
-        misses = declare.content(self.misses)
-        reasons = [f"{name} off by {percent(miss, 1, '+')}" for name, miss in misses.items() if not abs(miss) <= WITHIN]
-        reasons += [_limit_words(limit, self.goal) for limit in self.broken]
-        if status_of(self.run_verdict) == RUN_BROKEN:
-            reasons.append(f"the run is {self.run_verdict}")
-        failed = [one.clause for one in self.verdict.clauses if one.verdict not in (PASS, "not-judged")]
-        reasons += [f"{', '.join(failed)} not passed"] if failed else []
-        return "; ".join(reasons + ([self.halt] if self.halt and reasons else []))
+    goal: DropGoal
 
     judged = declare.computed(
         declare.word("of the specification", key="verdict", label="verdict", column=MORE, order=1)
@@ -244,7 +234,6 @@ class DropCandidate:
         blow = self.reading.blow
         return ProgrammerBlow(blow.approach_speed, blow.rigid_peak, blow.rise, blow.peak_force, blow.indentation)
 
-    goal: DropGoal
     verdict: ShockVerdict
 
     clauses = declare.computed(declare.rows(Clause, "clauses of the specification"))(lambda one: one.verdict.clauses)
@@ -252,16 +241,7 @@ class DropCandidate:
     limits: tuple[Limit, ...] = declare.rows(Limit, "its limits")
     estimate: FirstEstimate = declare.part(FirstEstimate, "closed form with which the search began")
     runs: int = declare.count("runs that it took")
-
-    run_verdict = declare.computed(
-        declare.word(
-            "what the checks of its full run came to: passed, or broken with the checks that failed",
-            column=MORE,
-            order=2,
-        )
-    )(lambda one: one.reading.verdict)
-
-    halt: str = ""
+    run_verdict: str = declare.word(RUN_CHECKS, column=MORE, order=2)
 
     @property
     def lossless(self) -> bool:
@@ -269,29 +249,42 @@ class DropCandidate:
         return self.restitution >= LOSSLESS
 
     @property
-    def chosen(self) -> tuple[str, ...]:
-        """Paths of what was chosen."""
-        size = "contact.reference_force" if self.diameter is None else "contact.cushion.thickness"
-        pad = () if self.diameter is None else ("contact.cushion.diameter",)
-        return ("machine.height", size, *pad, "object.mass")
+    def relative_misses(self) -> dict[str, Any]:
+        """Relative misses of peak and width."""
+        return declare.content(self.misses)
 
     @property
-    def broken(self) -> tuple[Limit, ...]:
-        """Limits that are not kept."""
-        return tuple(limit for limit in self.limits if limit.decides and not limit.kept)
+    def passes(self) -> bool:
+        """Whether the specification passes the pulse."""
+        return self.verdict.verdict == PASS
 
     @property
-    def largest_miss(self) -> float:
-        """Largest of the misses, infinite where one has no number."""
-        misses = declare.content(self.misses).values()
-        return max((abs(miss) if math.isfinite(miss) else math.inf) for miss in misses)
+    def not_passed(self) -> list[str]:
+        """Clauses of the specification that are not passed, in words."""
+        failed = [one.clause for one in self.verdict.clauses if one.verdict not in (PASS, "not-judged")]
+        return [f"{', '.join(failed)} not passed"] if failed else []
 
+    @property
+    def rank(self) -> tuple[bool, bool, float, float, float]:
+        """What candidates are ordered by.
 
-def _limit_words(limit: Limit, goal: DropGoal) -> str:
-    if limit.name == "drop_height":
-        return f"needs a drop of {limit.value:.3g}\xa0m, above the stroke of {goal.stroke:.3g}\xa0m"
-    if limit.name == "strain":
-        return f"pressed by {percent(limit.value, 0)} of its thickness, above {percent(limit.limit, 0)}"
-    if limit.name == "shape_factor":
-        return f"shape factor {limit.value:.3g}, above {limit.limit:g}: bulk compression counts"
-    return f"{limit.words} above its limit"
+        First those that meet the goal, an assumed law behind those with a source, by the least margin of their clauses,
+        the largest first, and by the departure from the ideal pulse, both in steps of 1 %, then by height; then the
+        others by how far they are: a limit that is not kept by its factor.
+        """
+        assumed = self.programmer.assumed
+        if self.meets:
+            return False, assumed, -round(self.margin, 2), round(self.departure, 2), self.height
+        over = sum(limit.value / limit.limit - 1.0 for limit in self.broken)
+        failed = sum(clause.verdict != PASS for clause in self.verdict.clauses)
+        return True, assumed, min(self.largest_miss, 1e6) + over + failed, self.departure, self.height
+
+    def limit_words(self, limit: Limit) -> str:
+        """Say that a limit is not kept."""
+        if limit.name == "drop_height":
+            return f"needs a drop of {limit.value:.3g}\xa0m, above the stroke of {self.goal.stroke:.3g}\xa0m"
+        if limit.name == "strain":
+            return f"pressed by {percent(limit.value, 0)} of its thickness, above {percent(limit.limit, 0)}"
+        if limit.name == "shape_factor":
+            return f"shape factor {limit.value:.3g}, above {limit.limit:g}: bulk compression counts"
+        return super().limit_words(limit)

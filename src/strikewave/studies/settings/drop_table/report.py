@@ -1,23 +1,68 @@
-"""The report of designs of a drop table: the pulse in its band, the clauses, the ranking, what cannot and why."""
+"""Page and picture of designs of a drop table: the pulse in its band, the clauses, the ranking, what cannot and why."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from strikewave.analyses.record.verdicts.figures import draw_shock
 from strikewave.base.percents import percent
+from strikewave.base.shock_quantities import LENGTH
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import clause_columns, verdict_words
 from strikewave.reporting.columns import page_table
-from strikewave.reporting.faces import face_table, text_of
+from strikewave.reporting.faces import face_table
+from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.parts import Cell, Picture, Section, Table, Tag
+from strikewave.reporting.style import GREY, legend_below, new_figure, plain, quiet, titled
 from strikewave.studies.settings.drop_table.candidate import WITHIN, DropCandidate
-from strikewave.studies.settings.drop_table.figures import drop_figure
-from strikewave.studies.settings.drop_table.study import DropStudy, drop_columns, goal_words
-from strikewave.studies.settings.result import limit_columns
+from strikewave.studies.settings.drop_table.study import DropStudy
+from strikewave.studies.settings.report import SIZE, Places, draw_kinds, mark_candidates
+from strikewave.studies.settings.search import limit_columns
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MOST_ROWS = 60
 """Designs in the tables: more would not be read; settings.json has all."""
 
 
-def drop_report(study: DropStudy) -> str:
+def picture(study: DropStudy) -> Figure:
+    """Draw the pulse of the first design in its band, and the rise of each pulse over the drop height."""
+    figure = new_figure(SIZE)
+    left, right = figure.subplots(1, 2)
+    first = study.candidates[0]
+    draw_shock(left, first.reading.shock, first.verdict, study.goal.limits, first.programmer.name, "full run")
+    _designs(right, study)
+    legend_below(figure)
+    return titled(figure, plain(f"Drop table. {study.title}", 90))
+
+
+def _designs(axes: Any, study: DropStudy) -> None:
+    """Draw drop height and share of the pulse in which it rises, of each design; filled where it meets the goal."""
+    names = dict.fromkeys(one.programmer.name for one in study.candidates)
+    kinds = {plain(name, 30): [one for one in study.candidates if one.programmer.name == name] for name in names}
+    draw_kinds(axes, kinds, _places, 6.0)
+    axes.plot([], [], "o", color=GREY, fillstyle="none", markersize=6, label="does not meet it")
+    mark_candidates(axes, study.candidates, _places(study.candidates))
+    sine = (np.arcsin(0.9) - np.arcsin(0.1)) / (np.pi - 2.0 * np.arcsin(0.1))
+    axes.axhline(100.0 * sine, color=GREY, linewidth=1.0, linestyle="--", label="half-sine")
+    quiet(axes, "Designs", headed("drop height", *LENGTH.units), "rise time over pulse width (%)")
+    axes.margins(0.08)
+
+
+def _places(candidates: Sequence[DropCandidate]) -> Places:
+    """Return drop heights as shown, and rise times over widths in %."""
+    metre, _ = axis_unit(*LENGTH.units)
+    return (
+        [one.height / metre for one in candidates],
+        [100.0 * one.reading.blow.rise / one.reading.width for one in candidates],
+    )
+
+
+def page(study: DropStudy) -> str:
     """Return the report of designs as one HTML page."""
     caption = (
         "Left, what a sensor on the table reads in the full run of the first design, its zero taken in the fall, and "
@@ -26,7 +71,7 @@ def drop_report(study: DropStudy) -> str:
     )
     first = study.candidates[0]
     sections = [
-        Section("The pulse", "", [Picture(drop_figure(study), caption, caption)]),
+        Section("The pulse", "", [Picture(picture(study), caption, caption)]),
         Section(
             "The first design",
             f"Provenance: {_provenances(first)}. All inputs stand below.",
@@ -42,7 +87,7 @@ def drop_report(study: DropStudy) -> str:
         chapters.inputs(study.case_of()),
     ]
     status = Tag("goal missed", "bad") if study.broken else Tag(verdict_words("pass", study.by_indicative), "good")
-    summary = chapters.Summary("Report of a design of a drop table", drop_words(study), study.highlights(), status)
+    summary = chapters.Summary("Report of a design of a drop table", study.words, study.highlights(), status)
     return chapters.result_page(study, summary, sections)
 
 
@@ -67,7 +112,7 @@ def _ranking(study: DropStudy) -> Section:
         "more height for the same velocity change, four times as much without any rebound."
     )
     heights = face_table(study, "heights", caption="Height of a free fall for this velocity change")
-    designs = page_table(f"Designs for {goal_words(study.goal)}", drop_columns(study.candidates[:MOST_ROWS]))
+    designs = page_table(f"Designs for {study.goal.words}", study.columns_of(study.candidates[:MOST_ROWS]))
     return Section("Designs", text, [designs, heights])
 
 
@@ -80,28 +125,3 @@ def _without(study: DropStudy) -> list[Section]:
     if not rows:
         return []
     return [Section("What does not meet it", "", [Table("Designs that do not", ["#", "programmer", "why"], rows)])]
-
-
-def drop_words(study: DropStudy) -> str:
-    """Say in words what was found."""
-    first, met = study.candidates[0], sum(one.meets for one in study.candidates)
-    values = first.case.values()
-    settings = ", ".join(f"{path} = {values[path].typed}" for path in first.chosen)
-    words = [
-        f"{met or 'None'} of {len(study.candidates)} designs that were run in full {'gives' if met == 1 else 'give'} "
-        f"{goal_words(study.goal)}.",
-        f"{'The first' if met else 'The nearest'}, {first.programmer.name}: {settings}; "
-        f"{verdict_words(first.verdict.verdict, study.by_indicative)}.",
-    ]
-    if first.lossless:
-        highest = text_of(study.heights[-1], "height")
-        words.append(f"Its height counts on a full rebound: without any it is {highest}.")
-    if not met:
-        words.append(f"It misses the goal: {first.obstacles}.")
-    words += [study.verdicts.sentence] if study.verdicts.words else []
-    return " ".join(words)
-
-
-picture = drop_figure
-page = drop_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""

@@ -1,46 +1,98 @@
 """Design of a drop table to a specification: programmers, sizes, heights and masses, ranked.
 
-Closed forms (`programmers`) say where to begin, full runs (`search`) correct size and height until peak and width are
-those of the ideal pulse, and the specification judges the pulse of each candidate.
+Closed forms (`programmers`) say where to begin, full runs correct size and height until peak and width are those of the
+ideal pulse (`strikewave.studies.settings.search`), and the specification judges the pulse of each candidate.
 """
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from strikewave.analyses.machine.build import build_machine
+from strikewave.analyses.machine.notices import run_verdict
 from strikewave.base import declare
+from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.declare import NO_UNIT
-from strikewave.base.errors import InputError, InputErrors
-from strikewave.base.result import Notice, Source
+from strikewave.base.errors import InputError
+from strikewave.base.quantities import Value
+from strikewave.base.result import BALANCE_LIMIT, Notice
 from strikewave.base.shock_quantities import LENGTH, RATIO, VELOCITY
-from strikewave.cases.case import Case
-from strikewave.cases.contact_of_case import or_else
-from strikewave.cases.written_case import dump_case
+from strikewave.base.units import si_value
+from strikewave.cases.case import FORM, Case, load_case
+from strikewave.cases.contact_of_case import cushion_of_contact, or_else
+from strikewave.cases.written_case import document_of
+from strikewave.contact.cushions import Cushion
+from strikewave.machines import Blow, blows, run_machine
 from strikewave.machines.launch import drop_for_half_sine
-from strikewave.reporting.clause_words import first_upper, tag_of
+from strikewave.reporting.clause_words import first_upper, tag_of, verdict_words
 from strikewave.reporting.columns import Column
-from strikewave.reporting.faces import amount, columns_of, text_of
-from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
+from strikewave.reporting.faces import columns_of, text_of
+from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.specifications.ideal_pulses import HALF_SINE
 from strikewave.specifications.judged_records import rests_on_indicative
-from strikewave.specifications.reading import Specification
-from strikewave.studies.engine.answers import Failure, answers
+from strikewave.specifications.judging import Shock, judge_shock
+from strikewave.specifications.reading import Specification, load_specification
+from strikewave.studies.engine.keys import case_text
 from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.runner import Advance
-from strikewave.studies.engine.store import RunStore, given_or_temporary
-from strikewave.studies.settings.answer_files import name_at, other_cases
-from strikewave.studies.settings.candidate import PEAK
-from strikewave.studies.settings.drop_table.candidate import WIDTH, WITHIN, DropCandidate, DropGoal, HeightOfFall
-from strikewave.studies.settings.drop_table.programmers import DEFAULTS, Programmer, pad_of_case, read_programmer
-from strikewave.studies.settings.drop_table.search import DropDesign, drop_candidate, drop_rank
-from strikewave.studies.settings.study import MOST_REASONS, searched
+from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
+from strikewave.studies.engine.store import RunStore, given_or_temporary, store_in
+from strikewave.studies.settings import DROP_TABLE
+from strikewave.studies.settings.drop_table.candidate import (
+    WIDTH,
+    WITHIN,
+    DropCandidate,
+    DropGoal,
+    DropReading,
+    HeightOfFall,
+)
+from strikewave.studies.settings.drop_table.programmers import (
+    DEFAULTS,
+    LARGEST_SHAPE_FACTOR,
+    THICKEST,
+    THINNEST,
+    FirstEstimate,
+    Programmer,
+    largest_strain,
+    pad_of_case,
+    power_estimate,
+    read_programmer,
+    thickness_for,
+)
+from strikewave.studies.settings.search import (
+    PEAK,
+    ROOM,
+    Limit,
+    MachineDesign,
+    MachineSearch,
+    SearchEnd,
+    beside,
+    chosen,
+    peak_and_width,
+    ranked,
+    refuse_changes,
+    shock_about,
+    tried_designs,
+)
 
+Array = NDArray[np.float64]
+
+OUTPUT_STEPS = 500.0
+"""Samples of the written case a duration: `strikewave run` then draws the pulse smoothly."""
+SIZES, HEIGHTS = 1e3, (1e-5, 1e3)
+"""Largest factor of a rate from its first estimate, and heights between which a drop is sought, m: beyond any machine,
+so that a search never stands at them for a pulse that a machine could make."""
+SLOPES = np.array([[0.5, 0.5], [-0.5, 0.0]])
+"""First guess of d ln(peak, width)/d ln(rate, height): those of a half-sine; of a thickness with the other sign."""
 DIAMETERS = (0.05, 0.075, 0.1, 0.15, 0.2, 0.3)
 """Diameters of a pad that are tried by default, m: from that of a striking post to that of a table, in steps of a half
 and a third."""
@@ -73,6 +125,219 @@ class DropChoices:
         defaults = tuple(read_programmer(word, own=True) for word in DEFAULTS)
         return defaults if pad is None else (pad, *defaults)
 
+    def asked(self, case: Case, goal: DropGoal) -> str:
+        """Return all that is asked, but for the case, as a text."""
+        programmers = [(one.name, dict(one.given)) for one in self.tried(case)]
+        asked = f"{goal.specification.text} {goal.specification.asked} {goal.stroke} {programmers} "
+        return f"{asked}{self.diameters} {self.masses}"
+
+
+@dataclass(frozen=True)
+class FoundPulse:
+    """What is kept of a full run: the `Shock` that a sensor reads, the first blow, error of balance, and verdict."""
+
+    values: tuple[float, ...]
+    step: float
+    begin: float
+    peak_index: int
+    blow: Blow
+    energy_error: float
+    run_verdict: str
+
+    @property
+    def shock(self) -> Shock:
+        """What a sensor reads."""
+        return Shock(np.array(self.values), self.step, self.begin, self.peak_index)
+
+
+@dataclass(frozen=True)
+class DropDesign(MachineDesign[DropCandidate]):
+    """A programmer on a machine with a goal: its first estimate, and the case at given sizes.
+
+    Settings are its rate (N/m) or thickness (m), and the drop height (m).
+    """
+
+    answered_by: ClassVar[Any] = tuple[SearchEnd, FoundPulse]
+    untouched: ClassVar[str] = "the table does not touch the programmer"
+    shapeless: ClassVar[str] = "the pulse has no width at that share of its peak"
+
+    case: Case
+    goal: DropGoal
+    programmer: Programmer
+    diameter: float | None
+    table_mass: float | None
+    note: str
+
+    def text(self) -> str:
+        """Return all that its search depends on."""
+        specification = self.goal.specification
+        asked = self.programmer, self.diameter, self.table_mass, self.note, specification.asked
+        return f"{asked} {specification.text} {case_text(self.case)}"
+
+    @property
+    def called(self) -> str:
+        """What it is called where it gives no result."""
+        size = "" if self.diameter is None else f" of {self.diameter * 1e3:.4g} mm"
+        return f"{self.programmer.name}{size}"
+
+    @property
+    def size_path(self) -> str:
+        """Path of the size that is chosen."""
+        return "contact.reference_force" if self.diameter is None else "contact.cushion.thickness"
+
+    @cached_property
+    def template(self) -> Case:
+        """The case of the machine with the programmer, of which size and height are put in.
+
+        Raises
+        ------
+        InputErrors
+            If the programmer has a property that no case may have.
+        """
+        document, limits = document_of(self.case), self.goal.limits
+        for table in ("fit", "published", "compare"):
+            document.pop(table, None)
+        slowest = document["contact"]["slowest_approach"]
+        document["contact"] = self.programmer.contact_table(self.diameter, slowest)
+        needed = chosen("machine.follow", (1.0 + beside(limits)[1] + 2.0 * ROOM) * limits.pulse.duration, self.note)
+        if self.case.values()["machine.follow"].si < needed.si:
+            document["machine"]["follow"] = needed.document()
+        step = chosen("solver.output_step", self.goal.pulse.duration / OUTPUT_STEPS, self.note)
+        document["solver"]["output_step"] = step.document()
+        before = (beside(limits)[0] + ROOM) * self.goal.pulse.duration
+        follow = max(self.case.values()["machine.follow"].si, needed.si)
+        recorder = self.case.impact().recorder
+        if recorder.pre_trigger.si < before:
+            document["recorder"]["pre_trigger"] = chosen("recorder.pre_trigger", before, self.note).document()
+        samples = math.floor((before + follow) * recorder.sampling_rate.si)
+        if recorder.memory.si < samples:
+            document["recorder"]["memory"] = chosen("recorder.memory", samples, self.note).document()
+        document["machine"].pop("until", None)
+        if self.table_mass is not None:
+            document["object"]["mass"] = chosen("object.mass", self.table_mass, self.note).document()
+        return FORM.read(document)
+
+    @cached_property
+    def cushion(self) -> Cushion | None:
+        """The pad, of a thickness of 1 mm."""
+        return None if self.diameter is None else cushion_of_contact(self.template.impact().contact)
+
+    @property
+    def mass(self) -> float:
+        """Mass of the table, kg."""
+        return float(self.template.values()["object.mass"].si)
+
+    @property
+    def friction(self) -> float:
+        """Friction of the guides as a share of the weight."""
+        return or_else(getattr(self.template.machine, "friction", None), 0.0)
+
+    @cached_property
+    def estimate(self) -> FirstEstimate:
+        """Speed, rate or thickness, and compression by the closed forms; the pad by its force there."""
+        pulse, level = self.goal.pulse, self.goal.limits.level
+        restitution = self.template.impact().contact.restitution.si
+        exponent = 1.0 if self.cushion is None else self.cushion.properties.get("exponent", 1.0)
+        speed, compression = power_estimate(pulse.peak, self.goal.width, level, exponent, restitution)
+        force = self.mass * pulse.peak
+        if self.cushion is None:
+            return FirstEstimate(speed, force / compression, compression)
+        return FirstEstimate(speed, thickness_for(self.cushion, force, compression), compression)
+
+    def height_for(self, speed: float) -> float:
+        """Return the height from which the table falls to a speed along its guides, m: v^2/(2 g (1 - friction))."""
+        return speed**2 / (2.0 * STANDARD_GRAVITY * (1.0 - self.friction))
+
+    def changes(self, settings: Array) -> dict[str, Value]:
+        """Return the values of the case at settings: rate (N/m) or thickness (m), height (m)."""
+        size, height = (float(x) for x in settings)
+        if self.diameter is None:
+            size *= self.template.values()["contact.reference_depth"].si
+        return {
+            self.size_path: chosen(self.size_path, size, self.note),
+            "machine.height": chosen("machine.height", height, self.note),
+        }
+
+    def case_at(self, settings: Array) -> Case:
+        """Return the case at settings."""
+        return self.template.with_values(self.changes(settings))
+
+    @property
+    def start(self) -> Array:
+        """First estimates of size and height."""
+        return np.array([self.estimate.size, self.height_for(self.estimate.speed)])
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Least and largest size and height."""
+        rate = self.estimate.size
+        low, high = (rate / SIZES, rate * SIZES) if self.cushion is None else (THINNEST, THICKEST)
+        return np.array([low, HEIGHTS[0]]), np.array([high, HEIGHTS[1]])
+
+    @property
+    def slopes(self) -> Array:
+        """First guess of the slopes, see `SLOPES`."""
+        return SLOPES if self.cushion is None else SLOPES * np.array([[-1.0, 1.0]])
+
+    def at_bound(self, logs: Array, low: Array, high: Array) -> str:
+        """Return whether the size stands at its bound, in words; empty where it does not."""
+        size = "rate" if self.cushion is None else "thickness"
+        ends = [word for word, bound in (("least", low[0]), ("largest", high[0])) if math.isclose(logs[0], bound)]
+        return f"the {size} stands at the {ends[0]} that is sought" if ends else ""
+
+    def read(self, case: Case, tolerance: float) -> FoundPulse | None:
+        """Run a case and return what a sensor on its table reads; None where the table is not struck."""
+        run = run_machine(build_machine(case), tolerance)
+        train = blows(run)
+        first = next((blow for blow in train if blow.kind != "missed"), None)
+        if first is None:
+            return None
+        shock, verdict = shock_about(run, first.time, self.goal.limits), run_verdict(case, run, train).text
+        history = tuple(shock.values.tolist()), shock.step, shock.begin, shock.peak_index
+        return FoundPulse(*history, first, run.energy_error, verdict)
+
+    def off(self, reading: FoundPulse) -> Array:
+        """Return the logarithms of peak and width over the goal."""
+        peak, width = peak_and_width(reading.shock, self.goal.limits.level)
+        return np.log([peak / self.goal.pulse.peak, width / self.goal.width])
+
+    def kept(self, case: Case, reading: FoundPulse) -> FoundPulse:
+        """Return what is kept of a reading: all of it."""
+        return reading
+
+    def candidate(self, answer: tuple[SearchEnd, FoundPulse]) -> DropCandidate:
+        """Return what was found with all that it is judged by."""
+        end, found = answer
+        case, shock = self.case_at(np.array(end.settings)), found.shock
+        peak, width = peak_and_width(shock, self.goal.limits.level)
+        pad = () if self.diameter is None else ("contact.cushion.diameter",)
+        return DropCandidate(
+            case=case,
+            place=0,
+            goal=self.goal,
+            chosen=("machine.height", self.size_path, *pad, "object.mass"),
+            limits=self.limits_of(case, found),
+            runs=end.runs,
+            halt=end.halt,
+            run_verdict=found.run_verdict,
+            programmer=self.programmer,
+            diameter=self.diameter,
+            reading=DropReading(shock, peak, width, found.blow, found.energy_error),
+            verdict=judge_shock(shock, self.goal.limits),
+            estimate=self.estimate,
+        )
+
+    def limits_of(self, case: Case, found: FoundPulse) -> tuple[Limit, ...]:
+        """Return the values of a candidate that have a limit."""
+        limits = [Limit("drop_height", float(case.values()["machine.height"].si), self.goal.stroke, "m")]
+        if self.cushion is not None:
+            pad = cushion_of_contact(case.impact().contact)
+            limits.append(Limit("strain", found.blow.indentation / pad.pad.thickness, largest_strain(pad), "1"))
+            if pad.law == "elastomer" and "shape_factor" not in pad.properties:
+                limits.append(Limit("shape_factor", pad.pad.shape_factor, LARGEST_SHAPE_FACTOR, "1"))
+        limits.append(Limit("energy_error", found.energy_error, BALANCE_LIMIT, "1"))
+        return tuple(limits)
+
 
 @declare.dataclass
 class WantedPulse:
@@ -89,35 +354,21 @@ class WantedPulse:
 
 
 @declare.dataclass(eq=False)
-class DropStudy(ShownResult):
-    """Ranked designs of a drop table for a specification; see `design_drop_table`, and `Result` for what it shares.
+class DropStudy(MachineSearch):
+    """Ranked designs of a drop table for a specification; see `MachineSearch`."""
 
-    Attributes
-    ----------
-    case : Case
-        What was not chosen.
-    goal : DropGoal
-        What the pulse shall be.
-    choice : DropChoices
-        What could be chosen.
-    asked : str
-        Command line that gives it again, where one does.
-    """
+    noun: ClassVar[str] = "design"
 
-    command: ClassVar[str] = "settings"
-    main_rows: ClassVar[str] = "candidates"
-
-    case: Case
     goal: DropGoal
     choice: DropChoices
 
     @declare.computed(declare.word("how many meet it", headline="designs that meet it", in_document=False))
     def met_count(self) -> str:
         """How many of the designs meet the specification."""
-        return f"{sum(candidate.meets for candidate in self.candidates)} of {len(self.candidates)}"
+        return f"{self.meeting} of {len(self.candidates)}"
 
     specification = declare.computed(declare.part(Specification, "what pulses are judged by", key="spec"))(
-        lambda one: one.goal.specification
+        lambda study: study.goal.specification
     )
 
     @declare.computed(declare.part(WantedPulse, "what the pulse shall be", key="goal"))
@@ -127,13 +378,9 @@ class DropStudy(ShownResult):
         ideal = pulse.shape, pulse.peak, pulse.duration, goal.width, goal.limits.level, pulse.velocity_change
         return WantedPulse(*ideal, goal.stroke, WITHIN)
 
-    case_name = declare.computed(declare.word("case that gives what is not chosen", key="from"))(
-        lambda one: one.case.name
-    )
     reading = declare.computed(declare.word("what is judged, in words"))(
-        lambda one: "acceleration of the table less that of the fall: a sensor whose zero is taken before the blow"
+        lambda study: "acceleration of the table less that of the fall: a sensor whose zero is taken before the blow"
     )
-    met = declare.computed(declare.word("whether the best one passes and keeps all limits"))(lambda one: not one.broken)
 
     @declare.computed(declare.word("whether the verdict rests on a limit from memory", key="by_indicative_limits"))
     def by_indicative(self) -> bool:
@@ -144,7 +391,7 @@ class DropStudy(ShownResult):
     @declare.computed(declare.part(DropCandidate, "the first that meets it; null where none does"))
     def best(self) -> DropCandidate | None:
         """First of the ranking if it meets the specification."""
-        return self.candidates[0] if self.candidates[0].meets else None
+        return None if self.broken else self.candidates[0]
 
     @declare.computed(declare.rows(HeightOfFall, "heights of a free fall for this velocity change"))
     def heights(self) -> tuple[HeightOfFall, ...]:
@@ -157,38 +404,11 @@ class DropStudy(ShownResult):
 
     candidates: tuple[DropCandidate, ...] = declare.rows(DropCandidate, "the designs, the best first", headline="first")
     failed: tuple[str, ...] = declare.word("why designs gave no result")
-    asked: str = ""
-
-    @property
-    def broken(self) -> bool:
-        """Whether no design meets the specification."""
-        return self.best is None
-
-    @property
-    def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
-        return self.case.test.stated()
-
-    @property
-    def source(self) -> Source:
-        """The case of the first candidate, and above it what was asked."""
-        text = asked_line(self.case, self.goal, self.choice) + dump_case(self.case_of())
-        return Source("case", self.name, text, asked=self.asked)
-
-    def case_of(self, place: int = 0) -> Case:
-        """Return the case of a candidate, under a name of its own."""
-        update = {"name": name_at(self.name, place), "title": self.title}
-        return self.candidates[place].case.model_copy(update=update)
-
-    @property
-    def name(self) -> str:
-        """Name of the case and of its folder."""
-        return name_of(self.goal)
 
     @property
     def title(self) -> str:
         """The goal in words, after "nearest to" where no design meets it."""
-        return first_upper(("nearest to " if self.broken else "") + goal_words(self.goal))
+        return first_upper(super().title)
 
     @property
     def named_units(self) -> Mapping[str, str]:
@@ -200,44 +420,21 @@ class DropStudy(ShownResult):
         shock = self.candidates[0].reading.shock
         return history_curve(shock.time, shock.values, *PEAK.units, "acceleration of the table")
 
-    def texts(self) -> dict[str, str]:
-        """Return the JSON document as a file, and the cases of the candidates after the first."""
-        return {"settings.json": self.document_text(), **other_cases(len(self.candidates), self.case_of)}
+    def columns_of(self, designs: Sequence[DropCandidate]) -> list[Column]:
+        """Return the columns of designs, with verdicts as they are written."""
+        judged = [tag_of(one.judged) for one in designs]
+        columns = columns_of(DropCandidate, designs)
+        return [one._replace(values=judged) if one.name == "verdict" else one for one in columns]
 
-
-def drop_columns(designs: Sequence[DropCandidate]) -> list[Column]:
-    """Return the columns of designs, with verdicts as they are written."""
-    judged = [tag_of(one.judged) for one in designs]
-    columns = columns_of(DropCandidate, designs)
-    return [one._replace(values=judged) if one.name == "verdict" else one for one in columns]
-
-
-def goal_words(goal: DropGoal) -> str:
-    """Return a goal in words.
-
-    Examples
-    --------
-    >>> from strikewave.specifications.reading import load_specification
-    >>> specification = load_specification("jesd22-b110:B")
-    >>> goal_words(DropGoal(specification, specification.pulse_limits(), 2.0))
-    'a half-sine of 1500 g and 0.5 ms by jesd22-b110:B'
-    """
-    peak, duration = amount(PEAK, goal.pulse.peak), amount(WIDTH, goal.pulse.duration)
-    return f"a half-sine of {peak} and {duration} by {goal.specification.asked}".replace("\xa0", " ")
-
-
-def name_of(goal: DropGoal) -> str:
-    """Return the name of the case and of the folder of a goal."""
-    return f"drop-{goal.specification.file_name}"
-
-
-def asked_line(case: Case, goal: DropGoal, choice: DropChoices) -> str:
-    """Return the first line of the written case: what was asked, and a mark of everything that it was asked of."""
-    programmers = [(one.name, dict(one.given)) for one in choice.tried(case)]
-    asked = f"{goal.specification.text} {goal.specification.asked} {goal.stroke} {programmers} "
-    asked += f"{choice.diameters} {choice.masses}"
-    mark = hashlib.sha256(f"{asked} {dump_case(case)}".encode()).hexdigest()[:8]
-    return f"# strikewave settings: {goal_words(goal)}, from {case.name or 'case'} ({mark})\n"
+    def first_sentences(self, which: str, settings: str) -> list[str]:
+        """Return the sentences on the first design: its programmer, the verdict, and its height without rebound."""
+        first = self.candidates[0]
+        judged = verdict_words(first.verdict.verdict, self.by_indicative)
+        sentences = [f"{which}, {first.programmer.name}: {settings}; {judged}."]
+        if first.lossless:
+            highest = text_of(self.heights[-1], "height")
+            sentences.append(f"Its height counts on a full rebound: without any it is {highest}.")
+        return sentences
 
 
 def check_drop_changes(changes: Iterable[str], case: Case, choice: DropChoices) -> None:
@@ -257,15 +454,13 @@ def check_drop_changes(changes: Iterable[str], case: Case, choice: DropChoices) 
     strikewave.base.errors.InputError: machine.height: got "1 m"; allowed: no --set of it: it is chosen for the \
 velocity change; leave it out, or limit it by --stroke
     """
-    chosen_here = {"machine.height": ("for the velocity change", "leave it out, or limit it by --stroke")}
+    chosen_here = {"machine.height": (" for the velocity change", "leave it out, or limit it by --stroke")}
     if choice.masses:
-        chosen_here["object.mass"] = ("from --table-mass", "leave out one of both")
+        chosen_here["object.mass"] = (" from --table-mass", "leave out one of both")
+    refuse_changes(changes, chosen_here)
     pad = any(one.table is not None for one in choice.tried(case))
     for change in changes:
         path, _, value = (part.strip() for part in change.partition("="))
-        if path in chosen_here:
-            how, hint = chosen_here[path]
-            raise InputError(path, value, f"no --set of it: it is chosen {how}", hint)
         size = path.rpartition(".")[2] in ("diameter", "area", "thickness")
         if path.startswith("contact.") and path != "contact.slowest_approach" and (size or not pad):
             raise InputError(
@@ -326,7 +521,7 @@ def design_drop_table(
     """
     choice = choice or DropChoices()
     check_drop(case, goal, choice)
-    note = f"chosen by strikewave settings for {goal_words(goal)}"
+    note = f"chosen by strikewave settings for {goal.words}"
     designs = [
         DropDesign(case, goal, programmer, diameter, mass, note)
         for programmer in choice.tried(case)
@@ -335,21 +530,8 @@ def design_drop_table(
     ]
     _check_height(designs, goal)
     with given_or_temporary(store) as kept, pool or ProcessPool(1) as open_pool:
-        tried = list(zip(designs, answers(designs, kept, open_pool, advance), strict=True))
-    failed = tuple(
-        dict.fromkeys(
-            f"{design.programmer.name}{_of_diameter(design)}: {found.reason}"
-            for design, found in tried
-            if isinstance(found, Failure)
-        )
-    )
-    found = [drop_candidate(design, one) for design, one in tried if not isinstance(one, Failure)]
-    ranked = tuple(replace(one, place=place) for place, one in enumerate(sorted(found, key=drop_rank), 1))
-    if not ranked:
-        raise InputErrors(list(failed)[:MOST_REASONS])
-    reasons = [one.reason for _, one in tried if isinstance(one, Failure)]
-    verdicts = searched([one.run_verdict for one in ranked], reasons)
-    study = DropStudy(case, goal, choice, ranked, failed, citations=SOURCES, verdicts=verdicts)
+        candidates, failed, verdicts = ranked(tried_designs(designs, kept, open_pool, advance))
+    study = DropStudy(case, goal, choice, candidates, failed, citations=SOURCES, verdicts=verdicts)
     return replace(study, notices=(*_notices(study), *verdicts.notices()))
 
 
@@ -359,10 +541,6 @@ def _diameters(programmer: Programmer, case: Case, choice: DropChoices) -> Seque
         return (None,)
     own = case.values().get("contact.cushion.diameter") if programmer.table is not None else None
     return choice.diameters or sorted({*DIAMETERS, *([] if own is None else [own.si])})
-
-
-def _of_diameter(design: DropDesign) -> str:
-    return "" if design.diameter is None else f" of {design.diameter * 1e3:.4g} mm"
 
 
 def _check_height(designs: Sequence[DropDesign], goal: DropGoal) -> None:
@@ -386,23 +564,93 @@ def _check_height(designs: Sequence[DropDesign], goal: DropGoal) -> None:
     )
 
 
-def _notices(study: DropStudy) -> list[Notice]:
-    """Return the warnings on the first candidate, on programmers of an assumed law, and on those that lose nothing."""
-    ranked = study.candidates
-    notices, first = [], ranked[0]
-    lossless = list(dict.fromkeys(one.programmer.name for one in ranked if one.lossless))
+def _notices(study: DropStudy) -> Iterator[Notice]:
+    """Yield the warnings on programmers that lose nothing, on those of an assumed law, and on the first candidate."""
+    lossless = [one for one in study.candidates if one.lossless]
     if lossless:
         highest = study.heights[-1]
+        names = ", ".join(dict.fromkeys(one.programmer.name for one in lossless))
         message = (
-            f"{', '.join(lossless)}: nothing is lost, so the height counts on a full rebound; without any rebound the "
+            f"{names}: nothing is lost, so the height counts on a full rebound; without any rebound the "
             f"same velocity change takes {text_of(highest, 'height')}. Give the restitution of the programmer, such "
             "as --programmer 'linear, restitution=0.5'"
         )
-        notices.append(Notice("no-loss", message, min(one.height for one in ranked if one.lossless), highest.height))
-    for name in dict.fromkeys(one.programmer.name for one in ranked if one.programmer.assumed):
+        yield Notice("no-loss", message, min(one.height for one in lossless), highest.height)
+    for name in dict.fromkeys(one.programmer.name for one in study.candidates if one.programmer.assumed):
         message = f"the law of {name} is assumed, nobody measured it: it stands after those that have a source"
-        notices.append(Notice("assumed-law", message))
-    if not first.meets:
-        message = f"the nearest design misses the goal: {first.obstacles}"
-        notices.append(Notice("not-met", message, first.largest_miss, WITHIN))
-    return notices
+        yield Notice("assumed-law", message)
+    yield from study.not_met()
+
+
+@compiling_shown()
+def drop_table(
+    spec: str,
+    case: Case | None = None,
+    *,
+    programmers: Sequence[str] = (),
+    diameters: Sequence[str | float] = (),
+    masses: Sequence[str | float] = (),
+    stroke: str | float = STROKE,
+    workers: int | None = None,
+    executor: Executor | None = None,
+    cluster: str | None = None,
+    store: Path | str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> DropStudy:
+    """Find drop height and programmer of a drop table that give the pulse of a specification.
+
+    Every design is checked by full runs, about a tenth of a second each.
+
+    Parameters
+    ----------
+    spec : str
+        Specification of a half-sine: a built-in one with its condition, or a file.
+    case : Case, optional
+        Gives what is not chosen; jesd22-b111-b by default.
+    programmers : sequence of str, optional
+        To try, such as ``"felt, stress=20 MPa, exponent=2.5, retardation=20 us"``; several by default.
+    diameters, masses : sequence of str or float, optional
+        Of pads, and of the table with its load.
+    stroke : str or float, optional
+        Largest drop height.
+    workers : int, optional
+        Processes; threads of this one where it is left out. With several, call it below
+        ``if __name__ == "__main__":``.
+    executor : Executor, optional
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
+    cluster : str, optional
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    store : path, optional
+        Folder that keeps finished runs: what it holds is not run again.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Returns
+    -------
+    DropStudy
+        Designs, the best first, each with its full run.
+
+    Raises
+    ------
+    InputError
+        If no design can give it, or none could be run: with the reasons.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> study = strikewave.drop_table("jesd22-b110:A", programmers=["linear"])
+    >>> study.best.case.machine.height.typed, round(study.best.reading.peak / 9.80665)
+    ('126.1 mm', 500)
+    """
+    specification = load_specification(spec, "spec")
+    goal = DropGoal(specification, specification.pulse_limits(), si_value(stroke, "m", "stroke"))
+    choice = DropChoices(
+        tuple(read_programmer(word, field="programmers") for word in programmers),
+        tuple(si_value(one, "m", "diameters") for one in diameters),
+        tuple(si_value(one, "kg", "masses") for one in masses),
+    )
+    chosen = load_case(DROP_TABLE) if case is None else case
+    with store_in(store) as finished:
+        return design_drop_table(
+            chosen, goal, choice, finished, pool_of(executor, workers, cluster), share_reporter(progress)
+        )

@@ -14,7 +14,7 @@ from strikewave.base.units import in_unit
 from strikewave.cases.case import Case
 from strikewave.studies.design.design_file import load_design
 from strikewave.studies.engine.variables import read_variable
-from strikewave.studies.settings.checks import is_rotary
+from strikewave.studies.settings.study import is_rotary
 from strikewave.studies.sweep.plan import varied_texts
 from strikewave.web.case.fields import edited_fields
 from strikewave.web.case.loading import loaded

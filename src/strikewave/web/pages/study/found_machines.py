@@ -17,7 +17,7 @@ from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.fit.result import FitStudy
 from strikewave.studies.map.cells import MapCell
 from strikewave.studies.map.study import MapStudy
-from strikewave.studies.settings.result import SettingsStudy
+from strikewave.studies.settings.study import SettingsStudy
 from strikewave.studies.sweep.study import SweepStudy
 from strikewave.web.case.loading import loaded
 from strikewave.web.case.state import CaseSource, CaseState, address
