@@ -11,7 +11,7 @@ from kit import Comparison, keep
 
 from strikewave import load_case
 from strikewave.cases.case_files import bundled_cases
-from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
+from strikewave.cases.tables.published import published_unit
 
 
 def rows_of(name: str) -> list[Comparison]:
@@ -32,7 +32,7 @@ def rows_of(name: str) -> list[Comparison]:
                 role=row["role"],
                 reference=row["published"],
                 computed=row["computed"],
-                unit=PUBLISHED_QUANTITIES[own],
+                unit=published_unit(own),
                 band=None if band is None else (band["low"], band["high"]),
                 note=entry.note,
             )

@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 from strikewave._version import __version__
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, Quantity
+from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
 from strikewave.base.json_document import SCHEMA as DOCUMENT_SCHEMA
 from strikewave.base.json_document import json_text, plain
+from strikewave.base.shock_quantities import OF_PUBLISHED, PUBLISHED_QUANTITIES
 
 if TYPE_CHECKING:
     import xarray
@@ -302,15 +303,25 @@ class Comparison:
     """Comparison of a computed number with the published one, both in the SI unit of the quantity."""
 
     quantity: str = declare.word("which number, such as first.rigid_peak", column=KEY)
-    published: float = declare.word("the published number", column=MAIN)
+    published: float = declare.number(OF_PUBLISHED, "the published number", column=MAIN)
     measured_or_simulated: str = declare.word("how it was found by those who published it", column=MAIN)
-    computed: float | None = declare.word("ours; null where the run has none", column=MAIN)
+    computed: float | None = declare.number(OF_PUBLISHED, "ours; null where the run has none", column=MAIN)
     difference: float | None = declare.number(Quantity(NO_UNIT, "%"), "(computed - published) / published", column=MAIN)
     role: str = declare.word("fitted, it chose a value; predicted; or shown, not comparable", column=MAIN)
     note: str = declare.word(
         "why it is not comparable, or what else is said of it", default="", column=MAIN, in_document=False
     )
     sensor: str = declare.word("which sensor it is of, where it is of one", default="", column=MAIN, in_document=False)
+
+    @property
+    def measured(self) -> Quantity:
+        """What both numbers measure."""
+        return PUBLISHED_QUANTITIES[self.quantity]
+
+    @property
+    def given_units(self) -> GivenUnits:
+        """Unit of both numbers."""
+        return {OF_PUBLISHED.given_by: self.measured.units}
 
 
 class BalanceCheck(NamedTuple):

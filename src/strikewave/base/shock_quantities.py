@@ -23,6 +23,7 @@ MICROSECONDS = Quantity("s", "us")
 STEP = Quantity("s", "ns")
 LENGTH = Quantity("m", "mm")
 EXACT_LENGTH = Quantity("m", "mm", digits=7)
+CONTACT_TIME = Quantity("s", "us", decimals=1, digits=0)
 INDENTATION = Quantity("m", "um", decimals=2, digits=0)
 MASS = Quantity("kg", "gram")
 KILOGRAMS = Quantity("kg", "kg")
@@ -43,6 +44,36 @@ OF_CHANNEL = Quantity.of_data("each channel's unit")
 OF_INTEGRAL = Quantity.of_data("each channel's unit, times s")
 SCORE = Quantity(NO_UNIT, NO_UNIT, decimals=3, digits=0)
 OF_FIGURE = Quantity.of_data("as the figure")
+OF_PUBLISHED = Quantity.of_data("that of its quantity")
+PUBLISHED_QUANTITIES = {
+    "first.rigid_peak": RIGID_PEAK,
+    "first.total_peak": TOTAL_PEAK,
+    "first.wave_peak": TOTAL_PEAK,
+    "first.sensor_peak": ACCELERATION,
+    "first.sensor_width": PULSE_WIDTH,
+    "first.width": PULSE_WIDTH,
+    "first.peak_force": PEAK_FORCE,
+    "first.contact_time": CONTACT_TIME,
+    "first.approach_speed": SPEED,
+    "first.rebound_speed": SPEED,
+    "first.restitution": RESTITUTION,
+    "first.indentation": INDENTATION,
+    "first.residual_indentation": INDENTATION,
+    "first.velocity_change": VELOCITY_CHANGE,
+    "first.blow_velocity_change": VELOCITY_CHANGE,
+    "first.force_width": PULSE_WIDTH,
+    "first.force_over_mass": RIGID_PEAK,
+    "typical.rigid_peak": RIGID_PEAK,
+    "typical.width": PULSE_WIDTH,
+    "count": RATIO._replace(label="blows that struck"),
+    "window": MILLISECONDS._replace(label="from the first to the last blow"),
+}
+"""What a published number can be compared with: its name, and what it measures, as the field of the result does.
+
+``force_width`` and ``force_over_mass`` are those of explicit finite elements. There ``width`` of a part or group is
+that of the one pulse round its peak, where it first falls below a tenth of it on either side; ``force_width`` runs
+from the first to the last tenth of the peak of the force, with gaps between contacts.
+"""
 USUAL_UNITS = dict(one.units for one in (ACCELERATION, FORCE, STRESS, LENGTH, MICROSECONDS))
 """Unit shown as a rule, by SI unit, of numbers whose unit the data or the user decide."""
 

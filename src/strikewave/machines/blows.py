@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.shock_quantities import (
+    CONTACT_TIME,
     IMPULSE,
     INDENTATION,
     PEAK_FORCE,
@@ -88,7 +89,7 @@ class Blow:
         tables="contact",
     )
     contact_time: float = declare.number(
-        Quantity("s", "us", decimals=1, digits=0),
+        CONTACT_TIME,
         "from first touch to the release that ends the blow, gaps between contacts included",
         column=MORE,
         tables="contact",

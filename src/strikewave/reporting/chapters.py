@@ -18,11 +18,9 @@ from strikewave.base.command_line import command_line, file_word
 from strikewave.base.percents import percent
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.base.result import FAILED, INFO, RUN_PASSED, WARNING, BalanceCheck, failed_words
-from strikewave.base.shock_quantities import usual_unit
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.case_files import bundled_cases
 from strikewave.cases.paths import row_name
-from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.bands import banded_words
 from strikewave.reporting.numbers import headed, listed, shown
@@ -169,18 +167,18 @@ def published(comparisons: Sequence[Comparison]) -> list[Section]:
         return []
     rows: list[list[Cell]] = []
     for entry in comparisons:
-        si = PUBLISHED_QUANTITIES.get(entry.quantity, "")
-        usual = usual_unit(si)
         which, _, quantity = entry.quantity.partition(".")
         label = _PUBLISHED_WORDS.get(which, which) + (f": {quantity.replace('_', ' ')}" if quantity else "")
         label += f" of {entry.sensor}" if entry.sensor else ""
         values = [
-            NONE if v is None or math.isnan(v) else written(shown(v, si, usual) if si else v, 6)
+            NONE if v is None or math.isnan(v) else written(shown(v, *entry.measured.units), 6)
             for v in (entry.published, entry.computed)
         ]
         difference = NONE if entry.difference is None else percent(entry.difference, 1, "+")
         origin = entry.measured_or_simulated
-        rows.append([headed(label, si, usual), *values, difference, origin, Tag(entry.role, entry.role), entry.note])
+        rows.append(
+            [headed(label, *entry.measured.units), *values, difference, origin, Tag(entry.role, entry.role), entry.note]
+        )
     heads = ["quantity", "published", "computed", "difference", "origin", "role", "note"]
     table = Table("Comparison with published values", heads, rows)
     text = (

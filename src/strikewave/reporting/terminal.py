@@ -20,7 +20,6 @@ from strikewave.base.compile_progress import WORDS, compiling_shown
 from strikewave.base.interrupts import interrupts_as_such
 from strikewave.base.json_document import json_text
 from strikewave.base.result import FAILED, INFO, WARNING
-from strikewave.base.shock_quantities import usual_unit
 from strikewave.reporting import banded_numbers, numbers
 from strikewave.reporting.bands import BAND_HEADS, band_rows
 from strikewave.reporting.columns import Column
@@ -406,22 +405,15 @@ def print_losses(channels: Sequence[SensorChannel]) -> None:
 
 def print_published(published: Sequence[Comparison]) -> None:
     """Print the comparison with published values; nothing where there are none."""
-    from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
-
     if not published:
         return
     rows = []
     for entry in published:
-        unit = PUBLISHED_QUANTITIES[entry.quantity]
-        usual = usual_unit(unit)
-        pair = [
-            number(v, unit, usual, 6) if unit else ("-" if v is None else f"{v:g}")
-            for v in (entry.published, entry.computed)
-        ]
+        pair = [number(value, *entry.measured.units, 6) for value in (entry.published, entry.computed)]
         difference = "-" if entry.difference is None else percent(entry.difference, 1, "+")
         rows.append(
             [
-                headed(entry.quantity + (f" of {entry.sensor}" if entry.sensor else ""), unit, usual),
+                headed(entry.quantity + (f" of {entry.sensor}" if entry.sensor else ""), *entry.measured.units),
                 entry.measured_or_simulated,
                 entry.role,
                 *pair,

@@ -185,9 +185,8 @@ def _bands(result: Result) -> Rows:
 
 
 def _comparisons(result: Result) -> Rows:
-    units = result.units()
     for one in result.comparisons:
-        si = units.get(one.quantity, units.get(one.quantity.rpartition(".")[2], ""))
+        si = one.measured.si
         unit = shown_unit(si, si)
         pair = [None if v is None else in_unit(v, si, unit) if unit != si else v for v in (one.published, one.computed)]
         name = one.quantity + (f" of {one.sensor}" if one.sensor else "")

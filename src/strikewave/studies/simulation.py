@@ -11,11 +11,11 @@ from strikewave.base.declare import banded_quantities
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.result import Verdict
-from strikewave.base.shock_quantities import ACCELERATION
+from strikewave.base.shock_quantities import ACCELERATION, PUBLISHED_QUANTITIES
 from strikewave.base.variables import LabelledArrays
 from strikewave.cases.case import Case
 from strikewave.cases.tables.machine import RotaryTable
-from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
+from strikewave.cases.tables.published import published_unit
 
 RUN_TOLERANCE = 1e-7
 """Local error of a step of a full run, over the scales of one contact. Measured on the blows of li-ma-2019: it
@@ -152,7 +152,7 @@ def number_units(case: Case) -> dict[str, str]:
     """
     if case.command == "run":
         left_out = ("first.force_width", "first.force_over_mass")  # of elements
-        return {name: unit for name, unit in PUBLISHED_QUANTITIES.items() if name not in left_out}
+        return {name: published_unit(name) for name in PUBLISHED_QUANTITIES if name not in left_out}
     if case.command == "wave":
         from strikewave.analyses.wave.result import TapPeaks
 

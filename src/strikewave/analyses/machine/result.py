@@ -24,14 +24,21 @@ from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAn
 from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
+from strikewave.base.declare import KEY, MAIN, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.first_few import first_few
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice
-from strikewave.base.shock_quantities import ACCELERATION, MASS, MICROSECONDS, PEAK_FORCE, RATIO, VELOCITY
+from strikewave.base.shock_quantities import (
+    ACCELERATION,
+    MASS,
+    MICROSECONDS,
+    PEAK_FORCE,
+    PUBLISHED_QUANTITIES,
+    RATIO,
+    VELOCITY,
+)
 from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import Case, parse_case
-from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
 from strikewave.reporting.case_result import CaseResult
@@ -225,7 +232,7 @@ class Solution(CaseResult):
     @property
     def named_units(self) -> Mapping[str, str]:
         """Those of published numbers."""
-        return {name: unit or NO_UNIT for name, unit in PUBLISHED_QUANTITIES.items()}
+        return {name: quantity.si for name, quantity in PUBLISHED_QUANTITIES.items()}
 
     @property
     def data_rows(self) -> str:

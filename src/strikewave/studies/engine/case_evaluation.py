@@ -17,12 +17,12 @@ from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Verdict
 from strikewave.base.shock_quantities import (
+    PUBLISHED_QUANTITIES,
     RATIO,
     VARIATION,
     usual_unit,
 )
 from strikewave.cases.case import Case
-from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
 from strikewave.machines.blows import KINDS, Blow
 from strikewave.reporting.columns import Column, Values
 from strikewave.reporting.faces import amount, label_of
@@ -57,10 +57,7 @@ OF_TRAIN = {
 """Further numbers of a machine's blows."""
 OF_FAST = {"stop_force": Quantity("N", "kN", "largest force of the stop")}
 """Numbers that the fast run alone has."""
-OF_ANY = {
-    "count": RATIO._replace(label="blows that struck"),
-    "window": Quantity("s", "ms", "from the first to the last blow"),
-}
+OF_ANY = {name: PUBLISHED_QUANTITIES[name] for name in ("count", "window")}
 """Numbers of a run that may be published too."""
 OF_FIRST = tuple(
     quantity

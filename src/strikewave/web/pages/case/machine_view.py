@@ -18,8 +18,7 @@ from strikewave.base.compiled import is_cold
 from strikewave.base.declare import declarations
 from strikewave.base.percents import percent
 from strikewave.base.result import Band
-from strikewave.base.shock_quantities import ACCELERATION, FORCE, usual_unit
-from strikewave.cases.tables.published import PUBLISHED_QUANTITIES
+from strikewave.base.shock_quantities import ACCELERATION, FORCE
 from strikewave.machines.blows import Blow
 from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
@@ -188,8 +187,7 @@ def compared(solution: Solution) -> list[list[str]]:
     """Return the comparison with published values as rows of words."""
     rows = []
     for one in solution.comparisons:
-        unit = PUBLISHED_QUANTITIES[one.quantity] or "1"
-        values = [with_unit(value, unit, usual_unit(unit)) for value in (one.published, one.computed)]
+        values = [with_unit(value, *one.measured.units) for value in (one.published, one.computed)]
         difference = NONE if one.difference is None else percent(one.difference, 1, "+")
         rows.append([one.quantity, one.measured_or_simulated, one.role, *values, difference])
     return rows
