@@ -1,10 +1,13 @@
 """A number that is declared stands on every face: one line, and its value, unit and label are the same everywhere."""
 
 import dataclasses
+import re
+from pathlib import Path
 from typing import ClassVar
 
 import pytest
 
+import strikewave
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, Quantity
 from strikewave.base.result import Band, Source
@@ -488,3 +491,9 @@ def test_a_part_that_is_kept_as_a_dictionary_has_its_lines():
 
     (table,) = faces.part_tables(Kept((), 1.0, {"peak": G}), "reading")
     assert table.cells() == [["planted peak (g)", "1.000"]]
+
+
+@pytest.mark.parametrize("name", ["columns_of", "heads_and_cells", "array_columns", "shown_columns"])
+def test_no_two_functions_that_make_columns_have_one_name(name):
+    sources = (path.read_text("utf-8") for path in Path(strikewave.__file__).parent.rglob("*.py"))
+    assert sum(len(re.findall(rf"def {name}\(", text)) for text in sources) == (name != "shown_columns")

@@ -15,7 +15,7 @@ import strikewave
 from strikewave.base import declare
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, Notice, Result
-from strikewave.reporting.shown_result import Curve, ShownResult, _svg, columns_of
+from strikewave.reporting.shown_result import Curve, ShownResult, _svg, columns_of_mappings
 from strikewave.reporting.shown_units import ShownUnits, showing
 
 
@@ -208,7 +208,9 @@ def test_a_report_elsewhere_is_refused_in_one_line(run, tmp_path, name):
 
 
 def test_a_table_within_a_row_is_spread_and_a_list_left_out():
-    columns = columns_of([{"a": 1, "b": {"c": 2.0, "d": {"e": 3.0}}, "f": [1, 2]}, {"a": 2}], {"c": "N", "b.d.e": "m"})
+    columns = columns_of_mappings(
+        [{"a": 1, "b": {"c": 2.0, "d": {"e": 3.0}}, "f": [1, 2]}, {"a": 2}], {"c": "N", "b.d.e": "m"}
+    )
     assert [tuple(column[:3]) for column in columns] == [
         ("a", [1, 2], ""),
         ("b.c", [2.0, None], "N"),

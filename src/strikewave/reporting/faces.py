@@ -296,14 +296,11 @@ def data_columns(result: Result, name: str) -> list[Column]:
         if is_data and not (leaf.optional and all(value is None for value in values)):
             columns.append(Column(".".join(_keys(one.of, path)), values, leaf.quantity.within(result.given_units).si))
     columns = [one for one in columns if not any(isinstance(value, list | tuple | dict) for value in one.values)]
-    for path, kind in _named(one.of):
-        parts = [at(row, path) or {} for row in rows]
-        for called in dict.fromkeys(called for by_name in parts for called in by_name):
-            for inner, leaf in leaves(kind):
-                if leaf.column is not None:
-                    values = [at(by_name.get(called), inner) for by_name in parts]
-                    si = leaf.quantity.within(result.given_units).si
-                    columns.append(Column(f"{called} {inner[-1]}", values, si))
+    columns += [
+        Column(f"{called} {field}", values, leaf.quantity.within(result.given_units).si)
+        for called, field, leaf, values in _of_named_parts(one.of, rows)
+        if leaf.column is not None
+    ]
     return columns
 
 
@@ -324,6 +321,15 @@ def _named(kind: type, path: Path = ()) -> Iterator[tuple[Path, type]]:
             yield (*path, name), one.of
         elif one.kind == "part" and one.of is not None:
             yield from _named(one.of, (*path, name))
+
+
+def _of_named_parts(kind: type, rows: Sequence[Any]) -> Iterator[tuple[str, str, Declaration, list[Any]]]:
+    """Yield each value of parts by their names within rows, such as sensors: part, field, declaration, all values."""
+    for path, of_part in _named(kind):
+        parts = [at(row, path) or {} for row in rows]
+        for called in dict.fromkeys(name for by_name in parts for name in by_name):
+            for inner, leaf in leaves(of_part):
+                yield called, inner[-1], leaf, [at(by_name.get(called), inner) for by_name in parts]
 
 
 def key_numbers(result: Result) -> list[tuple[str, str]]:
@@ -409,27 +415,25 @@ def shown_rows(
     """
     one = declarations(type(result))[name]
     if one.kind == "table":
-        return shown_columns(getattr(result, name), most, is_history)
+        return heads_and_cells(getattr(result, name), most, is_history)
     rows = face_rows(result, name)[:most]
     columns = face_columns(result, name, table, least=MORE, rows=rows)
-    for path, kind in _named(one.of or type(None)):
-        parts = [at(row.value, path) or {} for row in rows]
-        for called in dict.fromkeys(called for by_name in parts for called in by_name):
-            for inner, leaf in leaves(kind):
-                if leaf.headline:
-                    values = [at(by_name.get(called), inner) for by_name in parts]
-                    columns.append(Column.of(f"{called} {label_of(inner[-1], leaf)}", values, leaf.quantity))
-    return shown_columns(columns)
+    columns += [
+        Column.of(f"{called} {label_of(field, leaf)}", values, leaf.quantity)
+        for called, field, leaf, values in _of_named_parts(one.of or type(None), [row.value for row in rows])
+        if leaf.headline
+    ]
+    return heads_and_cells(columns)
 
 
-def shown_columns(
+def heads_and_cells(
     columns: Sequence[Column], most: int | None = None, is_history: bool = False
 ) -> tuple[list[str], list[list[str]]]:
     """Return heads and cells of the columns that faces show: the first rows, of a history as many spread over it.
 
     Examples
     --------
-    >>> shown_columns([Column("peak", [9806.65, None], "m/s^2", shown="g"), Column("kept", [1.0, 2.0])])
+    >>> heads_and_cells([Column("peak", [9806.65, None], "m/s^2", shown="g"), Column("kept", [1.0, 2.0])])
     (['peak (g)'], [['1000'], ['–']])
     """
     kept = [one for one in columns if one.shown is not None]

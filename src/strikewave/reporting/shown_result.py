@@ -73,7 +73,7 @@ def _is_own_page(place: Path) -> bool:
         return OWN_PAGE in file.read(HEAD_OF_PAGE)
 
 
-def columns_of(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> list[Column]:
+def columns_of_mappings(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> list[Column]:
     """Return rows, such as those of a JSON document, as columns; a table within a row is spread, lists are left out.
 
     Parameters
@@ -85,7 +85,7 @@ def columns_of(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> l
 
     Examples
     --------
-    >>> [column[:3] for column in columns_of([{"name": "mid", "peaks": {"force": 2.0}}], {"force": "N"})]
+    >>> [column[:3] for column in columns_of_mappings([{"name": "mid", "peaks": {"force": 2.0}}], {"force": "N"})]
     [('name', ['mid'], ''), ('peaks.force', [2.0], 'N')]
     """
     flat = [dict(_flat(row)) for row in rows]

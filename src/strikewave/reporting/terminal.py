@@ -320,7 +320,7 @@ def table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], 
     Heads end with their usual units, such as ``peak (kN)``, and are shown with those chosen; cells are written by
     `number` or `fixed`. A detail is only named, unless all is wanted.
     """
-    _table(title, shown_columns(columns), rows, detail)
+    _table(title, with_shown_heads(columns), rows, detail)
 
 
 def print_rows(title: str, columns: Sequence[Column], detail: bool = False) -> None:
@@ -349,7 +349,7 @@ def _table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]],
     _write([Line(""), *table_lines(title, columns, cells, width, is_wide())], sys.stdout)
 
 
-def shown_columns(columns: Sequence[Column]) -> list[Column]:
+def with_shown_heads(columns: Sequence[Column]) -> list[Column]:
     """Return columns whose heads end with their usual units with the units shown in their places."""
     heads = shown_heads(*(column.head for column in columns))
     return [_with_head(column, head) for column, head in zip(columns, heads, strict=True)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from strikewave.reporting.columns import Column
-from strikewave.reporting.shown_result import columns_of
+from strikewave.reporting.shown_result import columns_of_mappings
 from strikewave.specifications.decisions import FAIL, NOT_JUDGED
 from strikewave.specifications.judged_records import RecordsVerdict
 
@@ -34,4 +34,4 @@ def shock_columns(found: RecordsVerdict) -> list[Column]:
                 row[key] = getattr(clause, what) if judged_here else math.nan
                 units[key] = units.get(key) or (clause.unit if clause is not None else "")
         rows.append(row)
-    return columns_of(rows, units)
+    return columns_of_mappings(rows, units)

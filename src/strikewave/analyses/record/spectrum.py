@@ -22,7 +22,7 @@ from strikewave.records.budget.spectra import AS_SPECTRUM, SpectrumUncertainty, 
 from strikewave.records.health_notice import HealthNotice, worst
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.faces import shown_columns, text_of
+from strikewave.reporting.faces import heads_and_cells, text_of
 from strikewave.reporting.numbers import axis_unit, hertz
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.shown_result import Curve
@@ -327,7 +327,7 @@ class SpectrumResult(measured.AskedResult):
     @declare.computed(declare.table("spectra over natural frequency"))
     def spectrum_columns(self) -> list[Column]:
         """The spectra, and what several come to before them."""
-        each = [one for shock in self.shocks for one in self.columns_of(shock.found, f" of {shock.name}")]
+        each = [one for shock in self.shocks for one in self.channel_columns(shock.found, f" of {shock.name}")]
         return [*self.main_columns, *each]
 
     @property
@@ -496,11 +496,11 @@ class SpectrumResult(measured.AskedResult):
         """The columns of one channel, or of what several come to."""
         columns = [Column.of("frequency", self.frequency, FREQUENCY)]
         if not self.shocks:
-            return columns + self.columns_of(self.first.found)
+            return columns + self.channel_columns(self.first.found)
         together = self.together.items()
         return columns + [self._column(kind, each, f" {name}") for name, by in together for kind, each in by.items()]
 
-    def columns_of(self, found: ChannelSpectra, whose: str = "") -> list[Column]:
+    def channel_columns(self, found: ChannelSpectra, whose: str = "") -> list[Column]:
         """Return spectra, their expanded uncertainties and root mean squares of a channel as columns."""
         doubts = [(kind, one.expanded) for kind, one in (found.uncertainty or {}).items()]
         return [
@@ -517,7 +517,7 @@ class SpectrumResult(measured.AskedResult):
             no_unit: dict[str, Any] = {} if self.is_acceleration or one.si == "Hz" else {"si": "", "shown": ""}
             own = name.replace(NO_ACCELERATION, " (file's own)")
             kept.append(one._replace(name=own, values=one.values[::step], **no_unit))
-        return shown_columns(kept)
+        return heads_and_cells(kept)
 
 
 def rms_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, initial: str) -> Array:

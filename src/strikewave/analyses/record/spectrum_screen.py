@@ -102,7 +102,7 @@ def _print(result: SpectrumResult) -> None:
     step = max(count // SHOWN_ROWS, 1)
     few = result.shocks if len(result.shocks) <= MOST_SHOWN else ()
     kinds = len(result.spectra)
-    each = [one for shock in few for one in result.columns_of(shock.found, f" of {shock.name}")[:kinds]]
+    each = [one for shock in few for one in result.channel_columns(shock.found, f" of {shock.name}")[:kinds]]
     heads, rows = result.shown_every(step, [*result.main_columns, *each])
     main = len(result.main_columns)
     columns = [*numerals(heads[0], priority=KEY), *numerals(*heads[1:main]), *numerals(*heads[main:], priority=MORE)]

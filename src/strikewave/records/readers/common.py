@@ -238,7 +238,7 @@ class Scaled:
         return values if np.isnan(offset) else values + offset
 
 
-def columns_of(name: str, array: Any, unit: str = "", folder: str = "", **details: Any) -> list[ArrayColumn]:
+def array_columns(name: str, array: Any, unit: str = "", folder: str = "", **details: Any) -> list[ArrayColumn]:
     """Return the columns of a 1-D or 2-D array that is sliced only when a column is loaded; none for another one."""
     shape = array.shape
     long = [extent for extent in shape if extent != 1]

@@ -19,8 +19,8 @@ from strikewave.records.readers.common import (
     MOST_COLUMNS,
     ArrayColumn,
     Scaled,
+    array_columns,
     assemble,
-    columns_of,
     damaged,
     grid_of,
     guard,
@@ -111,7 +111,7 @@ def _columns(path: Path, folder: str, name: str, data: Any) -> list[ArrayColumn]
     step, start = grid_of(named.items())
     index = name == "axis1" and data.dtype.kind == "f"
     scaled = Scaled(lambda key: data.astype(np.float64)[key], data.attrs.get, data.shape)
-    columns = columns_of(
+    columns = array_columns(
         folder + name,
         scaled,
         _unit(named),
@@ -131,7 +131,7 @@ def _fields(folder: str, name: str, data: Any) -> list[ArrayColumn]:
         kind = data.dtype[field]
         if len(data.shape) == 1 and kind.base.kind in "biuf" and len(kind.shape) <= 1:
             index = field == "index" and kind.base.kind == "f"
-            columns += columns_of(place + field, _Field(data, field), folder=place, time=index)
+            columns += array_columns(place + field, _Field(data, field), folder=place, time=index)
     return columns
 
 

@@ -17,8 +17,8 @@ import numpy as np
 from strikewave.records.readers import Options
 from strikewave.records.readers.common import (
     MOST_ARRAYS,
+    array_columns,
     assemble,
-    columns_of,
     damaged,
     grid_of,
     guard,
@@ -67,7 +67,7 @@ def read(path: Path, options: Options) -> Record:
     for folder, name, array in arrays:
         if array.size == 1:
             scalars.setdefault(folder, []).append((name, array))
-        elif fresh := columns_of(folder + name, array, folder=folder):
+        elif fresh := array_columns(folder + name, array, folder=folder):
             columns += fresh
         else:
             skipped.append(folder + name)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.records.readers import Options
-from strikewave.records.readers.common import ArrayColumn, Scaled, assemble, columns_of, grid_of, left_out, text
+from strikewave.records.readers.common import ArrayColumn, Scaled, array_columns, assemble, grid_of, left_out, text
 from strikewave.records.record import Record
 
 
@@ -36,7 +36,7 @@ def read(path: Path, options: Options) -> Record:
                 step, start = grid_of(own.items())
                 unit = text(own.get("units", own.get("unit")))
                 variable_columns = (
-                    columns_of(name, _scaled(variable.data, own), unit, step=step, start=start) if numeric else []
+                    array_columns(name, _scaled(variable.data, own), unit, step=step, start=start) if numeric else []
                 )
                 columns += variable_columns
                 skipped += [name] * (not variable_columns)
