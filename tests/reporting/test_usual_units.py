@@ -1,5 +1,6 @@
 """Numbers whose unit the data or the user decide: one usual unit on each face."""
 
+import math
 from types import SimpleNamespace
 
 import pytest
@@ -8,9 +9,20 @@ from strikewave.analyses.machine.sensor_readings import BlowReading
 from strikewave.analyses.record.rows import units_given
 from strikewave.base.declare import declarations, units
 from strikewave.base.result import Comparison
-from strikewave.base.shock_quantities import FORCE, LENGTH, OF_CHANNEL, PUBLISHED_QUANTITIES, STRESS, usual_unit
+from strikewave.base.shock_quantities import (
+    FORCE,
+    LENGTH,
+    MICROSECONDS,
+    OF_CHANNEL,
+    PUBLISHED_QUANTITIES,
+    STRESS,
+    usual_unit,
+)
 from strikewave.machines.blows import Blow
 from strikewave.reporting.chapters import published
+from strikewave.reporting.columns import Column
+from strikewave.reporting.faces import amount
+from strikewave.reporting.parts import NONE
 from strikewave.reporting.terminal import print_published
 from strikewave.reporting.workbook import _comparisons
 from strikewave.sensors.channel import SensorPulse
@@ -69,3 +81,10 @@ def test_documents_say_of_published_numbers_that_their_quantity_has_the_unit():
 def test_a_row_of_the_workbook_has_the_unit_of_its_quantity():
     rows = _comparisons(SimpleNamespace(comparisons=[Comparison("first.peak_force", 7e4, "", 7e4, 0.0, "predicted")]))
     assert next(rows)[:3] == ("first.peak_force", "N", 7e4)
+
+
+@pytest.mark.parametrize(("value", "text"), [(0.0, "0 µs"), (-2e-6, "-2 µs"), (math.nan, NONE), (None, NONE)])
+def test_a_time_at_or_below_zero_is_a_number_in_a_sentence_as_in_a_table(value, text):
+    assert amount(MICROSECONDS, value) == text
+    cells = Column.of("delay", [value], MICROSECONDS).texts()
+    assert cells == [text.removesuffix(" µs")]

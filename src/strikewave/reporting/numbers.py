@@ -223,14 +223,14 @@ def listed(words: list[str]) -> str:
 def with_unit(value: float | None, si: str, usual: str, digits: int = 4) -> str:
     """Write an SI value with the unit it is shown in, where it has one.
 
-    A dash stands for no value, and for a time that is not positive.
+    A dash stands for no value.
 
     Examples
     --------
-    >>> with_unit(40709.86, "m/s^2", "g"), with_unit(0.0, "s", "us"), with_unit(3.0, "1", "1")
-    ('4151 g', '–', '3')
+    >>> with_unit(40709.86, "m/s^2", "g"), with_unit(0.0, "s", "us"), with_unit(math.nan, "s", "us")
+    ('4151 g', '0 µs', '–')
     """
-    if value is None or math.isnan(value) or (si == "s" and value <= 0.0):
+    if value is None or math.isnan(value):
         return NONE
     number, unit = written(shown(value, si, usual), digits), shown_unit(si, usual)
     return number if unit == "1" else f"{number} {spelled(unit)}"
