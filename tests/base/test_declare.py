@@ -103,6 +103,55 @@ def test_the_unit_of_a_part_is_that_of_the_numbers_within_it():
     assert declare.units(Balance) == {"force": "N", "begin": "s", "again": "N", "shares": "1", "speed": "m/s"}
 
 
+def test_a_band_of_two_units_is_refused():
+    @declare.dataclass
+    class Inner:
+        """A row of stresses."""
+
+        stress: float = declare.number(Quantity("Pa", "MPa"), "a stress", band="peak")
+
+    @declare.dataclass
+    class Torn:
+        """A force whose band is called as that of a stress."""
+
+        force: float = declare.number(Quantity("N", "kN"), "a force", band="peak")
+        again: float = declare.number(Quantity("N", "kN", digits=5), "the same quantity", band="peak")
+        rows: tuple[Inner, ...] = declare.rows(Inner, "stresses")
+
+    with pytest.raises(TypeError, match=r"Torn: the band peak is in N shown in kN and in Pa shown in MPa"):
+        declare.banded_quantities(Torn)
+
+
+def test_numbers_of_one_quantity_may_share_the_name_of_a_band():
+    @declare.dataclass
+    class Both:
+        """A force in two digits."""
+
+        force: float = declare.number(Quantity("N", "kN"), "a force", band="peak")
+        again: float = declare.number(Quantity("N", "kN", digits=5), "the same quantity", band="peak")
+
+    assert declare.banded_quantities(Both)["peak"].units == ("N", "kN")
+
+
+def test_a_headline_that_does_not_say_of_which_rows_it_is_is_refused_with_the_fields_that_have_one():
+    @declare.dataclass
+    class Row:
+        """A row with key numbers."""
+
+        peak: float = declare.number(Quantity("N", "kN"), "a force", headline="peak")
+        width: float = declare.number(Quantity("s", "us"), "a time")
+
+    with pytest.raises(
+        TypeError, match=r'Result.rows: headline is "frist"; allowed: first, each, count, .*Row.*\(peak\)'
+    ):
+
+        @declare.dataclass
+        class Result:
+            """Rows with a typing error."""
+
+            rows: tuple[Row, ...] = declare.rows(Row, "rows", headline="frist")
+
+
 def test_a_key_with_two_units_is_refused():
     @declare.dataclass
     class Torn:

@@ -20,6 +20,8 @@ NO_UNIT = "1"
 """SI unit of a ratio, which documents name; words and counts have none."""
 KEY, MAIN, MORE = 0, 1, 2
 """Priority of a column: it names the row, it matters, it is shown where there is room."""
+HEADLINES = ("first", "each", "count")
+"""Of which of several rows the key numbers are: see `Declaration`."""
 _METADATA = "declaration"
 PLACES = {"rows": "[]", "named": ".*", "part": ""}
 """What the path of a key ends with where those within follow: each row of a list, any name, a part."""
@@ -296,11 +298,23 @@ def _declared(kind: type[T], eq: bool) -> type[T]:
     for name, value in own.items():
         one = value.declaration if isinstance(value, ComputedField) else value.metadata.get(_METADATA)
         if one is not None:
+            _check_headline(kind, name, one)
             found[name] = one
     made = dataclasses.dataclass(frozen=True, eq=eq)(kind)
     made.__declarations__ = found  # type: ignore[attr-defined]
     made.__doc__ = _documented(made.__doc__ or "", {name: found[name] for name in own if name in found}, kind)
     return made
+
+
+def _check_headline(kind: type, name: str, one: Declaration) -> None:
+    """Refuse a headline of a part or of rows that does not say of which the key numbers are."""
+    if one.of is None or one.headline in ("", *HEADLINES) or one.headline.isdecimal():
+        return
+    fields = ", ".join(field for field, leaf in declarations(one.of).items() if leaf.headline) or "none yet"
+    raise TypeError(
+        f'{kind.__name__}.{name}: headline is "{one.headline}"; allowed: {", ".join(HEADLINES)}, or how many rows, '
+        f'such as "3": the key numbers are those fields of {one.of.__name__} that have a headline ({fields})'
+    )
 
 
 def _documented(text: str, own: dict[str, Declaration], kind: type) -> str:
@@ -397,8 +411,18 @@ def units(kind: type) -> dict[str, str]:
 
 @functools.cache
 def banded_quantities(kind: type) -> dict[str, Quantity]:
-    """Return what numbers that may have a band measure, by the last part of its name, of a class and those within."""
+    """Return what numbers that may have a band measure, by the last part of its name, of a class and those within.
+
+    Raises
+    ------
+    TypeError
+        If numbers of one name have two units.
+    """
     found: dict[str, Quantity] = {}
     for one in declarations(kind).values():
-        found |= banded_quantities(one.of) if one.of is not None else {one.band: one.quantity} if one.band else {}
+        within = banded_quantities(one.of) if one.of is not None else {one.band: one.quantity} if one.band else {}
+        for name, quantity in within.items():
+            if (first := found.setdefault(name, quantity)).units != quantity.units:
+                both = f"{' shown in '.join(first.units)} and in {' shown in '.join(quantity.units)}"
+                raise TypeError(f"{kind.__name__}: the band {name} is in {both}: give one another name")
     return found
