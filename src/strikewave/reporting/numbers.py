@@ -203,10 +203,11 @@ def spelled(unit: str) -> str:
 
     Examples
     --------
-    >>> spelled("us"), spelled("m/s^2"), spelled("ustrain")
-    ('µs', 'm/s²', 'µε')
+    >>> spelled("us"), spelled("m/s^2"), spelled("ustrain"), spelled("N s/m^2.5")
+    ('µs', 'm/s²', 'µε', 'N s/m^2.5')
     """
-    return unit.replace("ustrain", "µε").replace("us", "µs").replace("um", "µm").replace("^2", "²").replace("^3", "³")
+    text = unit.replace("ustrain", "µε").replace("us", "µs").replace("um", "µm")
+    return re.sub(r"\^([23])(?![\d.])", lambda power: {"2": "²", "3": "³"}[power[1]], text)
 
 
 def listed(words: list[str]) -> str:

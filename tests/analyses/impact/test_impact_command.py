@@ -394,3 +394,20 @@ def test_a_contact_shorter_than_its_bodies_are_long_is_named(impact):
     assert "contact-short" not in codes(usual)
     for speed, code in (("900", "approach-fast"), ("5194", "approach-fast"), ("5195", "faster-than-wave")):
         assert code in codes(impact("--law", "hertz", "--radius1", "10 mm", *bodies, "--speed", speed))
+
+
+@pytest.mark.parametrize(
+    ("words", "stiffness", "damper"),
+    [
+        (("-n", "1.5", "--damping", "exact"), "N/m^1.5", "N s/m^(p+1)"),
+        (("-n", "1", "--damper", "kelvin-voigt"), "N/m", "N s/m"),
+        (("-n", "1.5", "--damper", "tsuji"), "N/m^1.5", "N s/m^1.25"),
+    ],
+)
+def test_the_units_of_stiffness_and_damper_have_the_exponents_of_the_law(strikewave, words, stiffness, damper):
+    typed = ("impact", *BODIES, "--stiffness", "1e9", "-e", "0.8", *words)
+    units = json.loads(strikewave(*typed, "--json")[1])["units"]
+    assert (units["stiffness"], units["damper_coefficient"]) == (stiffness, damper)
+    screen = strikewave(*typed)[1]
+    assert f"stiffness ({stiffness})" in screen
+    assert (f"damper coefficient ({damper})" in screen) == ("--damper" in words)

@@ -11,7 +11,7 @@ import numpy as np
 from strikewave.analyses.impact.answers import CONTACT_DEPTH, CONTACT_FORCE, CONTACT_TIME, ImpactAnswer, ImpactAnswers
 from strikewave.analyses.impact.setup import Setup
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity, declarations
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quantity, declarations
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import INFO, Notice
@@ -80,13 +80,16 @@ class FirstBlow(SpotBlow):
     method: str = declare.word("closed form, or integrator", label="solved by", column=MAIN)
 
 
+OF_STIFFNESS = Quantity.of_data("N/m^n", digits=6)
+OF_DAMPER = Quantity.of_data("N s/m^(p+1)", digits=6)
+"""Their exponents are those of the laws: see `ForceLaw.given_units`."""
+
+
 @declare.dataclass
 class ForceLaw:
     """The force law of a contact, SI; None where a key does not apply."""
 
-    stiffness: float | None = declare.number(
-        Quantity("N/m^n", "N/m^n", digits=6), "K of F = K d^n; null of another law", column=MAIN
-    )
+    stiffness: float | None = declare.number(OF_STIFFNESS, "K of F = K d^n; null of another law", column=MAIN)
     exponent: float | None = declare.number(RATIO, "n", column=MAIN)
     slope: float | None = declare.number(
         Quantity("N/m", "N/m", digits=6), "of a logarithmic law, d = (F / slope) ln(load / F)", column=MAIN
@@ -101,14 +104,20 @@ class ForceLaw:
     damping_status: str | None = declare.word("as above", label="status of the damping law", column=MAIN)
     damper: str | None = declare.word("damper instead of the hysteresis", column=MAIN)
     damper_status: str | None = declare.word("as above", label="status of the damper", column=MAIN)
-    damper_coefficient: float | None = declare.number(
-        Quantity("N s/m^(p+1)", "N s/m^(p+1)", digits=6), "of the damper", column=MAIN
-    )
+    damper_coefficient: float | None = declare.number(OF_DAMPER, "of the damper", column=MAIN)
     damper_exponent: float | None = declare.number(RATIO, "of the damper, p", column=MAIN)
     yield_load: float | None = declare.number(CONTACT_FORCE, "force at which the contact yields", column=MAIN)
     shape: str | None = declare.word("point or line", label="shape of the contact", column=MAIN)
     cap: str | None = declare.word("law by which it yields", label="law by which it yields", column=MAIN)
     cap_status: str | None = declare.word("as above", label="status of that law", column=MAIN)
+
+    @property
+    def given_units(self) -> GivenUnits:
+        """Units of the stiffness and of the damper, with the exponents that they have."""
+        damper = None if self.damper_exponent is None else self.damper_exponent + 1.0
+        powers = ((OF_STIFFNESS, "N/m", self.exponent), (OF_DAMPER, "N s/m", damper))
+        units = {one.given_by: unit if power == 1.0 else f"{unit}^{power:.6g}" for one, unit, power in powers if power}
+        return {given_by: (unit, unit) for given_by, unit in units.items()}
 
 
 @declare.dataclass
@@ -160,6 +169,11 @@ class ImpactResult(measured.AskedResult):
     def law(self) -> ForceLaw:
         """The force law."""
         return _force_law(self.setup)
+
+    @property
+    def given_units(self) -> GivenUnits:
+        """Those of its law."""
+        return self.law.given_units
 
     @declare.computed(declare.rows(SpotBlow, "blows on the same spot", key="blows", headline="first"))
     def spot_blows(self) -> list[SpotBlow]:
