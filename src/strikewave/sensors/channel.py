@@ -11,7 +11,7 @@ from strikewave.base.declare import MAIN
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import ACCELERATION, PULSE_WIDTH
-from strikewave.sensors import Reading, Recorder, Sensor
+from strikewave.sensors.chain import Reading, Recorder, Sensor
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.signal.pulse import WIDTH_FRACTION, largest, measure_pulse
 

@@ -17,7 +17,9 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.first_few import first_few
 from strikewave.base.percents import percent, plain
 from strikewave.base.result import Notice
-from strikewave.waves import BarRun, Layer, Stack, Tap, TimeGrid
+from strikewave.waves.bar_run import BarRun, Tap
+from strikewave.waves.layers import Layer, Stack
+from strikewave.waves.transit import TimeGrid
 
 Array = NDArray[np.float64]
 

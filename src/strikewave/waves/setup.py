@@ -5,7 +5,8 @@ from __future__ import annotations
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN
 from strikewave.base.shock_quantities import EXACT_LENGTH, RATIO, STEP
-from strikewave.waves import Stack, TimeGrid
+from strikewave.waves.layers import Stack
+from strikewave.waves.transit import TimeGrid
 
 
 @declare.dataclass

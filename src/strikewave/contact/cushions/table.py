@@ -42,7 +42,7 @@ def cushion_materials() -> dict[str, CushionMaterial]:
     >>> cushion_materials()["EPS 22"].law
     'crush'
     """
-    text = (resources.files("strikewave.contact.cushions") / "cushions.toml").read_text("utf-8")
+    text = (resources.files("strikewave.contact") / "cushions.toml").read_text("utf-8")
     return {name: CushionMaterial(name=name, **row) for name, row in tomllib.loads(text).items()}
 
 
