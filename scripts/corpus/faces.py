@@ -30,7 +30,7 @@ UNSTEADY = tuple(
         (r"\d+(\.\d+)? [MG]B of memory", "MEMORY"),
         (r"\d{4}-\d{2}-\d{2}([T ]\d{2}:\d{2}(:\d{2}(\.\d+)?)?Z?)?", "DATE"),
         (r"strikewave \d+\.\d+\S*", "strikewave VERSION"),
-        (r"(?<![\w.])[0-9a-f]{16}([0-9a-f]{48})?(?![\w.])", "DIGEST"),
+        (r"(?<![\w.])[0-9a-f]{16}([0-9a-f]{48})?(?!\w|\.\w)", "DIGEST"),
         (r"\d+(\.\d+)?(e[+-]?\d+)?[ \u00a0](M )?element-steps(/s| a second| per second)", "RATE"),
     )
 )
