@@ -8,7 +8,7 @@ from scipy.stats import linregress
 
 from strikewave.records import baseline
 from strikewave.records.baseline import LocalBaseline, baseline_before, noise_before
-from strikewave.records.correlation import alike_as_one
+from strikewave.records.robust import alike_as_one
 
 
 @pytest.mark.parametrize("alike", [0.0, 0.3, 0.9])

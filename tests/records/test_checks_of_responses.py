@@ -8,9 +8,8 @@ import pytest
 from strikewave.records.health import blows, examine, limits, noise, sampled_record, sampling, zero
 from strikewave.records.health.sampled_record import ResponseRecord
 from strikewave.records.health_notice import OF_RESPONSES, RESPONSE_FIGURES, Check, Fault
-from strikewave.records.modes import FEWEST, Mode
 from strikewave.records.pulses import MAD_TO_SIGMA, sample_noise
-from strikewave.records.response import BaseBlow, FreeDecay, MeasuredResponse, measure_responses
+from strikewave.records.response import FEWEST, BaseBlow, FreeDecay, MeasuredResponse, Mode, measure_responses
 from strikewave.records.thresholds import OfNoise
 
 STEP, START = 2.0**-10, 3.0

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from strikewave.records.baseline import LocalBaseline
-from strikewave.records.coupling import resting, uncoupled
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.smooth_pulse import SmoothPulse
+from strikewave.records.tail import resting, uncoupled
 from strikewave.signal.coupling import ac_coupled
 
 STEP, START, CONSTANT = 1e-3, 3.0, 0.15

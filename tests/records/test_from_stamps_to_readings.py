@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.records import clock, coupling, reading, response, response_reading, ringing, sample_store, smoothing
+from strikewave.records import clock, noisy_pulse, reading, response, response_reading, ringing, sample_store, tail
 from strikewave.records.calibration import Calibration
 from strikewave.records.clock import even
-from strikewave.records.correlation import alike_as_one
 from strikewave.records.file_reading import read_file, repeats
 from strikewave.records.health_notice import FIGURES, HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading, Request, filter_changes, filtered_channel
 from strikewave.records.record import Channel, Record
 from strikewave.records.response import FreeDecay, swings, zero_before
+from strikewave.records.robust import alike_as_one
 from strikewave.signal.filters import Filter, HighPass
 
 NAN = math.nan
@@ -210,28 +210,28 @@ def test_neighbours_that_are_alike_count_as_one():
 @pytest.mark.parametrize("half", [2, 5])
 def test_a_local_parabola_is_that_of_least_squares(monkeypatch, direct, half):
     """Within the record; and what a single one becomes is the weight of the middle of such a parabola."""
-    monkeypatch.setattr(smoothing, "DIRECT", direct)
+    monkeypatch.setattr(noisy_pulse, "DIRECT", direct)
     rng = np.random.default_rng(4)
     rows = rng.normal(size=(2, 31))
-    found = smoothing.SmoothingWindow(half).over(rows)
+    found = noisy_pulse.SmoothingWindow(half).over(rows)
     k = np.arange(-half, half + 1.0)
     for row, smooth in zip(rows, found, strict=True):
         for place in range(half, 31 - half):
             assert smooth[place] == pytest.approx(np.polyfit(k, row[place - half : place + half + 1], 2)[2], abs=1e-12)
-    ends = smoothing.SmoothingWindow(half).over(np.pad(rows[0], half, mode="edge"))[half:-half]
+    ends = noisy_pulse.SmoothingWindow(half).over(np.pad(rows[0], half, mode="edge"))[half:-half]
     assert found[0] == pytest.approx(ends, abs=1e-12)
-    assert smoothing.SmoothingWindow(0).over(rows) is rows
-    assert smoothing.SmoothingWindow(0).gain == 1.0
-    assert smoothing.SmoothingWindow(2).gain == pytest.approx(
+    assert noisy_pulse.SmoothingWindow(0).over(rows) is rows
+    assert noisy_pulse.SmoothingWindow(0).gain == 1.0
+    assert noisy_pulse.SmoothingWindow(2).gain == pytest.approx(
         math.sqrt(17.0 / 35.0)
     )  # Savitzky-Golay: its middle weight
 
 
 def test_windows_grow_by_half_an_octave():
-    assert [one.half for one in smoothing.windows_up_to(1)] == [0]
-    assert [one.half for one in smoothing.windows_up_to(2)] == [0, 2]
-    assert [one.half for one in smoothing.windows_up_to(20)] == [0, 2, 3, 5, 7, 10, 14, 20]
-    assert [one.half for one in smoothing.windows_up_to(19)] == [0, 2, 3, 5, 7, 10, 14]
+    assert [one.half for one in noisy_pulse.windows_up_to(1)] == [0]
+    assert [one.half for one in noisy_pulse.windows_up_to(2)] == [0, 2]
+    assert [one.half for one in noisy_pulse.windows_up_to(20)] == [0, 2, 3, 5, 7, 10, 14, 20]
+    assert [one.half for one in noisy_pulse.windows_up_to(19)] == [0, 2, 3, 5, 7, 10, 14]
 
 
 def stretch(after, peak=10.0, noise=0.0, width=20.0, misfit=0.0, inside=None):
@@ -309,13 +309,13 @@ def test_a_record_without_its_coupling_stands_on_the_zero_before_its_blow():
         offset=3.0, baseline=slope, time=7.0 + 0.110, end=7.0 + 0.12, smooth=SimpleNamespace(length=0.02)
     )
     wrong = 1e-3
-    found = coupling.uncoupled(ac_coupled(plain, step, constant) + zero + wrong, step, 7.0, [blow], constant)
+    found = tail.uncoupled(ac_coupled(plain, step, constant) + zero + wrong, step, 7.0, [blow], constant)
     assert found - zero == pytest.approx(plain, abs=2e-3)
     rest = np.abs(found - zero)[700:]
     assert float(np.mean(rest)) < 1e-3
     for size, moved in ((421, True), (420, False)):  # a constant of time must lie behind the place of rest
         above = np.full(size, 1e-3)
-        both = coupling.resting(above, step, constant, 220)
+        both = tail.resting(above, step, constant, 220)
         assert (abs(float(np.sum((1.0 + step / constant * np.arange(size))[220:] * both[220:]))) < 1e-9) is moved
 
 
@@ -519,7 +519,7 @@ def test_a_top_whose_neighbours_are_less_than_half_of_it_is_a_spike():
 
 
 def test_the_zero_before_a_place_needs_enough_samples():
-    from strikewave.records.modes import FEWEST
+    from strikewave.records.response import FEWEST
 
     values = np.r_[np.full(FEWEST, 3.0), np.full(9 * FEWEST, 5.0)]
     assert zero_before(values, FEWEST) == 3.0

@@ -10,8 +10,8 @@ from strikewave.records import find_pulses, measuring
 from strikewave.records.band_split import BandSplit
 from strikewave.records.baseline import LocalBaseline
 from strikewave.records.measuring import BlowWindow, Rebound, RecordedPulse
+from strikewave.records.noisy_pulse import ReadPulse
 from strikewave.records.pulses import Box
-from strikewave.records.read_off import ReadPulse
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 
 RATE, STEP = 1e6, 1e-6

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from strikewave.records import modes
-from strikewave.records.modes import Mode, decaying_modes
+from strikewave.records import response
+from strikewave.records.response import Mode, decaying_modes
 
 STEP = 2e-5
 TIME = STEP * np.arange(600)
@@ -46,7 +46,7 @@ def test_time_constant_and_damping_are_those_of_an_oscillator():
     natural, damping = 5000.0, 0.3
     mode = Mode(natural * math.sqrt(1.0 - damping**2) / (2.0 * math.pi), damping, 2.0, 0.0, 0.0)
     assert mode.decay_time == pytest.approx(1.0 / (damping * natural), rel=1e-12)
-    assert modes._energy(mode) == pytest.approx(-4.0 / (damping * natural), rel=1e-12)
+    assert response._energy(mode) == pytest.approx(-4.0 / (damping * natural), rel=1e-12)
 
 
 def columns_by_difference(parameters):
@@ -108,7 +108,7 @@ def test_figures_and_their_uncertainties_are_those_of_an_independent_fit(rng):
 
 
 def certain(values, roots, step=STEP):
-    found = modes._fitted(values, step, np.array(roots, dtype=complex))
+    found = response._fitted(values, step, np.array(roots, dtype=complex))
     return None if found is None else found[1].tolist()
 
 
@@ -125,9 +125,9 @@ def test_uncertainties_follow_from_the_covariance_and_the_certain_is_told_from_i
         seen["shape"] = columns.shape
         return covariance
 
-    monkeypatch.setattr(modes, "covariance_of", put_in)
+    monkeypatch.setattr(response, "covariance_of", put_in)
     values, roots = sum(swing(*part) for part in parts), [complex(-p[0], w) for p, w in zip(parts, omegas, strict=True)]
-    found, sure = modes._fitted(values, STEP, np.array(roots))
+    found, sure = response._fitted(values, STEP, np.array(roots))
     assert seen["shape"] == (600, 9)
     assert sure.tolist() == [True, True]
     for k, (mode, part, omega) in enumerate(zip(found, parts, omegas, strict=True)):
@@ -182,13 +182,13 @@ def test_the_weakest_of_roots_that_do_not_fit_are_dropped_one_by_one(monkeypatch
     values = swing(200.0, 900.0, 7.0) + swing(9000.0, 1300.0, 5.0)
     values[0] = 0.0  # one zero is no silence
     roots = [complex(-200.0, 2.0 * math.pi * 900.0), complex(-9000.0, 2.0 * math.pi * 1300.0)]
-    monkeypatch.setattr(modes, "_roots", lambda values, step: roots)
+    monkeypatch.setattr(response, "_roots", lambda values, step: roots)
     [mode] = decaying_modes(values, STEP)
     assert mode.frequency == pytest.approx(900.0, rel=0.01)
     fits = iter([([], np.array([True, False])), (["last"], np.array([True]))])
     asked = []
-    monkeypatch.setattr(modes, "_fitted", lambda values, step, roots: asked.append(roots.tolist()) or next(fits))
-    monkeypatch.setattr(modes, "_energy", lambda mode: 0.0)
+    monkeypatch.setattr(response, "_fitted", lambda values, step, roots: asked.append(roots.tolist()) or next(fits))
+    monkeypatch.setattr(response, "_energy", lambda mode: 0.0)
     assert decaying_modes(values, STEP) == ("last",)
     assert asked == [roots, roots[:1]]
 
@@ -205,7 +205,7 @@ def test_a_pencil_gives_amplitudes_at_the_begin_of_the_stretch_that_its_window_i
     """Roots of a window that begins late: the amplitude is carried back by the decay."""
     late = 150
     values = swing(350.0, 2100.0, 6.0) + swing(120.0, 5200.0, 2.0)
-    found = sorted(modes._pencil(values[late:], STEP, late * STEP), key=lambda pair: pair[0].imag)
+    found = sorted(response._pencil(values[late:], STEP, late * STEP), key=lambda pair: pair[0].imag)
     strong = [pair for pair in found if pair[1] > 1e-6]
     for (root, amplitude), (decay, frequency, size) in zip(
         strong, ((350.0, 2100.0, 6.0), (120.0, 5200.0, 2.0)), strict=True
@@ -234,11 +234,11 @@ def test_roots_are_those_that_all_windows_show_within_a_twentieth(monkeypatch, s
         windows.append((values.size, step, late))
         return next(answers)
 
-    monkeypatch.setattr(modes, "_pencil", answer)
+    monkeypatch.setattr(response, "_pencil", answer)
     turn = 2.0 * math.pi * np.arange(1000) / 1000
     lines = np.cos(10.0 * turn) + share * np.cos(cycles * turn)
     faded = np.hanning(2000)[1000:-1]  # and 0, where the lines are at their level
-    roots = modes._roots(np.r_[(lines - lines[-1])[:-1] / faded, 0.0], STEP)
+    roots = response._roots(np.r_[(lines - lines[-1])[:-1] / faded, 0.0], STEP)
     assert roots == [-40.0 + 5000.0j, -20.0 + 1000.0j]
     step = factor * STEP
     expected = [(kept, step, 0.0), (kept - round(0.1 * kept), step, 0.1 * kept * step), (round(0.8 * kept), step, 0.0)]
@@ -251,15 +251,17 @@ def test_what_is_no_swing_is_dropped_by_the_pencil():
     slow = 30.0 * np.exp(-800.0 * TIME) * np.cos(780.0 * TIME)
     for other in (20.0 * np.exp(-500.0 * TIME), slow, growing):
         found = [
-            root for root, amplitude in modes._pencil(swing(350.0, 2100.0, 6.0) + other, STEP, 0.0) if amplitude > 1e-4
+            root
+            for root, amplitude in response._pencil(swing(350.0, 2100.0, 6.0) + other, STEP, 0.0)
+            if amplitude > 1e-4
         ]
         assert found == [pytest.approx(complex(-350.0, 2.0 * math.pi * 2100.0), rel=1e-5)]
-    assert modes._pencil(swing(350.0, 2100.0, 6.0)[:23], STEP, 0.0) == []
-    assert len(modes._pencil(swing(350.0, 2100.0, 6.0)[:24], STEP, 0.0)) == 1
+    assert response._pencil(swing(350.0, 2100.0, 6.0)[:23], STEP, 0.0) == []
+    assert len(response._pencil(swing(350.0, 2100.0, 6.0)[:24], STEP, 0.0)) == 1
 
 
 @pytest.mark.parametrize(("amplitude", "seen"), [(4.6, 1), (3.4, 0)])
 def test_a_swing_of_less_than_a_fiftieth_of_the_largest_is_not_sought(amplitude, seen):
     """Beside a level of 100: of its two singular values each has half of the amplitude."""
     values = swing(1.0, 2100.0, amplitude) + 100.0
-    assert len(modes._pencil(values, STEP, 0.0)) == seen
+    assert len(response._pencil(values, STEP, 0.0)) == seen

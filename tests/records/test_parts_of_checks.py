@@ -10,7 +10,6 @@ from scipy.optimize import brentq
 
 from strikewave.base.percents import percent
 from strikewave.records.baseline import LocalBaseline
-from strikewave.records.correlation import alike_as_one
 from strikewave.records.health import blow_shape, examine, limits, noise, sampled_record, sampling, zero
 from strikewave.records.health import blows as blow_checks
 from strikewave.records.health import ringing as ringing_checks
@@ -20,7 +19,8 @@ from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.health_notice import BLOW, FIGURES
 from strikewave.records.measuring import Rebound, RecordedPulse
 from strikewave.records.pulses import Baseline
-from strikewave.records.rigid_pulse import RigidPulse
+from strikewave.records.ringing import RigidPulse
+from strikewave.records.robust import alike_as_one
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 from strikewave.records.tail import TailModel
 

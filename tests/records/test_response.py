@@ -11,10 +11,16 @@ from planted import noises
 from strikewave.base.errors import InputError
 from strikewave.records import response
 from strikewave.records.file_reading import read_file
-from strikewave.records.modes import covariance_of, decaying_modes
 from strikewave.records.reading import Request
 from strikewave.records.record import Channel, Record
-from strikewave.records.response import BaseBlow, effective_span, measure_responses, swings
+from strikewave.records.response import (
+    BaseBlow,
+    covariance_of,
+    decaying_modes,
+    effective_span,
+    measure_responses,
+    swings,
+)
 from strikewave.signal.coupling import ac_coupled
 
 STEP = 5e-6

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from planted import classes
 
-from strikewave.records import find_pulses, rigid_pulse
-from strikewave.records.correlation import alike_as_one
-from strikewave.records.rigid_pulse import (
+from strikewave.records import find_pulses, ringing
+from strikewave.records.ringing import (
     MODELS,
     Fit,
     RigidPulse,
+    Stretch,
     _fit,
     _missed_at_tip,
     _mode,
@@ -21,7 +21,7 @@ from strikewave.records.rigid_pulse import (
     fit_rigid_pulse,
     least_beside_one_mode,
 )
-from strikewave.records.ringing import Stretch
+from strikewave.records.robust import alike_as_one
 from strikewave.records.smooth_pulse import SmoothPulse
 
 STEP, PEAK, LENGTH, BEGIN = 1e-6, 1000.0, 200e-6, 1000e-6
@@ -212,7 +212,7 @@ def chosen(monkeypatch):
             assert (step, frequency, values.size) == (1e-5, 9e3, 5)
             return fits.get(tried[-1], fits.get(model))
 
-        monkeypatch.setattr(rigid_pulse, "_fit", put_in)
+        monkeypatch.setattr(ringing, "_fit", put_in)
         return fit_rigid_pulse(np.zeros(5), 1e-5, GUESS, 9e3, noise, models), tried
 
     return choose
@@ -387,11 +387,11 @@ def given(monkeypatch):
             seen["tail"] = tail.size
             return least(seen) if callable(least) else least
 
-        monkeypatch.setattr(rigid_pulse, "fit_rigid_pulse", fit)
-        monkeypatch.setattr(rigid_pulse, "least_beside_one_mode", beside)
-        monkeypatch.setattr(rigid_pulse, "swings_after", lambda stretch: swings)
+        monkeypatch.setattr(ringing, "fit_rigid_pulse", fit)
+        monkeypatch.setattr(ringing, "least_beside_one_mode", beside)
+        monkeypatch.setattr(ringing, "swings_after", lambda stretch: swings)
         stretch = Stretch(values, step, begin, end, width, SMOOTH, 0.06)
-        return rigid_pulse.rigid_pulse(stretch, frequency, last), seen
+        return ringing.rigid_pulse(stretch, frequency, last), seen
 
     return give
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
-from strikewave.records import _smooth_pulse_kernels as kernels
+from strikewave.records import _pulse_kernels as kernels
 from strikewave.records import smooth_pulse
 from strikewave.records.smooth_pulse import SmoothPulse, fit_smooth_pulse
 

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from strikewave.records import Channel, Record, Request, find_pulses, read_file, trains
-from strikewave.records._train_kernels import best_chains
+from strikewave.records._pulse_kernels import best_chains
 from strikewave.records.trains import (
     BlowTrain,
     Contacts,

@@ -10,7 +10,7 @@ import pytest
 from strikewave.records import find_pulses
 from strikewave.records.health import examine
 from strikewave.records.health.sampled_record import BlowRecord
-from strikewave.records.modes import decaying_modes
+from strikewave.records.response import decaying_modes
 from strikewave.records.two_sensors import paired_motion
 
 STEP = 2e-6

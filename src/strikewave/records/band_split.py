@@ -1,6 +1,6 @@
 """The pulse without its ringing by a low-pass between the two bands, with what that costs.
 
-Independent of the joint fit (`strikewave.records.rigid_pulse`): no mode is modelled. The cutoff lies where two costs
+Independent of the joint fit (`strikewave.records.ringing`): no mode is modelled. The cutoff lies where two costs
 together are least, both over the peak:
 
 loss

@@ -12,8 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.records.correlation import alike_as_one
 from strikewave.records.record import Array
+from strikewave.records.robust import alike_as_one
 
 LOOK_BACK = 40
 """Widths of a blow before it over which the baseline is taken: more than its foot lasts."""

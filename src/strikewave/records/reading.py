@@ -18,7 +18,6 @@ from strikewave.base.percents import percent
 from strikewave.records.budget.blows import BlowUncertainty
 from strikewave.records.calibration import Calibration, calibrated
 from strikewave.records.clock import even
-from strikewave.records.coupling import uncoupled
 from strikewave.records.health import examine
 from strikewave.records.health.ringing import ringing
 from strikewave.records.health.sampled_record import BlowRecord, with_unit
@@ -27,6 +26,7 @@ from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, STATUSES
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
 from strikewave.records.record import Array, Channel
 from strikewave.records.response import MeasuredResponse
+from strikewave.records.tail import uncoupled
 from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter, HighPass
 

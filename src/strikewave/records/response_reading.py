@@ -10,7 +10,6 @@ import numpy as np
 
 from strikewave.records.calibration import Calibration, calibrated
 from strikewave.records.clock import even
-from strikewave.records.coupling import resting
 from strikewave.records.health import examine
 from strikewave.records.health.sampled_record import ResponseRecord
 from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, HealthNotice, worst_first
@@ -25,6 +24,7 @@ from strikewave.records.reading import (
 )
 from strikewave.records.record import Array, Channel
 from strikewave.records.response import BaseBlow, MeasuredResponse, measure_responses, swings
+from strikewave.records.tail import resting
 
 SWINGS_OUT = 20.0
 """Median magnitudes that a swing must reach: noise alone reaches seven in a million samples."""

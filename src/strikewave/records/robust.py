@@ -1,4 +1,4 @@
-"""Statistics that a few wrong values do not bend: spread, outliers, trend."""
+"""Statistics that a few wrong values do not bend: spread, outliers, trend; and how much of what a fit leaves is new."""
 
 from __future__ import annotations
 
@@ -149,3 +149,26 @@ def kendall_bound(n: int, confidence: float) -> int | None:
     tail = np.cumsum(counts)  # P(inversions <= m), S = most - 2 m
     allowed = np.flatnonzero(tail <= 0.5 * (1.0 - confidence))
     return most - 2 * int(allowed[-1]) - 2 if allowed.size else None
+
+
+def alike_as_one(rest: Array, most: float = 0.9) -> float:
+    """Return how many neighbours count as one: (1 + r) / (1 - r), with the correlation r of a value and the next.
+
+    That of a process of first order, whose mean is uncertain by as much more than that of white noise, squared.
+
+    Parameters
+    ----------
+    rest : ndarray
+        What a fit leaves, in order.
+    most : float, optional
+        Bound of r: a few values do not tell a longer memory.
+
+    Examples
+    --------
+    >>> alike_as_one(np.array([1.0, -1.0, 1.0, -1.0])), round(alike_as_one(np.array([1.0, 1.0, -1.0, -1.0])), 2)
+    (1.0, 1.67)
+    """
+    power = float(np.sum(rest**2))
+    alike = float(np.sum(rest[1:] * rest[:-1])) / power if power > 0.0 else 0.0
+    alike = min(max(alike, 0.0), most)
+    return (1.0 + alike) / (1.0 - alike)

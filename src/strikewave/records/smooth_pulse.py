@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.shock_quantities import MICROSECONDS, OF_CHANNEL, OF_INTEGRAL
-from strikewave.records._smooth_pulse_kernels import fit_pulse, unit_pulses
+from strikewave.records._pulse_kernels import fit_pulse, unit_pulses
 
 if TYPE_CHECKING:
     from strikewave.signal.filters import Effect, Filter

@@ -3,7 +3,7 @@
 A high-pass of first order with time constant tau makes y of x by x = y + (1/tau) int y dt. Where nothing moves, x is
 zero, and y = -v / tau, where v is the integral of y: the undershoot after a blow is the velocity change over tau, and
 dies out with the same tau. One number explains both; what is shifted or warmed has an amplitude of its own, and what
-moves begins from zero.
+moves begins from zero. What is recognised so can be taken off.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.records.correlation import alike_as_one
 from strikewave.records.measuring import RecordedPulse
+from strikewave.records.robust import alike_as_one
+from strikewave.signal.coupling import ac_uncoupled
 from strikewave.signal.motion import integral
 
 Array = NDArray[np.float64]
@@ -296,3 +297,48 @@ def _decay(time: Array, level: Array) -> tuple[Array, float]:
     products = columns @ level
     k = int(np.argmax(products**2 / np.sum(columns**2, axis=1)))
     return _on(level, columns[k]), float(constants[k])
+
+
+SETTLED_AFTER = 5.0
+"""Widths after the last blow from which on a record is taken to be at rest."""
+
+
+def uncoupled(values: Array, step: float, start: float, pulses: Sequence[RecordedPulse], constant: float) -> Array:
+    """Return a record without its AC coupling; its zero is that before the first blow.
+
+    What is wrong with that zero is integrated, and grows as 1 + t / tau: it is made so small that the record comes to
+    rest after its last blow.
+
+    Parameters
+    ----------
+    values : ndarray
+        The record.
+    step, start : float
+        Time between samples, and of the first, s.
+    pulses : sequence of RecordedPulse
+        Its blows.
+    constant : float
+        Time constant, s.
+    """
+    first, last = pulses[0], pulses[-1]
+    places = np.arange(values.size)
+    zero = first.offset + first.baseline.slope * (places - (first.time - start) / step)
+    rest = round((last.end + SETTLED_AFTER * last.smooth.length - start) / step)
+    return np.asarray(zero + resting(values - zero, step, constant, rest))
+
+
+def resting(above: Array, step: float, constant: float, rest: int) -> Array:
+    """Return values above their zero without AC coupling, at rest from a sample on, where that lasts long enough.
+
+    Examples
+    --------
+    >>> from strikewave.signal.coupling import ac_coupled
+    >>> blow = np.r_[np.zeros(20), np.ones(10), np.zeros(500)]
+    >>> bool(np.allclose(resting(ac_coupled(blow, 1e-3, 0.1) + 1e-3, 1e-3, 0.1, 40), blow, atol=1e-3))
+    True
+    """
+    plain = ac_uncoupled(above, step, constant)
+    wrong = 1.0 + step / constant * np.arange(above.size)
+    if (above.size - rest) * step > constant:
+        plain -= wrong * (float(np.sum(wrong[rest:] * plain[rest:])) / float(np.sum(wrong[rest:] ** 2)))
+    return plain

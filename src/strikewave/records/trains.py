@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from strikewave.records._train_kernels import best_chains
+from strikewave.records._pulse_kernels import best_chains
 from strikewave.records.record import Array
 
 COMPARABLE = 0.6

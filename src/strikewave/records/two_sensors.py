@@ -28,9 +28,9 @@ from scipy.ndimage import uniform_filter1d
 
 from strikewave.base.percents import beside_doubt, percent, plain
 from strikewave.records.band_split import UNKNOWN
-from strikewave.records.correlation import alike_as_one
 from strikewave.records.health.sampled_record import with_unit
 from strikewave.records.measuring import RecordedPulse, find_pulses
+from strikewave.records.robust import alike_as_one
 from strikewave.signal.alignment import EvenHistory, by_correlation
 from strikewave.signal.filters import Filter, advised_cutoff
 from strikewave.signal.resampling import resampled

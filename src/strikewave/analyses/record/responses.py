@@ -10,9 +10,8 @@ from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, declarations
 from strikewave.records.campaign import Statistic, statistic
 from strikewave.records.health_notice import RESPONSE_FIGURES
-from strikewave.records.modes import MOST_MODES, Mode
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.records.response import MeasuredResponse
+from strikewave.records.response import MOST_MODES, MeasuredResponse, Mode
 from strikewave.reporting.columns import Column
 from strikewave.reporting.shown_units import shown_unit
 

@@ -32,7 +32,7 @@ from strikewave.records.budget.propagation import (
     monte_carlo,
 )
 from strikewave.records.measuring import RecordedPulse
-from strikewave.records.read_off import figures_of, without_noise
+from strikewave.records.noisy_pulse import figures_of, without_noise
 from strikewave.records.record import Channel
 from strikewave.records.smooth_pulse import BUDGETED
 

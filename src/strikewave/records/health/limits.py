@@ -14,7 +14,7 @@ from strikewave.records.health.blow_shape import TIP, UPPER, BlowShape
 from strikewave.records.health.ringing import goes_back
 from strikewave.records.health.sampled_record import Array, BlowRecord, ResponseRecord
 from strikewave.records.health_notice import BLOW, Fault
-from strikewave.records.modes import FEWEST
+from strikewave.records.response import FEWEST
 from strikewave.records.thresholds import HARMED, OfNoise, OfRange, OfResponses, OfSwings, OfTops
 
 LEVELS_LOOKED_AT = 4096

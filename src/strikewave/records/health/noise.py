@@ -13,7 +13,7 @@ from strikewave.base.percents import percent
 from strikewave.records.health.sampled_record import JUMPING, Array, BlowRecord, ResponseRecord
 from strikewave.records.health_notice import Fault
 from strikewave.records.measuring import RecordedPulse
-from strikewave.records.modes import FEWEST
+from strikewave.records.response import FEWEST
 from strikewave.records.smooth_pulse import BUDGETED
 from strikewave.records.thresholds import HARMED, OfNoise
 

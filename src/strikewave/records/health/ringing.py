@@ -11,8 +11,7 @@ import numpy as np
 from strikewave.records.health.sampled_record import FEWEST_OF_PART, BlowRecord, with_unit
 from strikewave.records.health_notice import Fault
 from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
-from strikewave.records.rigid_pulse import POOR
-from strikewave.records.ringing import RINGS_WITHIN, ringing_of
+from strikewave.records.ringing import POOR, RINGS_WITHIN, ringing_of
 from strikewave.records.thresholds import HARMED, OfRinging
 
 COMPARED = ("peak", "width", "velocity_change")

@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 from strikewave.base.constants import COVERAGE
 from strikewave.base.shock_quantities import ACCELERATION
 from strikewave.base.units import in_unit
-from strikewave.records.coupling import uncoupled
 from strikewave.records.health_notice import FIGURES, OF_BLOWS, OF_RESPONSES, RESPONSE_FIGURES
 from strikewave.records.measuring import RecordedPulse, contacts_of, find_pulses
-from strikewave.records.modes import FEWEST
 from strikewave.records.pulses import MAD_TO_SIGMA, Baseline, robust_line, sample_noise
-from strikewave.records.response import EFFECTIVE, BaseBlow, MeasuredResponse, measure_responses, zero_before
-from strikewave.records.tail import TailModel, model_of, tail_of
+from strikewave.records.response import EFFECTIVE, FEWEST, BaseBlow, MeasuredResponse, measure_responses, zero_before
+from strikewave.records.tail import TailModel, model_of, tail_of, uncoupled
 from strikewave.records.thresholds import HARMED
 from strikewave.records.trains import Contacts
 from strikewave.signal.oscillators import acceleration, recursion

@@ -9,8 +9,7 @@ import numpy as np
 
 from strikewave.records.health.sampled_record import Array, BlowRecord, ResponseRecord
 from strikewave.records.health_notice import Fault
-from strikewave.records.modes import FEWEST
-from strikewave.records.response import ROUND
+from strikewave.records.response import FEWEST, ROUND
 from strikewave.records.thresholds import HARMED, OfSampling
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 

@@ -11,7 +11,7 @@ from strikewave.base.shock_quantities import FREQUENCY, PULSE_WIDTH
 from strikewave.records import FileReading
 from strikewave.records.band_split import BandSplit
 from strikewave.records.measuring import RecordedPulse
-from strikewave.records.rigid_pulse import RigidPulse
+from strikewave.records.ringing import RigidPulse
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import percent
 from strikewave.reporting.terminal import number, tell
