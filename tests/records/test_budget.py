@@ -8,14 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from strikewave.records.budget.blows import ReadOff, blow_uncertainty, read_off
-from strikewave.records.budget.contributions import BlowStretch, Budget, Contribution, changed
-from strikewave.records.budget.propagation import (
+from strikewave.records.budget import (
     DIVISORS,
+    BlowStretch,
+    Budget,
+    Contribution,
     InputQuantity,
+    changed,
     law_of_propagation,
     monte_carlo,
 )
+from strikewave.records.measured_uncertainty import ReadOff, blow_uncertainty, read_off
 from strikewave.records.measuring import find_pulses
 from strikewave.records.record import Channel
 from strikewave.records.smooth_pulse import SmoothPulse

@@ -7,12 +7,19 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.records import clock, noisy_pulse, reading, response, response_reading, ringing, sample_store, tail
+from strikewave.records import clock, noisy_pulse, reading, response, ringing, sample_store, tail
 from strikewave.records.calibration import Calibration
 from strikewave.records.clock import even
-from strikewave.records.file_reading import read_file, repeats
 from strikewave.records.health_notice import FIGURES, HealthNotice
-from strikewave.records.reading import ChannelReading, FileReading, Request, filter_changes, filtered_channel
+from strikewave.records.reading import (
+    ChannelReading,
+    FileReading,
+    Request,
+    filter_changes,
+    filtered_channel,
+    read_file,
+    repeats,
+)
 from strikewave.records.record import Channel, Record
 from strikewave.records.response import FreeDecay, swings, zero_before
 from strikewave.records.robust import alike_as_one
@@ -334,9 +341,9 @@ def test_blows_that_lack_samples_are_incomplete():
     assert (found.code, found.value, found.start, found.end) == ("blow-incomplete", 2, 1.0, 1.4)
     assert reading._in_blows(holes, [blow(1.1, 1.2, 1.3)]) == []
     response = SimpleNamespace(begin=1.0, duration=0.4)
-    (found,) = response_reading._missing(holes, [SimpleNamespace(begin=1.6, duration=0.1), response])
+    (found,) = reading._missing(holes, [SimpleNamespace(begin=1.6, duration=0.1), response])
     assert (found.value, found.start, found.end) == (2, 1.0, 1.4)
-    assert response_reading._missing(holes, [SimpleNamespace(begin=1.01, duration=0.38)]) == []
+    assert reading._missing(holes, [SimpleNamespace(begin=1.01, duration=0.38)]) == []
 
 
 def test_holes_are_the_times_of_samples_that_are_none():
@@ -477,7 +484,7 @@ def test_blows_beside_a_step_of_the_baseline(monkeypatch):
 
 def test_a_base_that_is_bad_harms_what_counts_from_it():
     def of(*findings):
-        return [(f.severity, f.harms) for f in response_reading._of_base(a_reading(findings=findings))]
+        return [(f.severity, f.harms) for f in reading._of_base(a_reading(findings=findings))]
 
     assert of(HealthNotice("a", "", severity="bad")) == [("suspect", ("ratio", "delay"))]
     assert of(HealthNotice("a", "", harms=("peak",))) == [("suspect", ("ratio",))]
@@ -490,11 +497,11 @@ def test_a_base_that_is_bad_harms_what_counts_from_it():
 def test_a_channel_swings_or_is_struck():
     t = np.linspace(0.0, 1.0, 400)
     swinging = np.sin(40.0 * t) * np.exp(-2.0 * t)
-    assert response_reading._swings(a_reading(swinging + 3.0, [blow(offset_=0)])) is False  # its zero is 0 here
-    assert response_reading._swings(a_reading(swinging))
-    assert not response_reading._swings(a_reading(np.full(400, 3.0)))
-    assert not response_reading._swings(a_reading(swinging[:15]))
-    assert not response_reading._swings(a_reading(np.r_[swinging, np.nan]))
+    assert reading._swings(a_reading(swinging + 3.0, [blow(offset_=0)])) is False  # its zero is 0 here
+    assert reading._swings(a_reading(swinging))
+    assert not reading._swings(a_reading(np.full(400, 3.0)))
+    assert not reading._swings(a_reading(swinging[:15]))
+    assert not reading._swings(a_reading(np.r_[swinging, np.nan]))
     assert swings(np.r_[-0.51, 1.0, -0.51, 0.0])
     assert not swings(np.r_[-0.49, 1.0, -0.49, 0.0])
     assert swings(np.r_[1.0, -1.0, 1.0, -1.0, 0.49, -0.0])  # area of a ninth of that of the magnitude
@@ -506,10 +513,10 @@ def test_a_swing_is_louder_than_twenty_times_the_noise_before_it():
     for height, louder in ((20.5, True), (19.5, False)):
         values[35] = height
         values[[0, 1, 34]] = 0.0  # as many to either side
-        assert response_reading._louder(a_reading(values), 3.02) is louder
+        assert reading._louder(a_reading(values), 3.02) is louder
     values = np.r_[np.zeros(16), np.tile([5.0, -5.0], 12)]
-    assert response_reading._louder(a_reading(values), 3.016)
-    assert not response_reading._louder(a_reading(values), 3.015)  # too few samples before it: over all
+    assert reading._louder(a_reading(values), 3.016)
+    assert not reading._louder(a_reading(values), 3.015)  # too few samples before it: over all
 
 
 def test_a_top_whose_neighbours_are_less_than_half_of_it_is_a_spike():
@@ -538,10 +545,10 @@ def test_a_channel_that_swings_after_the_blow_of_another_is_told(monkeypatch):
         )
 
     swinging, loud = {"top", "late", "early"}, {"top", "late", "early"}
-    monkeypatch.setattr(response_reading, "_swings", lambda one: one.channel.name in swinging)
-    monkeypatch.setattr(response_reading, "_louder", lambda one, begin: one.channel.name in loud and begin == 1.0)
+    monkeypatch.setattr(reading, "_swings", lambda one: one.channel.name in swinging)
+    monkeypatch.setattr(reading, "_louder", lambda one, begin: one.channel.name in loud and begin == 1.0)
     struck, top = at(1.0, "bar", 3), at(0.81, "top", 4)
-    told = response_reading.told_apart([top, struck, at(5.0, "late", 5), at(0.79, "early", 6)])
+    told = reading.told_apart([top, struck, at(5.0, "late", 5), at(0.79, "early", 6)])
     assert [[f.code for f in one.findings] for one in told] == [
         ["x", "response"],
         ["no-pulse", "x"],
@@ -551,11 +558,11 @@ def test_a_channel_that_swings_after_the_blow_of_another_is_told(monkeypatch):
     assert "after the blow of bar; --base 3" in told[0].findings[-1].message
     assert told[0].findings[-1].harms == FIGURES
     silent = a_reading(name="top")
-    assert [f.code for f in response_reading.told_apart([silent, struck])[0].findings] == ["response"]
+    assert [f.code for f in reading.told_apart([silent, struck])[0].findings] == ["response"]
     loud.clear()
-    assert response_reading.told_apart([top, struck])[0] is top
+    assert reading.told_apart([top, struck])[0] is top
     swinging.add("bar")
-    assert response_reading.told_apart([top, struck]) == [top, struck]
+    assert reading.told_apart([top, struck]) == [top, struck]
 
 
 @pytest.mark.parametrize(
@@ -567,18 +574,16 @@ def test_a_response_needs_samples_and_a_blow_of_its_base(monkeypatch, size, blow
     count = 2 * FEWEST if size == 2 else 2 * FEWEST - 1
     channel = Channel("top", np.sin(np.arange(float(count))), 1e-3, 3.0, "m/s^2")
     base = a_reading(pulses=[blow(3.002, 3.003, 3.004)] * blows)
-    found = response_reading.read_response(channel, 7, Calibration(), Request(), base)
+    found = reading.read_response(channel, 7, Calibration(), Request(), base)
     assert found.number == 7
     said = [
         f.message for f in found.findings if f.code == "no-response" and f.message.endswith("no response is measured")
     ]
     assert len(said) == bool(words)
     filtered = []
-    monkeypatch.setattr(
-        response_reading, "filtered_channel", lambda channel, request: filtered.append(request) or channel
-    )
+    monkeypatch.setattr(reading, "filtered_channel", lambda channel, request: filtered.append(request) or channel)
     for request in (Request(filter=Filter(50.0)), Request(high_pass=HighPass(50.0))):
-        response_reading.read_response(channel, 7, Calibration(), request, base)
+        reading.read_response(channel, 7, Calibration(), request, base)
     assert len(filtered) == (0 if words else 2)
     if words:
         assert words in said[0]
@@ -592,23 +597,23 @@ def test_the_coupling_of_a_response_is_the_one_stated_or_recognised(monkeypatch)
         calls.append((constant, place))
         return above * 2.0
 
-    monkeypatch.setattr(response_reading, "resting", rest)
+    monkeypatch.setattr(reading, "resting", rest)
     one = SimpleNamespace(zero=5.0, decay=FreeDecay(3.1, 3.2))
     record = SimpleNamespace(
         responses=[SimpleNamespace(), one], above=np.arange(3.0), place=lambda time: round((time - 3.0) / 1e-3)
     )
     channel = Channel("a", np.zeros(3), 1e-3, 3.0)
     monkeypatch.setattr(
-        response_reading,
-        "examine_response",
+        reading,
+        "examine",
         lambda examined: [HealthNotice("x", "", 9.0), HealthNotice("ac-coupling", "", 0.25)],
     )
-    plain, (said,) = response_reading._response_without_coupling(channel, record, "auto")
+    plain, (said,) = reading._response_without_coupling(channel, record, "auto")
     assert (plain.values.tolist(), said.value, calls) == ([5.0, 7.0, 9.0], 0.25, [(0.25, 200)])
     assert "AC coupling of 0.6366\xa0Hz (tau = 250\xa0ms) was taken off" in said.message
-    assert response_reading._response_without_coupling(channel, record, 0.5)[1][0].value == 0.5
-    monkeypatch.setattr(response_reading, "examine_response", lambda examined: [])
-    assert response_reading._response_without_coupling(channel, record, "auto") == (channel, [reading.NOT_COUPLED])
+    assert reading._response_without_coupling(channel, record, 0.5)[1][0].value == 0.5
+    monkeypatch.setattr(reading, "examine", lambda examined: [])
+    assert reading._response_without_coupling(channel, record, "auto") == (channel, [reading.NOT_COUPLED])
 
 
 # Files

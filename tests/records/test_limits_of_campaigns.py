@@ -9,7 +9,7 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, WARNING
-from strikewave.records import calibration, campaign, robust, siblings
+from strikewave.records import calibration, campaign, robust
 from strikewave.records.calibration import Calibration, check_part, known_unit, read_calibrations
 from strikewave.records.health_notice import HealthNotice
 
@@ -52,17 +52,17 @@ def told(judge, readings, *more):
 def test_an_excursion_twenty_times_below_the_others_is_no_blow(peak, smooth, found):
     """Or three times below, and three times wider or narrower."""
     others = [reading(blow(100.0)), reading(blow(-90.0)), reading(blow(20.0), blow(110.0))]
-    said = told(siblings._without_blow, [*others, reading(blow(-peak, smooth=smooth))])
+    said = told(campaign._without_blow, [*others, reading(blow(-peak, smooth=smooth))])
     assert said == ([(3, "no-pulse", pytest.approx(peak / 95.0), "bad")] if found else [])
 
 
 def test_files_without_a_blow_need_two_others():
-    assert told(siblings._without_blow, [reading(blow(100.0)), reading(blow(1.0))]) == []
-    assert told(siblings._without_blow, [reading(blow(100.0)), reading(blow(1.0)), reading()]) == []
+    assert told(campaign._without_blow, [reading(blow(100.0)), reading(blow(1.0))]) == []
+    assert told(campaign._without_blow, [reading(blow(100.0)), reading(blow(1.0)), reading()]) == []
     assert [
         k
         for k, *_ in told(
-            siblings._without_blow, [reading(), reading(blow(90.0)), reading(blow(1.0)), reading(blow(95.0))]
+            campaign._without_blow, [reading(), reading(blow(90.0)), reading(blow(1.0)), reading(blow(95.0))]
         )
     ] == [2]
 
@@ -73,23 +73,23 @@ def test_what_comes_in_the_period_of_the_mains_is_no_blow_three_times_below():
 
     others = [reading(blow(100.0)), reading(blow(102.0))]
     for peak, found in ((33.0, True), (35.0, False)):
-        (*_, finding), *rest = [*siblings._without_blow(list(enumerate([*others, mains(peak)]))), (None,)]
+        (*_, finding), *rest = [*campaign._without_blow(list(enumerate([*others, mains(peak)]))), (None,)]
         assert (finding is not None and "in the period of the mains" in finding.message) is found
         assert len(rest) == found
     assert (
-        told(siblings._without_blow, [reading(blow(100.0)), mains(20.0), mains(21.0)]) == []
+        told(campaign._without_blow, [reading(blow(100.0)), mains(20.0), mains(21.0)]) == []
     )  # one alone tells no usual one
-    found = told(siblings._without_blow, [*others, mains(30.0), mains(30.0), mains(30.0)])
+    found = told(campaign._without_blow, [*others, mains(30.0), mains(30.0), mains(30.0)])
     assert [one[0] for one in found] == [2, 3, 4]  # two do, however many of the mains there are
 
 
 def test_a_ratio_that_a_setting_explains_is_left_to_the_gain():
     """A hundredth, of the same width: another gain, and no blow of mains."""
     others = [reading(blow(100.0)) for _ in range(3)]
-    assert told(siblings._without_blow, [*others, reading(blow(1.0))]) == []
-    assert told(siblings._without_blow, [*others, reading(blow(1.0, smooth=2.19e-3))]) == []
-    assert len(told(siblings._without_blow, [*others, reading(blow(1.0, smooth=2.21e-3))])) == 1
-    assert len(told(siblings._without_blow, [*others, reading(blow(1.06))])) == 1
+    assert told(campaign._without_blow, [*others, reading(blow(1.0))]) == []
+    assert told(campaign._without_blow, [*others, reading(blow(1.0, smooth=2.19e-3))]) == []
+    assert len(told(campaign._without_blow, [*others, reading(blow(1.0, smooth=2.21e-3))])) == 1
+    assert len(told(campaign._without_blow, [*others, reading(blow(1.06))])) == 1
 
 
 # Another gain
@@ -105,7 +105,7 @@ def test_a_ratio_that_a_setting_explains_is_left_to_the_gain():
     ],
 )  # fmt: skip
 def test_factors_of_settings_are_met_within_five_percent_or_the_scatter(ratio, scatter, found):
-    scaled = siblings._scaled(ratio, scatter)
+    scaled = campaign._scaled(ratio, scatter)
     assert (scaled and scaled[1]) == (found and pytest.approx(found))
 
 
@@ -122,9 +122,9 @@ PEAKS = [98.0, 100.0, 102.0, 100.0]
 )  # fmt: skip
 def test_a_peak_of_a_factor_and_the_same_width_is_another_gain(peak, width, found):
     files = [*(reading(blow(one)) for one in PEAKS), reading(blow(peak, width=width))]
-    said = told(siblings._other_gain, files)
+    said = told(campaign._other_gain, files)
     assert said == ([(4, "gain-differs", pytest.approx(peak / 100.0), "suspect")] if found else [])
-    beside = told(siblings._other_gain, [reading(), *files])  # one without a blow has no width
+    beside = told(campaign._other_gain, [reading(), *files])  # one without a blow has no width
     assert [(k - 1, *rest) for k, *rest in beside] == said
 
 
@@ -133,11 +133,11 @@ def test_others_that_do_not_agree_tell_no_gain():
     apart = 20.0 / (1.196 * 1.4826)
     for share, found in ((0.99, 1), (1.01, 0)):
         files = [reading(blow(100.0 - share * apart)), reading(blow(100.0 + share * apart)), reading(blow(1000.0))]
-        assert len([k for k, *_ in told(siblings._other_gain, files) if k == 2]) == found
-    assert told(siblings._other_gain, [reading(blow(100.0)), reading(blow(200.0))]) == []
+        assert len([k for k, *_ in told(campaign._other_gain, files) if k == 2]) == found
+    assert told(campaign._other_gain, [reading(blow(100.0)), reading(blow(200.0))]) == []
     assert (
         told(
-            siblings._other_gain, [reading(blow(100.0)), reading(blow(-100.0)), reading(blow(50.0)), reading(blow(0.0))]
+            campaign._other_gain, [reading(blow(100.0)), reading(blow(-100.0)), reading(blow(50.0)), reading(blow(0.0))]
         )
         is not None
     )
@@ -146,7 +146,7 @@ def test_others_that_do_not_agree_tell_no_gain():
 def test_the_message_of_a_gain_says_times_or_part_of():
     def message(peak, **how):
         files = [*(reading(blow(one), **how) for one in PEAKS), reading(blow(peak), **how)]
-        return next(siblings._other_gain(list(enumerate(files))))[1]
+        return next(campaign._other_gain(list(enumerate(files))))[1]
 
     assert (
         "its peak, 200, is about 2 times the median 100 of the other files, and its width is theirs"
@@ -168,16 +168,16 @@ def response(peak, ratio, frequency=500.0):
 
 def test_responses_are_compared_by_their_ratio_and_last_as_their_swings():
     files = [reading(**response(one, one / 50.0)) for one in PEAKS] + [reading(**response(200.0, 4.0))]
-    ((k, finding),) = siblings._other_gain(list(enumerate(files)))
-    assert (k, finding.harms) == (4, siblings.OF_SIZE)
+    ((k, finding),) = campaign._other_gain(list(enumerate(files)))
+    assert (k, finding.harms) == (4, campaign.OF_SIZE)
     assert "its peak over that of the base, 4, is about 2 times the median 2" in finding.message
-    assert siblings._lasting(files[0]) == 1.0 / 500.0
-    assert siblings._lasting(reading(blow(width=3e-3), blow(width=5e-3))) == pytest.approx(4e-3)
-    assert math.isnan(siblings._lasting(reading()))
+    assert campaign._lasting(files[0]) == 1.0 / 500.0
+    assert campaign._lasting(reading(blow(width=3e-3), blow(width=5e-3))) == pytest.approx(4e-3)
+    assert math.isnan(campaign._lasting(reading()))
     files[4] = reading(**response(200.0, 4.0, 560.0))
-    assert list(siblings._other_gain(list(enumerate(files)))) == []
-    assert siblings._size_name(list(enumerate([*files, reading(**response(1.0, NAN))]))) == "peak"
-    assert siblings._size_name([(0, reading(blow()))]) == "peak"
+    assert list(campaign._other_gain(list(enumerate(files)))) == []
+    assert campaign._size_name(list(enumerate([*files, reading(**response(1.0, NAN))]))) == "peak"
+    assert campaign._size_name([(0, reading(blow()))]) == "peak"
 
 
 # Outliers
@@ -186,9 +186,9 @@ def test_responses_are_compared_by_their_ratio_and_last_as_their_swings():
 def test_outliers_differ_by_two_percent_at_least():
     usual = [100.0, 100.01, 99.99, 100.02, 99.98, 100.0, 100.01]
     for peak, found in ((102.1, True), (101.9, False), (97.9, True)):
-        said = told(siblings._outlying, [*(reading(blow(one)) for one in usual), reading(blow(peak))])
+        said = told(campaign._outlying, [*(reading(blow(one)) for one in usual), reading(blow(peak))])
         assert [one[:3] for one in said] == ([(7, "outlier", pytest.approx(peak / 100.0))] if found else [])
-    assert told(siblings._outlying, [reading(blow(one)) for one in (100.0, 100.1, 99.9, 200.0)]) == []
+    assert told(campaign._outlying, [reading(blow(one)) for one in (100.0, 100.1, 99.9, 200.0)]) == []
 
 
 def test_the_message_of_an_outlier_has_its_distance_side_and_unit():
@@ -197,7 +197,7 @@ def test_the_message_of_an_outlier_has_its_distance_side_and_unit():
 
     def said(value, name="width", **how):
         files = [reading(**{name: [one * 1e-3 if name == "width" else one]}, **how) for one in [*usual, value]]
-        return next(siblings._outlying(list(enumerate(files))))[1]
+        return next(campaign._outlying(list(enumerate(files))))[1]
 
     found = said(105.0)
     assert found.harms == ("width",)
@@ -216,9 +216,9 @@ def test_outliers_of_responses_are_of_ratio_and_frequency():
     usual = [99.0, 100.0, 101.0, 99.5, 100.5, 100.0]
     files = [reading(**response(one, one / 50.0, 500.0 + one)) for one in usual]
     wrong = reading(**response(100.0, 2.4, 600.0))
-    ((_, finding),) = siblings._outlying(list(enumerate([*files, wrong])))
-    assert (finding.harms, finding.message.partition(",")[0]) == (siblings.OF_SIZE, "its peak over that of the base")
-    ((k, finding),) = siblings._outlying(list(enumerate([reading(), *files, reading(**response(100.0, 2.0, 650.0))])))
+    ((_, finding),) = campaign._outlying(list(enumerate([*files, wrong])))
+    assert (finding.harms, finding.message.partition(",")[0]) == (campaign.OF_SIZE, "its peak over that of the base")
+    ((k, finding),) = campaign._outlying(list(enumerate([reading(), *files, reading(**response(100.0, 2.0, 650.0))])))
     assert k == 7  # one that answers nothing is passed over
     assert (finding.harms, "650\xa0Hz" in finding.message) == (("frequency",), True)
 
@@ -233,7 +233,7 @@ class Told(Reading):
 
 def test_an_outlier_is_told_where_others_have_its_figure():
     """Peaks of 3 and 5 beside those of three others, 9, 10 and 11; no other states a width, and it no interval."""
-    odd = HealthNotice(sorted(siblings.ODD)[0], "odd", harms=("peak", "width", "interval"))
+    odd = HealthNotice(sorted(campaign.ODD)[0], "odd", harms=("peak", "width", "interval"))
     one = Told((odd, HealthNotice("rebound", "none", harms=("peak",))), {"peak": [3.0, 5.0], "width": [0.1]})
     points = {"peak": ((2, 9.0), (3, 10.0), (4, 11.0)), "interval": ((2, 1.0), (3, 2.0))}
     (found,) = campaign._outliers(7, SimpleNamespace(path="a.csv"), one, points)
@@ -261,7 +261,7 @@ def test_what_is_worth_knowing_is_a_remark_of_a_result_and_all_else_a_warning():
 
 
 def of_files(*readings):
-    return [one[:2] for one in told(siblings._unlike_others, readings)]
+    return [one[:2] for one in told(campaign._unlike_others, readings)]
 
 
 def test_another_sign_needs_three_files_and_a_usual_one():
@@ -299,15 +299,15 @@ def test_another_unit_name_or_rate_is_told():
     assert of_files(usual, reading(blow(), name="a"), reading(blow(), name="b")) == []
     for step, said in ((1.011e-5, True), (1.009e-5, False), (0.989e-5, True), (0.991e-5, False)):
         assert of_files(usual, usual, reading(blow(), step=step)) == [(2, "rate-differs")] * said
-    (found,) = told(siblings._unlike_others, [usual, usual, reading(blow(), step=2e-5)])
+    (found,) = told(campaign._unlike_others, [usual, usual, reading(blow(), step=2e-5)])
     assert found[2] == pytest.approx(5e4)
-    assert list(siblings._unlike_others([(0, usual)])) == []
+    assert list(campaign._unlike_others([(0, usual)])) == []
 
 
 def test_copies_are_named_by_the_first_of_them():
     values = np.array([1.0, 2.0, 4.0])
     files = [reading(values=one) for one in (values, values + 0.0, values[::-1], values.copy(), np.ones(3), np.ones(3))]
-    found = list(siblings._copies([(k + 3, one) for k, one in enumerate(files)], [f"{k}.csv" for k in range(9)]))
+    found = list(campaign._copies([(k + 3, one) for k, one in enumerate(files)], [f"{k}.csv" for k in range(9)]))
     assert [(k, one.value) for k, one in found] == [(4, 4), (6, 4)]
     assert "those of file 4," in found[0][1].message
 
@@ -322,9 +322,9 @@ def test_a_file_without_a_blow_loses_what_was_found_of_it():
         HealthNotice("c", "", harms=("spectrum",)),
     )
     one = ChannelReading(Channel("a", np.zeros(3), 1.0), 1, (blow(),), said, Calibration())
-    found = siblings._found(one, HealthNotice("no-pulse", ""))
+    found = campaign._found(one, HealthNotice("no-pulse", ""))
     assert (found.pulses, [f.code for f in found.findings]) == ((), ["c", "no-pulse"])
-    assert [f.code for f in siblings._found(one, HealthNotice("x", "")).findings] == ["a", "b", "c", "x"]
+    assert [f.code for f in campaign._found(one, HealthNotice("x", "")).findings] == ["a", "b", "c", "x"]
 
 
 def test_a_file_is_bad_by_what_was_found_on_it():

@@ -8,18 +8,23 @@ import pytest
 
 from strikewave.base import declare
 from strikewave.base.errors import InputError
-from strikewave.records.budget import blows, contributions, propagation, spectra
-from strikewave.records.budget.blows import BlowUncertainty, BudgetLine, FigureUncertainty, ReadOff
-from strikewave.records.budget.contributions import (
+from strikewave.records import budget, measured_uncertainty
+from strikewave.records.budget import (
+    TOPICS,
     BlowStretch,
     Budget,
     Contribution,
+    InputQuantity,
+    Propagated,
+    Simulated,
     changed,
     clock_of,
     gain_of,
+    law_of_propagation,
+    monte_carlo,
     of_share,
 )
-from strikewave.records.budget.propagation import InputQuantity, Propagated, Simulated, law_of_propagation, monte_carlo
+from strikewave.records.measured_uncertainty import BlowUncertainty, BudgetLine, FigureUncertainty, ReadOff
 from strikewave.records.measuring import find_pulses
 from strikewave.records.record import Channel
 
@@ -71,7 +76,7 @@ def test_intervals_agree_within_a_quarter_of_a_standard_uncertainty(off, sound):
 
 
 def test_trials_are_added_until_all_is_known(monkeypatch):
-    monkeypatch.setattr(propagation, "TRIALS", 100)
+    monkeypatch.setattr(budget, "TRIALS", 100)
     calls = []
 
     def model(rows):
@@ -93,7 +98,7 @@ def test_trials_are_added_until_all_is_known(monkeypatch):
 @pytest.mark.parametrize(("apart", "stable"), [(0.038, True), (0.042, False)])
 def test_what_batches_differ_by_is_held_against_the_tolerance(monkeypatch, apart, stable):
     """Two batches whose means are d apart: twice their standard deviation over root two is d; a spread of 0.8, a twentieth."""
-    monkeypatch.setattr(propagation, "TRIALS", 100)
+    monkeypatch.setattr(budget, "TRIALS", 100)
     batches = iter([np.tile([-0.8, 0.8], 50) + side * apart for side in (-0.5, 0.5, -0.5, 0.5)])
     found = monte_carlo(lambda rows: next(batches)[:, None], [InputQuantity("x", 1.0)], tolerance=0.05, most=200)
     assert found.stable is stable
@@ -121,7 +126,7 @@ def test_what_a_contribution_does_to_five_samples(one, expected):
 
 
 def test_gains_and_clocks_multiply():
-    kinds = [Contribution(kind, kind, 1.0) for kind in (*contributions.GAINS, "clock", "clock", "offset")]
+    kinds = [Contribution(kind, kind, 1.0) for kind in (*budget.GAINS, "clock", "clock", "offset")]
     drawn = np.array([[0.1, 0.2, 0.3, -0.4, 0.5, 0.6, -0.7, 9.0]])
     assert gain_of(kinds, drawn) == pytest.approx([1.1 * 1.2 * 1.3 * 0.6 * 1.5])
     assert clock_of(kinds, drawn) == pytest.approx([1.6 * 0.3])
@@ -157,10 +162,10 @@ def test_instants_of_sampling_shift_a_stretch_between_its_samples():
     t = np.arange(60.0)
     bell = np.exp(-0.5 * ((t - 30.0) / 4.0) ** 2)
     stretch = BlowStretch(bell, 0.5, 1.0, 20.0, 40.0)
-    found = changed(stretch, [contributions.sampling(0.5)], np.array([[0.25], [-0.125]]))
+    found = changed(stretch, [budget.sampling(0.5)], np.array([[0.25], [-0.125]]))
     for row, shift in zip(found, (0.5, -0.25), strict=True):
         assert row == pytest.approx(np.exp(-0.5 * ((t - 30.0 - shift) / 4.0) ** 2), abs=1e-9)
-    one = contributions.sampling(0.5)
+    one = budget.sampling(0.5)
     assert (one.spread, one.distribution, one.typed) == (0.25, "rectangular", "half of 0.5 s")
 
 
@@ -187,7 +192,7 @@ def test_a_budget_adds_what_it_states_in_amounts():
     assert budget.share is None
     assert budget.indicative == ("s",)
     assert budget.names == ("noise and baseline", "instants of sampling", "o", "n", "d", "s")
-    assert len(budget.not_stated) == len(contributions.TOPICS) - 2
+    assert len(budget.not_stated) == len(TOPICS) - 2
     assert (of_share(0.06).contributions[0].spread, of_share(0.06).share, of_share(0.06).not_stated) == (0.03, 0.06, ())
     assert of_share(0.06).contributions[0].typed == "6 %, k = 2"
     assert Budget((Contribution("sensitivity", "s", 0.1),)).share is None
@@ -207,7 +212,7 @@ def test_a_budget_in_a_document_has_what_is_stated_and_what_the_record_tells():
     }  # fmt: skip
     assert (bare["standard"], bare["status"], bare["source"]) == (0.5, None, None)
     assert (document["title"], document["file"]) == ("a title", "a.toml")
-    assert len(document["not_stated"]) == len(contributions.TOPICS) - 2
+    assert len(document["not_stated"]) == len(budget.TOPICS) - 2
     assert [declare.content(Budget(()))[key] for key in ("title", "file")] == [None, None]
 
 
@@ -223,14 +228,16 @@ def test_the_weights_of_an_integral_between_two_places():
 
     fine = np.linspace(0.5, 2.25, 70001)
     exact = np.sum(0.5 * (line(fine)[1:] + line(fine)[:-1]) * np.diff(fine))
-    assert blows._trapezoid(4, 0.5, 2.25) @ values == pytest.approx(exact, rel=1e-9)
-    assert blows._trapezoid(4, 0.0, 3.0).tolist() == [0.5, 1.0, 1.0, 0.5]
-    assert blows._trapezoid(4, 1.25, 1.75) == pytest.approx([0.0, 0.25, 0.25, 0.0])
+    assert measured_uncertainty._trapezoid(4, 0.5, 2.25) @ values == pytest.approx(exact, rel=1e-9)
+    assert measured_uncertainty._trapezoid(4, 0.0, 3.0).tolist() == [0.5, 1.0, 1.0, 0.5]
+    assert measured_uncertainty._trapezoid(4, 1.25, 1.75) == pytest.approx([0.0, 0.25, 0.25, 0.0])
 
 
 def test_rows_have_peak_width_and_area():
     tent = np.interp(np.arange(21.0), [0.0, 10.0, 20.0], [0.0, 4.0, 0.0])
-    peak, width, area = blows.read_off(np.vstack([tent, 2.0 * tent]), ReadOff(slice(5, 16), 2.0, 18.0, 0.5)).T
+    peak, width, area = measured_uncertainty.read_off(
+        np.vstack([tent, 2.0 * tent]), ReadOff(slice(5, 16), 2.0, 18.0, 0.5)
+    ).T
     assert width == pytest.approx([0.9 * 20.0 * 0.5] * 2, rel=0.01)
     assert area == pytest.approx(np.array([1.0, 2.0]) * (40.0 - 2.0 * 0.8) * 0.5 / 1.0 * 1.0, rel=0.02)
     assert peak[1] == pytest.approx(2.0 * peak[0])
@@ -249,11 +256,11 @@ def test_long_blows_are_averaged_and_keep_their_figures(count, factor, sign):
     """Two hundred samples a blow and half of its length beside it: peak, width and area are those that were measured."""
     channel = half_sine_record(count, sign)
     (pulse,) = find_pulses(channel.values, channel.step, channel.start)
-    found = blows._prepared(channel, pulse)
+    found = measured_uncertainty._prepared(channel, pulse)
     assert (found.factor, found.sign) == (factor, sign)
     assert found.stretch.step == pytest.approx(factor * 1e-5)
     assert found.figures == pytest.approx([abs(pulse.peak), pulse.width, abs(pulse.velocity_change)])
-    again = blows.read_off(found.stretch.values[None], found.where)[0]
+    again = measured_uncertainty.read_off(found.stretch.values[None], found.where)[0]
     assert again == pytest.approx(found.figures, rel=2e-3)
     length = (pulse.end - pulse.begin) / channel.step / factor
     assert found.stretch.end - found.stretch.begin == pytest.approx(length, rel=1e-6)
@@ -270,12 +277,12 @@ def test_long_blows_are_averaged_and_keep_their_figures(count, factor, sign):
 @pytest.mark.parametrize("block", [2, 10**6])
 def test_white_noise_of_each_sample_goes_into_the_area_as_its_root(monkeypatch, block):
     """By a hundred samples of half a unit each: 0.5 h sqrt(100), in blocks of any size; averaged over two, the same."""
-    monkeypatch.setattr(blows, "LARGEST", block * 300)
+    monkeypatch.setattr(measured_uncertainty, "LARGEST", block * 300)
     for count in (150, 450):
         channel = half_sine_record(count)
         (pulse,) = find_pulses(channel.values, channel.step, channel.start)
-        measured = blows._prepared(channel, pulse)
-        found = blows._by_noise(measured, 0.5)
+        measured = measured_uncertainty._prepared(channel, pulse)
+        found = measured_uncertainty._by_noise(measured, 0.5)
         samples = (pulse.end - pulse.begin) / channel.step
         assert found[2] == pytest.approx(0.5 * 1e-5 * math.sqrt(samples), rel=0.01)
         slope = 50.0 * math.pi / count * math.sqrt(0.99)  # at a tenth of the peak, a sample
@@ -286,7 +293,7 @@ def test_white_noise_of_each_sample_goes_into_the_area_as_its_root(monkeypatch, 
 def test_draws_go_through_blocks_of_any_size(monkeypatch):
     channel = half_sine_record(150)
     (pulse,) = find_pulses(channel.values, channel.step, channel.start)
-    measured = blows._prepared(channel, pulse)
+    measured = measured_uncertainty._prepared(channel, pulse)
     kinds = [
         Contribution("linearity", "l", 0.1),
         Contribution("sensitivity", "s", 0.1),
@@ -295,14 +302,14 @@ def test_draws_go_through_blocks_of_any_size(monkeypatch):
     drawn = np.array(
         [[0.0, 0.1, 0.2, 1.0, 2e-5, 3e-5], [0.02, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]]
     )
-    whole = blows._model(measured, kinds)(drawn)
+    whole = measured_uncertainty._model(measured, kinds)(drawn)
     peak, width, area = measured.figures
     assert whole[0] == pytest.approx([1.1 * peak + 1.0, 1.2 * width + 2e-5, 1.1 * 1.2 * area + 3e-5])
     assert whole[1][0] == pytest.approx(1.02 * peak, rel=1e-4)
     assert whole[2] == pytest.approx(measured.figures)
-    monkeypatch.setattr(blows, "LARGEST", measured.stretch.values.size)
-    assert blows._model(measured, kinds)(drawn) == pytest.approx(whole)
-    assert blows._model(measured, kinds[1:])(drawn[:, 1:])[0] == pytest.approx(whole[0])
+    monkeypatch.setattr(measured_uncertainty, "LARGEST", measured.stretch.values.size)
+    assert measured_uncertainty._model(measured, kinds)(drawn) == pytest.approx(whole)
+    assert measured_uncertainty._model(measured, kinds[1:])(drawn[:, 1:])[0] == pytest.approx(whole[0])
 
 
 def line(name, standard, share=0.0):
@@ -314,16 +321,24 @@ def test_a_blow_like_one_that_was_checked_has_its_coverage():
         return FigureUncertainty(9.0, standard, coverage * standard, coverage, method, rows)
 
     rows = (line("a", 3.0), line("b", 4.0), line("c", NAN))
-    one = BlowUncertainty({"peak": of(5.0, blows.BY_LAW, 2.0, *rows), "width": of(5.0, blows.BY_LAW, 2.0, *rows)})
+    one = BlowUncertainty(
+        {
+            "peak": of(5.0, measured_uncertainty.BY_LAW, 2.0, *rows),
+            "width": of(5.0, measured_uncertainty.BY_LAW, 2.0, *rows),
+        }
+    )
     assert one.figures["peak"].by_law == 5.0
     checked = BlowUncertainty(
-        {"peak": of(12.0, blows.BY_TRIALS, 1.7, line("a", 10.0)), "width": of(12.0, blows.BY_LAW, 1.7, line("a", 10.0))}
+        {
+            "peak": of(12.0, measured_uncertainty.BY_TRIALS, 1.7, line("a", 10.0)),
+            "width": of(12.0, measured_uncertainty.BY_LAW, 1.7, line("a", 10.0)),
+        }
     )
     found = one.alike(checked).figures
     assert (found["peak"].standard, found["peak"].expanded, found["peak"].coverage) == (6.0, pytest.approx(10.2), 1.7)
-    assert found["peak"].method == blows.BY_TRIALS
+    assert found["peak"].method == measured_uncertainty.BY_TRIALS
     assert found["width"] is one.figures["width"]
-    still = BlowUncertainty({name: of(12.0, blows.BY_TRIALS, 1.7) for name in ("peak", "width")})
+    still = BlowUncertainty({name: of(12.0, measured_uncertainty.BY_TRIALS, 1.7) for name in ("peak", "width")})
     assert one.alike(still).figures["peak"].standard == 5.0
 
 
@@ -332,12 +347,12 @@ def test_figures_are_summed_by_the_law_or_by_trials():
         figures = np.array([10.0, 3.0, 8.0])
         sign = -1.0
 
-    inputs = blows._Inputs(
+    inputs = measured_uncertainty._Inputs(
         (Contribution("offset", "o", 1.0),), (("record", np.array([4.0, NAN, 0.0])),), np.array([False, True, False])
     )
     propagated = Propagated(Kept.figures, np.array([[-3.0, 2.0, 0.0], [4.0, 0.0, 0.0]]))
-    found = blows._summed(Kept, inputs, propagated, None)
-    peak, width, velocity = (found.figures[name] for name in blows.FIGURES)
+    found = measured_uncertainty._summed(Kept, inputs, propagated, None)
+    peak, width, velocity = (found.figures[name] for name in measured_uncertainty.FIGURES)
     assert (peak.value, width.value, velocity.value) == (-10.0, 3.0, -8.0)
     assert (peak.standard, peak.expanded, peak.coverage) == (5.0, 10.0, 2.0)
     assert list(peak.contributions) == [line("record", 4.0, 0.64), line("o", 3.0, 0.36)]
@@ -348,9 +363,14 @@ def test_figures_are_summed_by_the_law_or_by_trials():
     apart = Simulated(
         np.zeros(3), np.array([6.0, 7.0, 0.0]), np.array([1.0, 0.0, 8.0]), np.array([22.0, 0.0, 8.0]), 500, True
     )
-    found = blows._summed(Kept, inputs, propagated, apart)
+    found = measured_uncertainty._summed(Kept, inputs, propagated, apart)
     peak = found.figures["peak"]
-    assert (peak.standard, peak.expanded, peak.coverage, peak.method) == (6.0, 12.0, 2.0, blows.BY_TRIALS)
+    assert (peak.standard, peak.expanded, peak.coverage, peak.method) == (
+        6.0,
+        12.0,
+        2.0,
+        measured_uncertainty.BY_TRIALS,
+    )
     assert (found.trials, found.validated["peak"], found.validated["velocity_change"]) == (500, False, True)
     assert math.isnan(found.figures["width"].standard)
 
@@ -358,33 +378,39 @@ def test_figures_are_summed_by_the_law_or_by_trials():
 def test_noise_stands_in_place_of_what_the_record_does_not_tell():
     channel = half_sine_record(150)
     (pulse,) = find_pulses(channel.values[1400:], channel.step, channel.start)
-    measured = blows._prepared(Channel("a", channel.values[1400:], channel.step, channel.start), pulse)
+    measured = measured_uncertainty._prepared(Channel("a", channel.values[1400:], channel.step, channel.start), pulse)
     assert np.isnan(dataclasses.astuple(pulse.uncertainty)).all()
 
     def unknown(*kinds):
-        return blows._inputs(
+        return measured_uncertainty._inputs(
             channel, pulse, Budget(tuple(Contribution(kind, kind, 0.02) for kind in kinds)), measured
         ).unknown.tolist()
 
     assert unknown() == [True] * 3
     assert unknown("acceleration") == [False, True, False]
     assert unknown("noise") == unknown("offset") == [False] * 3
-    found = blows._inputs(
+    found = measured_uncertainty._inputs(
         channel, pulse, Budget((Contribution("noise", "n", 0.02), Contribution("drift", "d", 0.02))), measured
     )
     assert [one.kind for one in found.contributions] == ["sampling", "drift"]
-    assert dict(found.added)["n"][2] == pytest.approx(blows._by_noise(measured, 0.02 * abs(pulse.peak))[2])
-    amount = blows._inputs(channel, pulse, Budget((Contribution("noise", "n", 0.02, relative=False),)), measured)
-    assert dict(amount.added)["n"][2] == pytest.approx(blows._by_noise(measured, 0.02)[2])
+    assert dict(found.added)["n"][2] == pytest.approx(
+        measured_uncertainty._by_noise(measured, 0.02 * abs(pulse.peak))[2]
+    )
+    amount = measured_uncertainty._inputs(
+        channel, pulse, Budget((Contribution("noise", "n", 0.02, relative=False),)), measured
+    )
+    assert dict(amount.added)["n"][2] == pytest.approx(measured_uncertainty._by_noise(measured, 0.02)[2])
     assert [one.name for one in found.quantities] == ["instants of sampling", "d", "peak", "width", "velocity_change"]
-    two = blows._Inputs((), (("a", np.array([3.0, NAN, 0.0])), ("b", np.array([4.0, 2.0, 0.0]))), np.zeros(3, bool))
+    two = measured_uncertainty._Inputs(
+        (), (("a", np.array([3.0, NAN, 0.0])), ("b", np.array([4.0, 2.0, 0.0]))), np.zeros(3, bool)
+    )
     assert [one.spread for one in two.quantities] == [5.0, 2.0, 0.0]
 
 
 def test_the_largest_blow_of_each_channel_is_checked_and_the_others_are_like_it(monkeypatch):
     from types import SimpleNamespace
 
-    from strikewave.records import budgeted
+    from strikewave.records import reading
     from strikewave.records.calibration import Calibration
     from strikewave.records.reading import ChannelReading, FileReading
 
@@ -398,7 +424,7 @@ def test_the_largest_blow_of_each_channel_is_checked_and_the_others_are_like_it(
         done.append((pulse.peak, trials))
         return Found(peak=pulse.peak)
 
-    monkeypatch.setattr(budgeted, "blow_uncertainty", uncertainty)
+    monkeypatch.setattr(reading, "blow_uncertainty", uncertainty)
 
     def file_of(number, *peaks, unit="m/s^2"):
         pulses = tuple(SimpleNamespace(peak=peak) for peak in peaks)
@@ -407,7 +433,7 @@ def test_the_largest_blow_of_each_channel_is_checked_and_the_others_are_like_it(
         )
 
     files = [file_of(1, 3.0, -7.0, 5.0), file_of(1, 6.0), file_of(2, 1.0), file_of(1)]
-    found = [one.channels[0].uncertainties for one in budgeted.with_budget(files, of_share(0.05))]
+    found = [one.channels[0].uncertainties for one in reading.with_budget(files, of_share(0.05))]
     assert found[0][0] == ("alike", 3.0, -7.0)
     assert (found[0][1].peak, found[0][2], found[1][0], found[2][0].peak, found[3]) == (
         -7.0,
@@ -418,15 +444,15 @@ def test_the_largest_blow_of_each_channel_is_checked_and_the_others_are_like_it(
     )
     assert [one for one in done if one[1]] == [(-7.0, True), (1.0, True)]
     done.clear()
-    first, second = budgeted.with_budget([file_of(3, 4.0), file_of(3, 1.0, -5.0)], of_share(0.05))
+    first, second = reading.with_budget([file_of(3, 4.0), file_of(3, 1.0, -5.0)], of_share(0.05))
     assert first.channels[0].uncertainties == (("alike", 4.0, -5.0),)
     assert second.channels[0].uncertainties[0] == ("alike", 1.0, -5.0)
     assert done == [(-5.0, True), (4.0, False), (1.0, False)]
     amount = Budget((Contribution("offset", "zero", 3.0, relative=False),))
-    budgeted.check_amounts(amount, files[0].channels[0])
-    budgeted.check_amounts(of_share(0.05), file_of(1, 1.0, unit="N").channels[0])
+    reading.check_amounts(amount, files[0].channels[0])
+    reading.check_amounts(of_share(0.05), file_of(1, 1.0, unit="N").channels[0])
     with pytest.raises(InputError, match="zero states an acceleration"):
-        budgeted.check_amounts(amount, file_of(1, 1.0, unit="N").channels[0])
+        reading.check_amounts(amount, file_of(1, 1.0, unit="N").channels[0])
 
 
 # Spectra
@@ -441,7 +467,9 @@ SPECTRAL = half_sine_record(60)
 
 def of_spectrum(*kinds, channel=SPECTRAL, spectrum=largest, pulses=None):
     pulses = find_pulses(channel.values, channel.step, channel.start) if pulses is None else pulses
-    return spectra.spectrum_uncertainty(channel, 0.5, pulses, Budget(kinds), np.array([10.0, 20.0, 80.0]), spectrum)
+    return measured_uncertainty.spectrum_uncertainty(
+        channel, 0.5, pulses, Budget(kinds), np.array([10.0, 20.0, 80.0]), spectrum
+    )
 
 
 def by(found, name):
@@ -465,8 +493,8 @@ def test_what_each_contribution_does_to_a_spectrum():
     assert found.expanded == pytest.approx(2.0 * found.standard)
     assert found.lowest(2).standard.tolist() == found.standard[:2].tolist()
     assert [each.standard.size for each in found.lowest(2).contributions] == [2] * 5
-    part = spectra.SpectrumPart("a", np.arange(6.0).reshape(2, 3))
-    rows = spectra.SpectrumUncertainty(np.arange(6.0).reshape(2, 3), contributions=[part])
+    part = measured_uncertainty.SpectrumPart("a", np.arange(6.0).reshape(2, 3))
+    rows = measured_uncertainty.SpectrumUncertainty(np.arange(6.0).reshape(2, 3), contributions=[part])
     assert (rows.of_row(1).standard.tolist(), rows.of_row(1).contributions[0].standard.tolist()) == (
         [3.0, 4.0, 5.0],
         [3.0, 4.0, 5.0],
@@ -477,12 +505,12 @@ def test_a_clock_moves_a_spectrum_along_its_slope():
     """Of f^-1.5 the slope over the logarithm is -1.5 of it; between lines a chord stands for it."""
     frequency = np.array([10.0, 20.0, 40.0])
     spectrum = 6.0 - 1.5 * np.log(frequency)
-    found = spectra.spectrum_uncertainty(
+    found = measured_uncertainty.spectrum_uncertainty(
         SPECTRAL, 0.0, [], Budget((Contribution("clock", "c", 0.02),)), frequency, lambda values: spectrum
     )
     assert by(found, "c") == pytest.approx(np.full(3, 0.02 * 1.5))
     assert np.isnan(found.standard).all()  # no blow: noise and baseline are not known
-    alone = spectra.spectrum_uncertainty(
+    alone = measured_uncertainty.spectrum_uncertainty(
         SPECTRAL, 0.0, [], Budget((Contribution("clock", "c", 0.02),)), frequency[:1], lambda values: spectrum[:1]
     )
     assert by(alone, "c").tolist() == [0.0]
@@ -515,7 +543,9 @@ def test_noise_and_baseline_need_seven_widths_before_the_first_blow(before, know
     length = (whole.end - whole.begin) / channel.step
     first = round((whole.begin - channel.start) / channel.step - (7.5 * length + (3 if known else -3)))
     cut = Channel("a", channel.values[first:], channel.step, channel.start + first * channel.step)
-    found = spectra.spectrum_uncertainty(cut, 0.0, [whole], Budget(()), np.array([10.0, 20.0, 80.0]), largest)
+    found = measured_uncertainty.spectrum_uncertainty(
+        cut, 0.0, [whole], Budget(()), np.array([10.0, 20.0, 80.0]), largest
+    )
     own = by(found, "noise and baseline")
     assert np.isfinite(own).all() == known
     assert found.standard == pytest.approx(np.hypot(own, by(found, "instants of sampling")), nan_ok=True)
@@ -528,6 +558,8 @@ def test_noise_and_baseline_need_seven_widths_before_the_first_blow(before, know
 
 
 def test_draws_are_those_of_one_generator():
-    found = spectra._by_draws(np.zeros(3), lambda values: values, lambda generator: generator.standard_normal(3))
+    found = measured_uncertainty._by_draws(
+        np.zeros(3), lambda values: values, lambda generator: generator.standard_normal(3)
+    )
     rows = np.random.default_rng(0).standard_normal((24, 3))
     assert found == pytest.approx(np.std(rows, axis=0, ddof=1))

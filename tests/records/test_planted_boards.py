@@ -9,8 +9,8 @@ import planted_boards
 import pytest
 from planted import boards
 
+from strikewave.records.campaign import compare
 from strikewave.records.reading import FileReading
-from strikewave.records.siblings import compare
 
 FIRST = 50_000
 ALARMS = 0.02

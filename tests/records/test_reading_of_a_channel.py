@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.records import budgeted
+from strikewave.records import reading
 from strikewave.records import reading as readings
 from strikewave.records.baseline import LocalBaseline
 from strikewave.records.calibration import Calibration
-from strikewave.records.file_reading import read_file
 from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.measuring import RecordedPulse
-from strikewave.records.reading import ChannelReading, FileReading, Request
+from strikewave.records.reading import ChannelReading, FileReading, Request, read_file
 from strikewave.records.record import Channel, Record
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.records.tail import TailModel
@@ -103,10 +102,10 @@ def test_a_budget_that_states_an_acceleration_is_for_accelerations():
     ):
         budget = SimpleNamespace(contributions=contributions)
         if allowed:
-            budgeted.check_amounts(budget, channel)
+            reading.check_amounts(budget, channel)
         else:
             with pytest.raises(InputError, match="cell, N"):
-                budgeted.check_amounts(budget, channel)
+                reading.check_amounts(budget, channel)
 
 
 def test_of_each_channel_the_largest_blow_is_tried_by_draws(monkeypatch):
@@ -119,7 +118,7 @@ def test_of_each_channel_the_largest_blow_is_tried_by_draws(monkeypatch):
             else SimpleNamespace(peak=pulse.peak, tried=True)
         )
 
-    monkeypatch.setattr(budgeted, "blow_uncertainty", state)
+    monkeypatch.setattr(reading, "blow_uncertainty", state)
     files = [
         FileReading(
             "a", "text", (reading_of(blow(1, 2, 3.0), blow(3, 4, -5.0)), reading_of(blow(1, 2, 1.0), number=2))
@@ -129,7 +128,7 @@ def test_of_each_channel_the_largest_blow_is_tried_by_draws(monkeypatch):
         ),
         FileReading("c", "text", (reading_of(),)),
     ]
-    found = budgeted.with_budget(files, SimpleNamespace(contributions=[]))
+    found = reading.with_budget(files, SimpleNamespace(contributions=[]))
     tried = [[[getattr(one, "tried", one) for one in each.uncertainties] for each in file.channels] for file in found]
     assert tried == [[[(3.0, -5.0), True], [(1.0, -2.0)]], [[(4.0, -5.0)], [True, (1.5, -2.0)]], [[]]]
 

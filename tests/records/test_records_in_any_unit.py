@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from strikewave.records import Channel, Record, Request, compare, find_pulses, read_file, summed
-from strikewave.records.budget.blows import blow_uncertainty
-from strikewave.records.budget.contributions import Budget, Contribution
+from strikewave.records.budget import Budget, Contribution
+from strikewave.records.measured_uncertainty import blow_uncertainty
 from strikewave.records.response import BaseBlow, measure_responses
 from strikewave.records.two_sensors import paired_motion
 

@@ -10,8 +10,7 @@ from planted import noises
 
 from strikewave.base.errors import InputError
 from strikewave.records import response
-from strikewave.records.file_reading import read_file
-from strikewave.records.reading import Request
+from strikewave.records.reading import Request, read_file
 from strikewave.records.record import Channel, Record
 from strikewave.records.response import (
     BaseBlow,

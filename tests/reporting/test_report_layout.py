@@ -23,9 +23,8 @@ from strikewave.papers.li_ma_2019.report.page import reproduction_report
 from strikewave.papers.li_ma_2019.reproduce import reproduce
 from strikewave.papers.li_ma_2019.runs import Effort
 from strikewave.records.campaign import compare, summed
-from strikewave.records.file_reading import read_file
 from strikewave.records.readers import read_record
-from strikewave.records.reading import Request
+from strikewave.records.reading import Request, read_file
 from strikewave.reporting.bands import band_sections, band_words
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import Formula, Section, Table, Tag

@@ -7,8 +7,8 @@ from typing import get_args
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.records.budget.contributions import KINDS as CHANGES
-from strikewave.records.budget.contributions import TOPICS
+from strikewave.records.budget import KINDS as CHANGES
+from strikewave.records.budget import TOPICS
 from strikewave.specifications.budget_file import FIELDS_OF_KINDS, ContributionTable, Kind, load_budget
 
 HEAD = 'schema = 1\ntitle = "t"\nstatus = "normative"\nsource = "certificate 17"\n'

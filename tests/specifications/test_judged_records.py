@@ -10,10 +10,10 @@ import pytest
 from strikewave.base import declare
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import plain
-from strikewave.records.budget.blows import BlowUncertainty, FigureUncertainty
-from strikewave.records.budget.contributions import RECORD, SAMPLING, of_share
+from strikewave.records.budget import RECORD, SAMPLING, of_share
 from strikewave.records.calibration import Calibration
 from strikewave.records.health_notice import HealthNotice
+from strikewave.records.measured_uncertainty import BlowUncertainty, FigureUncertainty
 from strikewave.records.reading import ChannelReading, FileReading, Request, read_channel
 from strikewave.records.record import Channel
 from strikewave.records.smooth_pulse import PulseUncertainty

@@ -6,22 +6,20 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from strikewave.records.calibration import Calibration, calibrations_beside
     from strikewave.records.campaign import Campaign, Statistic, Trend, compare, summed
-    from strikewave.records.file_reading import read_file, repeats
     from strikewave.records.health_notice import HealthNotice, unreadable, worst
     from strikewave.records.measuring import RecordedPulse, find_pulses
     from strikewave.records.readers import Options, read_measurements, read_record
-    from strikewave.records.reading import ChannelReading, FileReading, Request
+    from strikewave.records.reading import ChannelReading, FileReading, Request, read_file, repeats
     from strikewave.records.record import Channel, Record
     from strikewave.records.sample_store import SampleStore
 
 _ROOMS = {
     "calibration": ("Calibration", "calibrations_beside"),
     "campaign": ("Campaign", "Statistic", "Trend", "compare", "summed"),
-    "file_reading": ("read_file", "repeats"),
     "health_notice": ("HealthNotice", "unreadable", "worst"),
     "measuring": ("RecordedPulse", "find_pulses"),
     "readers": ("Options", "read_measurements", "read_record"),
-    "reading": ("ChannelReading", "FileReading", "Request"),
+    "reading": ("ChannelReading", "FileReading", "Request", "read_file", "repeats"),
     "record": ("Channel", "Record"),
     "sample_store": ("SampleStore",),
 }

@@ -1,24 +1,312 @@
-"""Many records of the same test in one table: means, scatter, bounds and trend."""
+"""Many records of the same test: each judged against its siblings, and all in one table.
+
+What only the other files of a test show is found: another sign, gain, length, unit or name, outliers, copies. Means,
+scatter, bounds and trend are those of what is left.
+"""
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from strikewave.base import declare
 from strikewave.base.declare import NOT_MEASURED
+from strikewave.base.errors import show
+from strikewave.base.percents import plain
 from strikewave.base.shock_quantities import RATIO
+from strikewave.records.health.sampled_record import with_unit
+from strikewave.records.health_notice import BLOW, HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.record import Array
-from strikewave.records.robust import median_line, spread_of
-from strikewave.records.siblings import ODD, SUMMED, compare
+from strikewave.records.robust import FEWEST_FOR_OUTLIERS, median_line, outliers, spread_of
+from strikewave.records.trains import mains_period
 
-__all__ = ["Campaign", "Outlier", "Statistic", "Trend", "compare", "statistic", "summed", "trend"]
+SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")
+"""The figures of a campaign."""
+COMPARED = ("peak", "width", "velocity_change", "interval")
+"""Figures in which outliers are sought: rise times of few samples and the highest of several modes jump as they are."""
+OF_SIZE = ("peak", "ratio", "rms")
+"""Figures of a response that grow with it."""
+ODD = ("gain-differs", "outlier", "polarity-differs")
+"""Codes of findings whose figures are left out because the other files disagree."""
+COPY = "copy"
+"""Code of the finding of a channel whose samples are those of a file before it."""
+FAR = 100
+"""Standard deviations beyond which more tell nothing more."""
+FALSE_ALARM = 0.01
+"""Campaigns of normal scatter, without a fault, in which a value is called an outlier; shared by the figures."""
+LEAST_OUTLIER = 0.02
+"""Share by which an outlier differs from the median at least: sensors and their mounting are no better."""
+FACTORS = {
+    "is the gain set otherwise?": (2.0, 5.0, 100.0),
+    "is the gain set otherwise, or m/s^2 taken for g?": (10.0,),
+    "is it in another unit?": (1000.0,),
+}
+"""By what a wrong setting multiplies a record, or divides it, and the question to ask; 10 and 9.80665 lie too close."""
+NEAR_FACTOR, MOST_NEAR = 0.05, 0.15
+"""Share by which a ratio may differ from such a factor: 5 %, or three times the scatter of the others, at most 15 %."""
+AGREE = 0.2
+"""Scatter of the others over their median up to which they agree, so that one file is the odd one."""
+CLEAR = 5.0
+"""Times that scatter by which the odd one differs."""
+SAME_WIDTH = 0.1
+"""Share by which the width of a record at another gain differs from the usual: a softer blow lasts longer."""
+NO_BLOW = 20.0
+"""Times that the usual peak is the largest excursion of a file without a blow: no test scatters so."""
+LOWER, OTHER_WIDTH = 3.0, 3.0
+"""Times that the usual peak is an excursion of a file without a blow if it is also this much wider or narrower, or
+comes in the period of the mains."""
+SHORTER, MOST = 0.9, 0.6
+"""A record that lasts less than this share of the usual one is shorter than its siblings, where most last as long.
+
+Where a recorder stops by hand all last differently, and none is short."""
+AS_LONG = 0.01
+"""Share by which records that last as long may differ: a few samples of a trigger."""
+SAME_RATE = 0.01
+"""Share by which sampling rates may differ without a finding: clocks of recorders are good to 1e-4."""
+
+
+def compare(files: Sequence[FileReading]) -> list[FileReading]:
+    """Return the files with what only their siblings show.
+
+    A file that holds no blow beside theirs loses what was taken for one. Another sign, gain, length, unit, name or
+    sampling rate, and outliers, are found.
+
+    Examples
+    --------
+    >>> compare([])
+    []
+    """
+    changed = list(files)
+    if len(changed) < 2:
+        return changed
+    copies = functools.partial(_copies, paths=[file.path for file in files])
+    for number in sorted({reading.number for file in files for reading in file.channels}):
+        for judge in (_without_blow, copies, _unlike_others, _other_gain, _outlying):
+            found = ((k, file.numbered(number)) for k, file in enumerate(changed))
+            readings = [(k, reading) for k, reading in found if reading is not None]
+            for compared in _in_one_unit(readings) if judge in OF_SIZES else [readings]:
+                for k, finding in list(judge(compared)):
+                    changed[k] = _with(changed[k], number, finding)
+    return changed
+
+
+def _in_one_unit(readings: list[tuple[int, ChannelReading]]) -> list[list[tuple[int, ChannelReading]]]:
+    """Return readings apart by unit: 500 of a file that names none is neither more nor less than 3000 g."""
+    units = dict.fromkeys(reading.channel.unit for _, reading in readings)
+    return [[pair for pair in readings if pair[1].channel.unit == unit] for unit in units]
+
+
+def _with(file: FileReading, number: int, finding: HealthNotice) -> FileReading:
+    """Return a file with a finding on one of its channels; its blows are none where it finds that."""
+    channels = tuple(_found(one, finding) if one.number == number else one for one in file.channels)
+    return dataclasses.replace(file, channels=channels)
+
+
+def _found(reading: ChannelReading, finding: HealthNotice) -> ChannelReading:
+    """Return a reading with a finding; where that is no blow, without its blows and what was found of them."""
+    if finding.code != "no-pulse":
+        return reading.with_finding(finding)
+    kept = tuple(known for known in reading.findings if not set(known.harms) & {*BLOW, "interval"})
+    return dataclasses.replace(reading, pulses=(), findings=(*kept, finding))
+
+
+def _largest(reading: ChannelReading) -> float:
+    return max(abs(pulse.peak) for pulse in reading.pulses)
+
+
+def _without_blow(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding for each file whose blows are none beside those of most of the others."""
+    struck = [(k, reading) for k, reading in readings if reading.pulses]
+    if len(struck) < 3:
+        return
+    sure = [reading for _, reading in struck if not _of_mains(reading)]
+    sure = sure if len(sure) > 1 else [reading for _, reading in struck]
+    usual = float(np.median([_largest(reading) for reading in sure]))
+    width = float(np.median([reading.pulses[0].smooth.width() for reading in sure]))
+    for k, reading in struck:
+        ratio = usual / _largest(reading)
+        wider = max(reading.pulses[0].smooth.width() / width, width / reading.pulses[0].smooth.width())
+        mains = _of_mains(reading)
+        if ratio > NO_BLOW or (ratio > LOWER and (wider > OTHER_WIDTH or mains)):
+            unit = reading.channel.unit
+            message = (
+                f"no blow: its largest excursion, {with_unit(_largest(reading), unit)}, is {plain(ratio)} times "
+                f"below the median {with_unit(usual, unit)} of the other files"
+            )
+            message += ", and comes again in the period of the mains" if mains else ""
+            if _scaled(1.0 / ratio, 0.0) is None or wider > 1.0 + SAME_WIDTH:
+                harms = (*BLOW, "interval", "spectrum")
+                yield k, HealthNotice("no-pulse", message, 1.0 / ratio, severity="bad", harms=harms)
+
+
+def _of_mains(reading: ChannelReading) -> bool:
+    """Tell whether blows come in the period of the mains."""
+    times = np.array([pulse.time for pulse in reading.pulses])
+    return mains_period(times, np.array([pulse.smooth.width() for pulse in reading.pulses])) > 0.0
+
+
+def _scaled(ratio: float, scatter: float) -> tuple[str, float] | None:
+    """Return which setting gives such a ratio of peaks most nearly, and its factor; None where none does."""
+    reach = min(max(NEAR_FACTOR, 3.0 * scatter), MOST_NEAR)
+    settings = [(what, exact) for what, factors in FACTORS.items() for f in factors for exact in (f, 1.0 / f)]
+    nearest = min(settings, key=lambda one: abs(math.log(ratio / one[1])))
+    return nearest if abs(math.log(ratio / nearest[1])) < reach else None
+
+
+def _copies(readings: list[tuple[int, ChannelReading]], paths: Sequence[str]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding for each file whose samples are those of a file before it."""
+    firsts: dict[tuple[int, float], list[int]] = {}
+    for place, (file, reading) in enumerate(readings):
+        values = reading.channel.values
+        alike = firsts.setdefault((values.size, float(np.sum(values))), [])
+        for other in alike:
+            if np.array_equal(values, readings[other][1].channel.values) and np.ptp(values) > 0.0:
+                first = readings[other][0]
+                message = (
+                    f"its samples are those of file {first + 1}, {show(Path(paths[first]).name)}: a copy tells nothing "
+                    "new of the scatter, and the mean and its bounds count it again"
+                )
+                yield file, HealthNotice(COPY, message, first + 1, severity="good")
+                break
+        else:
+            alike.append(place)
+
+
+def _values(readings: list[tuple[int, ChannelReading]], name: str) -> tuple[list[int], list[float]]:
+    """Return the places of the readings that state a figure, and its mean in each."""
+    means = [(place, reading.figures(name)) for place, (_, reading) in enumerate(readings)]
+    stated = [(place, float(np.mean(values))) for place, values in means if values]
+    return [place for place, _ in stated], [value for _, value in stated]
+
+
+def _size_name(readings: list[tuple[int, ChannelReading]]) -> str:
+    """Return the figure that a gain changes: the peak, and of responses to bases in their unit the ratio to it."""
+    ratios = [response.ratio for _, reading in readings for response in reading.responses]
+    return "ratio" if ratios and all(map(math.isfinite, ratios)) else "peak"
+
+
+def _lasting(reading: ChannelReading) -> float:
+    """Return what a gain does not change: the width of the blows, or a swing of the strongest mode, s."""
+    if reading.responses:
+        times = [1.0 / frequency for frequency in reading.figures("frequency")]
+    else:
+        times = [pulse.width for pulse in reading.pulses]
+    return float(np.mean(times)) if times else math.nan
+
+
+def _other_gain(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding for each file whose peak is that of the others times a factor, and that lasts as long as they."""
+    name = _size_name(readings)
+    places, peaks = _values(readings, name)
+    if len(places) < 3:
+        return
+    usual_width = float(np.median([_lasting(readings[place][1]) for place in places]))
+    for place, peak in zip(places, peaks, strict=True):
+        file, reading = readings[place]
+        others = [value for other, value in zip(places, peaks, strict=True) if other != place]
+        usual = float(np.median(others))
+        if not usual:  # as many to one side as to the other
+            continue
+        scatter = abs(spread_of(others) / usual)
+        ratio = peak / usual
+        same = _scaled(ratio, scatter) if ratio > 0.0 else None
+        if same is None or scatter > AGREE or abs(ratio - 1.0) < CLEAR * scatter:
+            continue
+        if abs(_lasting(reading) / usual_width - 1.0) > SAME_WIDTH:
+            continue
+        what, factor = same
+        unit = "" if name == "ratio" else reading.channel.unit
+        times = f"{factor:.5g} times" if factor > 1.0 else f"1/{1.0 / factor:.5g} of"
+        called = "peak over that of the base" if name == "ratio" else "peak"
+        as_long = "its swings last as long as theirs" if reading.responses else "its width is theirs"
+        message = (
+            f"its {called}, {with_unit(peak, unit)}, is about {times} the median {with_unit(usual, unit)} of the other "
+            f"files, and {as_long}: {what}"
+        )
+        harms = OF_SIZE if reading.responses else ("peak", "velocity_change")
+        yield file, HealthNotice("gain-differs", message, ratio, harms=harms)
+
+
+def _outlying(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding for each figure of a file that is an outlier among those of the others."""
+    answers = any(reading.responses for _, reading in readings)
+    for name in (_size_name(readings), "frequency") if answers else COMPARED:
+        places, values = _values(readings, name)
+        if len(values) < FEWEST_FOR_OUTLIERS:
+            continue
+        found = outliers(values, FALSE_ALARM / len(COMPARED))
+        usual = float(np.median(np.delete(values, found)))
+        spread = float(np.std(np.delete(values, found), ddof=1))  # above zero: equal values have no outlier
+        for k in found:
+            if abs(values[k] - usual) < LEAST_OUTLIER * abs(usual):
+                continue
+            file, reading = readings[places[k]]
+            unit = {"peak": reading.channel.unit, **dict.fromkeys(("velocity_change", "ratio"), ""), "frequency": "Hz"}
+            off, side = abs(values[k] - usual) / spread, "above" if values[k] > usual else "below"
+            far = f"{plain(off, 2)}" if off < FAR else f"more than {FAR}"
+            called = "peak over that of the base" if name == "ratio" else name.replace("_", " ")
+            message = (
+                f"its {called}, {with_unit(values[k], unit.get(name, 's'))}, is an outlier: {far} "
+                f"standard deviations {side} the median {with_unit(usual, unit.get(name, 's'))} of the other files"
+            )
+            harms = OF_SIZE if answers and name != "frequency" else (name,)
+            over = values[k] / usual if usual else math.inf
+            yield file, HealthNotice("outlier", message, over, harms=harms)
+
+
+def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int, HealthNotice]]:
+    """Yield a finding, with the number of its file, for each channel that differs from those of the other files.
+
+    Which of two files is the odd one is known from neither: sign and length need three.
+    """
+    if len(readings) < 2:
+        return
+    signs = [math.copysign(1.0, reading.pulses[0].peak) if reading.pulses else 0.0 for _, reading in readings]
+    usual_sign = math.copysign(1.0, sum(signs))
+    durations = [reading.channel.duration for _, reading in readings]
+    usual = float(np.median(durations))
+    fixed = sum(abs(duration - usual) <= AS_LONG * usual for duration in durations) >= MOST * len(durations)
+    units = [reading.channel.unit for _, reading in readings]
+    usual_unit = max(units, key=units.count)
+    names = [reading.channel.name for _, reading in readings]
+    usual_name = max(names, key=names.count)
+    usual_step = float(np.median([reading.channel.step for _, reading in readings]))
+    for (file, reading), sign, duration in zip(readings, signs, durations, strict=True):
+        channel = reading.channel
+        if len(readings) > 2 and sign == -usual_sign and abs(sum(signs)) > 0.0:
+            message = "its blows have the other sign than those of the other files: --polarity turns a channel"
+            yield (
+                file,
+                HealthNotice("polarity-differs", message, sign, severity="suspect", harms=("peak", "velocity_change")),
+            )
+        if len(readings) > 2 and fixed and duration < SHORTER * usual:
+            message = (
+                f"it lasts {plain(duration, 4)}\xa0s, the other files {plain(usual, 4)}\xa0s: it may have been cut off"
+            )
+            yield file, HealthNotice("truncated", message, duration, severity="suspect")
+        if channel.unit != usual_unit:
+            message = f"it is in {channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
+            yield file, HealthNotice("unit-differs", message, severity="suspect", harms=("peak", "velocity_change"))
+        if channel.name != usual_name and names.count(usual_name) > 1 - (len(names) == 2):
+            message = f"channel {reading.number} is {show(channel.name)}, in the other files {show(usual_name)}"
+            yield file, HealthNotice("name-differs", message, severity="suspect", harms=SUMMED)
+        if abs(channel.step / usual_step - 1.0) > SAME_RATE:
+            rate, usual_rate = 1.0 / channel.step, 1.0 / usual_step
+            message = f"sampled at {rate:.6g}\xa0Hz, the other files at {usual_rate:.6g}\xa0Hz"
+            yield file, HealthNotice("rate-differs", message, rate, severity="good")
+
+
+OF_SIZES = (_without_blow, _other_gain, _outlying)
+"""What compares peaks, which only those of one unit can be."""
+
 
 WITHOUT_RINGING = ("rigid_peak", "rigid_width")
 """Figures without ringing, which a campaign has where a blow has them and they differ by more than 5 %."""

@@ -1,32 +1,38 @@
-"""A channel of a record evaluated: calibrated, examined, its blows measured; and what is wanted of records."""
+"""A file evaluated: channels calibrated, examined, their blows measured, or what they do after those of another one.
+
+A channel that only swings after the blow of another one is told apart from those that are struck; repeats of a test in
+the columns of a file are taken as files; a budget gives each blow its uncertainty.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import functools
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, nearest, show
 from strikewave.base.first_few import first_few
 from strikewave.base.frequencies import frequency_text
 from strikewave.base.percents import percent
-from strikewave.records.budget.blows import BlowUncertainty
-from strikewave.records.calibration import Calibration, calibrated
+from strikewave.records.budget import Budget
+from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
 from strikewave.records.health import examine
 from strikewave.records.health.ringing import ringing
-from strikewave.records.health.sampled_record import BlowRecord, with_unit
+from strikewave.records.health.sampled_record import BlowRecord, ResponseRecord, with_unit
 from strikewave.records.health.zero import level_step
 from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, STATUSES, HealthNotice, worst, worst_first
+from strikewave.records.measured_uncertainty import BlowUncertainty, blow_uncertainty
 from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, find_pulses
-from strikewave.records.record import Array, Channel
-from strikewave.records.response import MeasuredResponse
-from strikewave.records.tail import uncoupled
+from strikewave.records.record import Array, Channel, Record
+from strikewave.records.response import BaseBlow, MeasuredResponse, measure_responses, swings
+from strikewave.records.tail import resting, uncoupled
 from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter, HighPass
 
@@ -392,3 +398,278 @@ def _lowered_blows(channel: Channel, place: int, shift: float) -> tuple[Recorded
     """Return the blows of a channel whose samples from one place on are lowered."""
     after = np.arange(channel.values.size) >= place
     return tuple(find_pulses(channel.values - shift * after, channel.step, channel.start))
+
+
+SWINGS_OUT = 20.0
+"""Median magnitudes that a swing must reach: noise alone reaches seven in a million samples."""
+
+
+def read_response(
+    channel: Channel, number: int, calibration: Calibration, request: Request, base: ChannelReading
+) -> ChannelReading:
+    """Calibrate a response channel, resample it uniformly, and measure it against the blows of the base."""
+    channel, findings = calibrated(channel, calibration, f"calibration of {channel.name}")
+    holes = holes_of(channel)
+    channel, mended = even(channel)
+    found = [*findings, *mended]
+    usable = channel.values.size >= 2 * FEWEST and bool(np.all(np.isfinite(channel.values)))
+    if not usable or not base.pulses:
+        why = "the channel has too few samples" if not usable else f"the base, {base.channel.name}, has no blow"
+        found.append(HealthNotice("no-response", f"{why}: no response is measured", severity="bad", harms=FIGURES))
+        return ChannelReading(channel, number, (), tuple(found), calibration)
+    blows = [BaseBlow(pulse.begin, pulse.time, pulse.end, pulse.peak) for pulse in base.pulses]
+    examined = _examined_response(channel, blows, base)
+    if request.ac_coupling != "" and examined.responses:
+        channel, said = _response_without_coupling(channel, examined, request.ac_coupling)
+        found += said
+        examined = _examined_response(channel, blows, base)
+    if request.filter is not None or request.high_pass is not None:
+        before = [one.peak for one in examined.responses]
+        channel = filtered_channel(channel, request)
+        examined = _examined_response(channel, blows, base)
+        found += filter_changes(before, [one.peak for one in examined.responses])
+    responses = tuple(examined.responses)
+    if responses:
+        found += [*examine(examined), *_missing(holes, responses), *_of_base(base)]
+    return ChannelReading(channel, number, (), tuple(found), calibration, (), responses)
+
+
+def _examined_response(channel: Channel, blows: Sequence[BaseBlow], base: ChannelReading) -> ResponseRecord:
+    """Measure a response channel, for the checks of its health."""
+    values, step, start = channel.values, channel.step, channel.start
+    responses = measure_responses(values, step, start, blows, channel.unit == base.channel.unit)
+    beside = step == base.channel.step and start == base.channel.start
+    return ResponseRecord(values, step, start, channel.unit, blows, responses, base.channel.values if beside else None)
+
+
+def _response_without_coupling(
+    channel: Channel, examined: ResponseRecord, wanted: str | float
+) -> tuple[Channel, list[HealthNotice]]:
+    """Return a response channel without its AC coupling, of a stated time constant or of the one recognised."""
+    seen = [finding.value for finding in examine(examined) if finding.code == "ac-coupling"]
+    if isinstance(wanted, str) and not seen:
+        return channel, [NOT_COUPLED]
+    constant = seen[0] if isinstance(wanted, str) else float(wanted)
+    last = examined.responses[-1]
+    values = last.zero + resting(examined.above, channel.step, constant, examined.place(last.decay.end))
+    message = (
+        f"AC coupling of {1.0 / (2.0 * math.pi * constant):.4g}\xa0Hz (tau = {1e3 * constant:.4g}\xa0ms) was taken off"
+    )
+    said = HealthNotice("ac-coupling", message, constant, severity="good")
+    return dataclasses.replace(channel, values=values), [said]
+
+
+def _missing(holes: Array, responses: Sequence[MeasuredResponse]) -> list[HealthNotice]:
+    """Find responses that lack samples: what bridges them is no measurement."""
+    for one in responses:
+        count = int(np.count_nonzero((holes >= one.begin) & (holes <= one.begin + one.duration)))
+        if count:
+            message = (
+                f"{count} samples of the response after {one.begin:.6g}\xa0s are no numbers: they are not measured"
+            )
+            return [
+                HealthNotice(
+                    "blow-incomplete", message, count, "bad", RESPONSE_FIGURES, one.begin, one.begin + one.duration
+                )
+            ]
+    return []
+
+
+def _of_base(base: ChannelReading) -> list[HealthNotice]:
+    """Tell what is harmed by what is wrong with the base: the ratio to its peak, and what counts from its time."""
+    found = worst_first(f for f in base.findings if f.severity == "bad" or "peak" in f.harms)
+    if not found:
+        return []
+    harms = ("ratio", "delay") if found[0].severity == "bad" else ("ratio",)
+    message = f"the base, {base.channel.name}, is {found[0].severity}: {found[0].message}"
+    return [HealthNotice("base", message, severity="suspect", harms=harms)]
+
+
+def told_apart(readings: Sequence[ChannelReading]) -> list[ChannelReading]:
+    """Return channels of a file; those that only swing after the blow of another one are marked so, and never good."""
+    swinging = [_swings(reading) for reading in readings]
+    struck = [one for one, swing in zip(readings, swinging, strict=True) if one.pulses and not swing]
+    told = []
+    for reading, swing in zip(readings, swinging, strict=True):
+        begin = reading.pulses[0].begin if reading.pulses else math.inf
+        base = next(
+            (one for one in struck if one is not reading and one.pulses[0].begin <= begin + one.pulses[0].width), None
+        )
+        if not swing or base is None or not _louder(reading, base.pulses[0].begin):
+            told.append(reading)
+            continue
+        message = (
+            f"no blow of its own: it swings about zero after the blow of {base.channel.name}; --base {base.number}"
+        )
+        finding = HealthNotice("response", f"{message} measures it as a response", harms=FIGURES)
+        others = tuple(known for known in reading.findings if known.code != "no-pulse")  # which says less of the same
+        told.append(dataclasses.replace(reading, findings=others).with_finding(finding))
+    return told
+
+
+def _swings(reading: ChannelReading) -> bool:
+    """Tell whether a channel swings about zero, as noise does too."""
+    values = reading.channel.values
+    if values.size < FEWEST or not np.all(np.isfinite(values)) or not np.ptp(values) > 0.0:
+        return False
+    return swings(values - reading.baseline)
+
+
+def _louder(reading: ChannelReading, begin: float) -> bool:
+    """Tell whether a channel swings by more than its noise before a time; over all, where little lies before it."""
+    channel, above = reading.channel, np.abs(reading.channel.values - reading.baseline)
+    before = max(round((begin - channel.start) / channel.step), 0)
+    noise = float(np.median(above[:before] if before >= FEWEST else above))
+    return float(np.max(above)) > SWINGS_OUT * noise
+
+
+def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: Request) -> FileReading:
+    """Return the wanted channels of a record, evaluated.
+
+    Parameters
+    ----------
+    record : Record
+        As `read_record` gives it.
+    stated : mapping
+        Calibrations found beside the file; those of the request go first.
+    request : Request
+        What is wanted.
+
+    Raises
+    ------
+    InputError
+        As `read_channel` and `Record.channel` do.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.arange(4000) * 1e-5
+    >>> values = 100.0 * np.exp(-(((t - 0.02) / 1e-4) ** 2)) + 1e-3 * np.sin(1e9 * t)
+    >>> file = read_file(Record("a.csv", "text", (Channel("board", values, 1e-5, unit="g"),)), {}, Request())
+    >>> file.status, round(file.channels[0].pulses[0].peak)
+    ('good', 981)
+    """
+    wanted = record.only(request.channels).channels
+    places = {id(channel): number for number, channel in enumerate(record.channels, start=1)}
+    tables, unused = _by_number(record, laid_over(stated, request.calibrations))
+    base = _base_of(record, wanted, request)
+    driving = None if base is None else _read(base, places, tables, request)
+    readings = []
+    for channel in wanted:
+        if driving is None or base is channel:
+            readings.append(driving or _read(channel, places, tables, request))
+            continue
+        number = places[id(channel)]
+        readings.append(read_response(channel, number, calibration_of(tables, channel.name, number), request, driving))
+    told = readings if driving is not None else told_apart(readings)
+    return FileReading(record.path, record.format, tuple(told), (*record.findings, *unused))
+
+
+def _read(channel: Channel, places: Mapping[int, int], tables: Mapping[str, Any], request: Request) -> ChannelReading:
+    """Return a channel of a file, evaluated."""
+    number = places[id(channel)]
+    return read_channel(channel, number, calibration_of(tables, channel.name, number), request)
+
+
+def _base_of(record: Record, wanted: Sequence[Channel], request: Request) -> Channel | None:
+    """Return the driving channel; None where none is named."""
+    if not request.base:
+        return None
+    base = record.channel(request.base, "--base")
+    names = [channel.name for channel in wanted]
+    if not any(channel is base for channel in wanted):
+        hint = f"add --channel {request.base}"
+        raise InputError("--base", request.base, f"one of the channels that are read: {', '.join(names)}", hint)
+    if len(wanted) == 1:
+        hint = "leave it out" if len(record.channels) == 1 else "name a channel that responds by --channel too"
+        raise InputError("--base", request.base, f"a channel beside others: only {names[0]} is read", hint)
+    return base
+
+
+def repeats(file: FileReading) -> list[FileReading]:
+    """Return a file a channel: repeats of the same test that stand in columns, or sheets, of one file.
+
+    Each is called as the file with the name of its column, and its channel as what the names have in common.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> t = np.arange(4000) * 1e-5
+    >>> channels = tuple(Channel(f"shot {k}", np.exp(-(((t - 0.02) / 1e-4) ** 2)), 1e-5) for k in (1, 2))
+    >>> file = read_file(Record("a.csv", "text", channels), {}, Request())
+    >>> [(one.path, [(r.channel.name, r.number) for r in one.channels]) for one in repeats(file)]
+    [('a.csv: shot 1', [('shot', 1)]), ('a.csv: shot 2', [('shot', 1)])]
+    """
+    names = [reading.channel.name for reading in file.channels]
+    stems = {re.sub(r"[\W_]*\d*[\W_]*$", "", name.rpartition("/")[2]) for name in names}
+    common = stems.pop() if len(stems) == 1 else ""
+    return [
+        dataclasses.replace(
+            file,
+            path=f"{file.path}: {reading.channel.name}",
+            channels=(
+                dataclasses.replace(
+                    reading, number=1, channel=dataclasses.replace(reading.channel, name=common or "repeats")
+                ),
+            ),
+        )
+        for reading in file.channels
+    ]
+
+
+def _by_number(
+    record: Record, tables: Mapping[str, Mapping[str, Any]]
+) -> tuple[dict[str, dict[str, Any]], list[HealthNotice]]:
+    """Return calibrations by the numbers of their channels, and a finding for each channel that the file lacks."""
+    known = record.keys
+    by_number: dict[str, dict[str, Any]] = {}
+    unused = []
+    for name, table in tables.items():
+        if name != "all" and name not in known:
+            message = f"a calibration is for {show(name)}, which the file does not have: {nearest(name, known)}"
+            unused.append(HealthNotice("calibration-unused", message))
+            continue
+        key = name if name == "all" else str(known[name] + 1)
+        by_number[key] = {**by_number.get(key, {}), **table}
+    return by_number, unused
+
+
+def check_amounts(budget: Budget, reading: ChannelReading, field: str = "--uncertainty") -> None:
+    """Refuse a budget that states an acceleration for a channel that measures something else."""
+    amounts = [one.name for one in budget.contributions if not one.relative]
+    if amounts and reading.channel.unit != "m/s^2":
+        wrong = f"{reading.channel.name}, {reading.channel.unit or 'no known unit'}"
+        raise InputError(field, wrong, f"shares of the peak: {amounts[0]} states an acceleration")
+
+
+def with_budget(files: Sequence[FileReading], budget: Budget, field: str = "--uncertainty") -> list[FileReading]:
+    """Return records with the uncertainty of each blow; Monte Carlo validates that of the largest one of each channel.
+
+    Raises
+    ------
+    InputError
+        If the budget states an acceleration, and a channel with blows measures something else.
+    """
+    largest: dict[int, tuple[ChannelReading, int]] = {}
+    for reading in (reading for file in files for reading in file.channels if reading.pulses):
+        check_amounts(budget, reading, field)
+        place = max(range(len(reading.pulses)), key=lambda k: abs(reading.pulses[k].peak))
+        known = largest.get(reading.number)
+        if known is None or abs(reading.pulses[place].peak) > abs(known[0].pulses[known[1]].peak):
+            largest[reading.number] = reading, place
+    checked = {
+        number: blow_uncertainty(reading.channel, reading.pulses[place], budget, trials=True)
+        for number, (reading, place) in largest.items()
+    }
+
+    def found(reading: ChannelReading, place: int) -> BlowUncertainty:
+        best, at = largest[reading.number]
+        if best is reading and at == place:
+            return checked[reading.number]
+        return blow_uncertainty(reading.channel, reading.pulses[place], budget).alike(checked[reading.number])
+
+    def told(reading: ChannelReading) -> ChannelReading:
+        each = tuple(found(reading, place) for place in range(len(reading.pulses)))
+        return dataclasses.replace(reading, uncertainties=each)
+
+    return [dataclasses.replace(file, channels=tuple(told(reading) for reading in file.channels)) for file in files]

@@ -8,7 +8,7 @@ from typing import Any
 
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import usual_unit
-from strikewave.records.budget.contributions import Budget
+from strikewave.records.budget import Budget
 from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import KEY, MORE
 from strikewave.reporting.numbers import doubted, listed, shown, spelled, with_unit

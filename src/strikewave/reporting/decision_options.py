@@ -11,7 +11,7 @@ from strikewave.reporting.options.kinds import parsed
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from strikewave.records.budget.contributions import Budget
+    from strikewave.records.budget import Budget
 
 
 def read_budget(word: str, field: str) -> Budget:

@@ -19,8 +19,17 @@ from strikewave.base.units import typed_number
 from strikewave.cases.paths import Form
 from strikewave.cases.small_file import read_small_file
 from strikewave.cases.tables.performed_test import Line
-from strikewave.records.budget.contributions import RECORD, SAMPLING, Budget, Contribution, of_share
-from strikewave.records.budget.propagation import DIVISORS, NORMAL, RECTANGULAR, U_SHAPED
+from strikewave.records.budget import (
+    DIVISORS,
+    NORMAL,
+    RECORD,
+    RECTANGULAR,
+    SAMPLING,
+    U_SHAPED,
+    Budget,
+    Contribution,
+    of_share,
+)
 from strikewave.specifications.tables import (
     MaybePart,
     MaybeRate,

@@ -16,9 +16,9 @@ from strikewave.base.constants import COVERAGE
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.first_few import first_few
 from strikewave.base.shock_quantities import MICROSECONDS
-from strikewave.records.budget.blows import BlowUncertainty
-from strikewave.records.budget.contributions import RECORD, Budget
+from strikewave.records.budget import RECORD, Budget
 from strikewave.records.health_notice import HealthNotice
+from strikewave.records.measured_uncertainty import BlowUncertainty
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse

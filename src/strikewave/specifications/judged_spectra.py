@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
-from strikewave.records.budget.contributions import RECORD, SAMPLING, Budget
+from strikewave.records.budget import RECORD, SAMPLING, Budget
 from strikewave.specifications.decisions import Rule, together
 from strikewave.specifications.judged_records import BY_INDICATIVE, VERDICT, Asked, rests_on_indicative
 from strikewave.specifications.judging import Clause

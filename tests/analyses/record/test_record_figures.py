@@ -9,9 +9,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave.analyses.record.figures import campaigns, records, spectra
 from strikewave.records.campaign import summed
-from strikewave.records.file_reading import read_file
 from strikewave.records.health_notice import HealthNotice
-from strikewave.records.reading import Request
+from strikewave.records.reading import Request, read_file
 from strikewave.records.record import Channel, Record
 from strikewave.reporting.inline import inline_svg
 from strikewave.signal.srs import srs

@@ -15,9 +15,8 @@ from strikewave.analyses.record.screen.kit import MOST_ROWS as SCREEN_ROWS
 from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Notice, Source
 from strikewave.records.campaign import compare, summed
-from strikewave.records.file_reading import read_file
 from strikewave.records.health_notice import HealthNotice
-from strikewave.records.reading import FileReading, Request
+from strikewave.records.reading import FileReading, Request, read_file
 from strikewave.records.record import Channel, Record
 from strikewave.reporting.numbers import in_shown_units
 from strikewave.signal.filters import Filter

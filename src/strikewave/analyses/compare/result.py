@@ -28,7 +28,7 @@ from strikewave.base.shock_quantities import (
     SHARE,
     usual_unit,
 )
-from strikewave.records.budget.contributions import Budget
+from strikewave.records.budget import Budget
 from strikewave.reporting.banded_numbers import band_text
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import amount

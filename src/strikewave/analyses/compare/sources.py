@@ -23,10 +23,9 @@ from strikewave.base.errors import InputError, StrikewaveError, nearest, show
 from strikewave.base.result import Notice
 from strikewave.cases.case_files import bundled_cases
 from strikewave.records import Options, Request
-from strikewave.records.budget.blows import blow_uncertainty
-from strikewave.records.budget.contributions import Budget
-from strikewave.records.budgeted import check_amounts
-from strikewave.records.reading import ChannelReading
+from strikewave.records.budget import Budget
+from strikewave.records.measured_uncertainty import blow_uncertainty
+from strikewave.records.reading import ChannelReading, check_amounts
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory, Shift

@@ -10,7 +10,7 @@ from strikewave.analyses.compare.curve import ComparedCurve
 from strikewave.base import declare
 from strikewave.base.result import FAILED, WARNING, Notice
 from strikewave.base.shock_quantities import MICROSECONDS
-from strikewave.records.budget.contributions import Budget
+from strikewave.records.budget import Budget
 from strikewave.reporting.clause_words import clause_words, decision_words
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter, effect_on_half_sine

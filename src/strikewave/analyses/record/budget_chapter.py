@@ -10,9 +10,8 @@ from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import Names, amount, called, percent, rows_of
 from strikewave.base.constants import COVERAGE
 from strikewave.base.shock_quantities import MICROSECONDS
-from strikewave.records.budget.blows import FIGURES, BlowUncertainty, BudgetLine, FigureUncertainty
-from strikewave.records.budget.contributions import ADDED, RECORD, SAMPLING, Budget, Contribution
-from strikewave.records.budget.propagation import NORMAL, RECTANGULAR
+from strikewave.records.budget import ADDED, NORMAL, RECORD, RECTANGULAR, SAMPLING, Budget, Contribution
+from strikewave.records.measured_uncertainty import FIGURES, BlowUncertainty, BudgetLine, FigureUncertainty
 from strikewave.records.reading import ChannelReading
 from strikewave.records.record import Channel
 from strikewave.reporting import faces

@@ -28,7 +28,7 @@ from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, Notice, Source
 from strikewave.base.shock_quantities import KILOHERTZ
 from strikewave.records import ChannelReading, FileReading, Options, Request, SampleStore, compare
-from strikewave.records.budgeted import check_amounts
+from strikewave.records.reading import check_amounts
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.faces import amount

@@ -31,8 +31,8 @@ from strikewave.records import (
     summed,
     unreadable,
 )
-from strikewave.records.budget.contributions import Budget
-from strikewave.records.budgeted import with_budget
+from strikewave.records.budget import Budget
+from strikewave.records.reading import with_budget
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.terminal import say

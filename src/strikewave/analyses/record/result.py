@@ -30,7 +30,7 @@ from strikewave.base.shock_quantities import (
     OF_INTEGRAL,
     usual_unit,
 )
-from strikewave.records.budget.contributions import Budget
+from strikewave.records.budget import Budget
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
 from strikewave.records.measuring import RecordedPulse

@@ -20,10 +20,10 @@ from strikewave.base.shock_quantities import (
     usual_unit,
 )
 from strikewave.records.band_split import BandSplit
-from strikewave.records.budget.blows import BudgetLine, FigureUncertainty
-from strikewave.records.budget.contributions import RECORD
+from strikewave.records.budget import RECORD
 from strikewave.records.campaign import Campaign, Outlier, Statistic, Trend
 from strikewave.records.health_notice import HealthNotice
+from strikewave.records.measured_uncertainty import BudgetLine, FigureUncertainty
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.response import MeasuredResponse

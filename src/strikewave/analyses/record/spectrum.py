@@ -17,9 +17,9 @@ from strikewave.base import declare
 from strikewave.base.declare import GivenUnits, Quantity
 from strikewave.base.shock_quantities import FREQUENCY, LENGTH, MICROSECONDS, RATIO, VELOCITY
 from strikewave.records import ChannelReading
-from strikewave.records.budget.contributions import Budget
-from strikewave.records.budget.spectra import AS_SPECTRUM, SpectrumUncertainty, spectrum_uncertainty
+from strikewave.records.budget import Budget
 from strikewave.records.health_notice import HealthNotice, worst
+from strikewave.records.measured_uncertainty import AS_SPECTRUM, SpectrumUncertainty, spectrum_uncertainty
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import heads_and_cells, text_of

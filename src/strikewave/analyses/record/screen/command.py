@@ -34,7 +34,7 @@ from strikewave.reporting.terminal import report_table
 if TYPE_CHECKING:
     from strikewave.cases.sensor_file import StatedSensor
     from strikewave.cases.stated_test import StatedTest
-    from strikewave.records.budget.contributions import Budget
+    from strikewave.records.budget import Budget
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 

@@ -18,7 +18,7 @@ from strikewave.analyses.record.tables import rows_of
 from strikewave.analyses.record.words import named
 from strikewave.base.shock_quantities import MILLISECONDS, PULSE_WIDTH, RISE_TIME
 from strikewave.records import ChannelReading, FileReading, worst
-from strikewave.records.siblings import COPY
+from strikewave.records.campaign import COPY
 from strikewave.reporting.faces import amount
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.numbers import percent

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.base.errors import InputError
-from strikewave.records.budget.contributions import Budget
+from strikewave.records.budget import Budget
 from strikewave.reporting.clause_words import clause_columns, clause_words, decision_words, verdict_words, why_column
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.layout import KEY

@@ -1,1 +1,0 @@
-"""Uncertainty budgets of measured blows and spectra: what the channel may have done to the record, propagated twice."""
