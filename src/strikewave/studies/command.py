@@ -141,6 +141,8 @@ class StudyCommand(ResumableCommand[Made]):
 
     Attributes
     ----------
+    case : Case
+        What is run.
     plan : object
         What is asked.
     pool : Pool
@@ -156,13 +158,9 @@ class StudyCommand(ResumableCommand[Made]):
     noun: ClassVar[str] = "runs"
     """What is counted of it."""
 
+    case: Case
     plan: Any
     pool: Pool
-
-    @property
-    @abstractmethod
-    def case(self) -> Case:
-        """What is run."""
 
     @property
     @abstractmethod

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @declare.dataclass(eq=False)
 class Study(ResultOfCase):
-    """A result of many runs of a case, whose page and picture stand in the module ``report`` beside it.
+    """A result of many runs of a case; see `Result` for what it shares with others.
 
     Attributes
     ----------
@@ -28,7 +28,6 @@ class Study(ResultOfCase):
         Command line that gives it again, where one does.
     """
 
-    drawing: ClassVar[str] = "report"
     indent: ClassVar[int | None] = None
     """Of the JSON document; None where it holds long lists."""
 

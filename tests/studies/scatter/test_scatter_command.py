@@ -142,11 +142,11 @@ def test_no_more_processes_than_cores(strikewave, monkeypatch):
     asked = []
 
     def note(case, plan, report, store, pool):
-        asked.append(plan.workers)
+        asked.append(pool.width)
         raise StrikewaveError("enough is known")
 
     monkeypatch.setattr("os.cpu_count", lambda: 3)
-    monkeypatch.setattr("strikewave.studies.scatter.screen.scatter", note)
+    monkeypatch.setattr("strikewave.studies.scatter.report.scatter", note)
     assert strikewave(*QUICK, *TWO, "--shares", "none", "--workers", "64", "--json")[0] == 2
     assert asked == [3]
 

@@ -93,5 +93,5 @@ def command(
     plan = plan_of(loaded, axes_of(loaded, (x, y, panels), points, log or []), blows, train)
     count = min(workers, os.cpu_count() or 1)
     seconds = check_plan(plan, count)
-    making = MapCommand(plan, pool_of(None, count, cluster), want_cv, seconds, colour, fresh=fresh)
+    making = MapCommand(loaded, plan, pool_of(None, count, cluster), want_cv, seconds, colour, fresh=fresh)
     return making.run(changes or (), output)

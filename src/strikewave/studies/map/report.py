@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from strikewave.base.declare import declarations
-from strikewave.cases.case import Case, parse_case
 from strikewave.reporting.faces import columns_of, face_table, text_of
 from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Cell, Link, Part, Section, Table, Tag
@@ -117,7 +116,7 @@ def _axis_section(study: MapStudy) -> Section:
 
 
 picture, page = map_figure, map_report
-"""What a map shows in Python; see `strikewave.reporting.shown_result`."""
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
 
 
 @dataclass
@@ -143,11 +142,6 @@ class MapCommand(StudyCommand[MapStudy]):
     wanted: float
     seconds: float
     colour: str
-
-    @property
-    def case(self) -> Case:
-        """What is mapped."""
-        return parse_case(self.plan.case)
 
     @property
     def marked_text(self) -> str:

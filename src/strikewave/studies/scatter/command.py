@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import os
 from typing import Annotated, Literal
 
 import typer
@@ -40,12 +38,11 @@ def command(
     """
     from strikewave.cases.case import load_case
     from strikewave.studies.engine.runner import pool_of
-    from strikewave.studies.scatter.screen import ScatterCommand, run_scatter
+    from strikewave.studies.scatter.report import ScatterCommand
     from strikewave.studies.scatter.study import ScatterPlan
 
     plan = ScatterPlan(runs, seed, shares, workers)
     plan.check()
-    plan = dataclasses.replace(plan, workers=min(workers, os.cpu_count() or 1))
     loaded = output.tested(load_case(case, changes or ()))
-    pool = pool_of(None, plan.workers, cluster)
-    return run_scatter(ScatterCommand(loaded, plan, pool, place=store, fresh=fresh), changes or (), output)
+    making = ScatterCommand(loaded, plan, pool_of(None, workers, cluster), place=store, fresh=fresh)
+    return making.run(changes or (), output)

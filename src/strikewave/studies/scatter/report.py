@@ -1,35 +1,40 @@
-"""The report of a scatter study: how much blows scatter within tolerances, and which tolerance it comes from."""
+"""What page and screen say of a scatter study: how much blows scatter, and by which tolerance; and its command."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
 from strikewave.base.shock_quantities import ACCELERATION, VARIATION
-from strikewave.reporting import chapters, faces
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, columns_of, face_table, text_of
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.parts import Picture, Section
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.parts import Section
+from strikewave.reporting.terminal import print_face, print_rows, tell
+from strikewave.studies.command import Report, StudyCommand
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.figures import scatter_picture
-from strikewave.studies.scatter.study import STATEMENTS, ScatterStudy, ShareRow
+from strikewave.studies.scatter.study import STATEMENTS, ScatterPlan, ScatterStudy, ShareRow, scatter
+from strikewave.studies.study import picture_section, study_page
+from strikewave.uncertainty.draws import tolerances_of
 from strikewave.uncertainty.shares import Shares
+
+FEWEST_FOR_LIMIT = 59
+"""Runs below which no limit holds for 95 % of all runs with 95 % confidence."""
 
 
 def scatter_report(study: ScatterStudy) -> str:
-    """Return the report of a scatter study as one HTML page: no script, nothing fetched, the same bytes each time."""
-    sections = [
-        Section("Peaks and shares", "", [Picture(scatter_picture(study), _caption(study), _caption(study))]),
-        _figure_section(study),
-        *([_share_section(study)] if study.shares else []),
-        chapters.warnings(study.notices),
-        _tolerance_section(study),
-        chapters.inputs(study.case),
-    ]
-    summary = chapters.Summary("Report of a scatter study", scatter_words(study), study.highlights())
-    return chapters.result_page(study, summary, sections)
+    """Return the report of a scatter study as one HTML page."""
+    outcome = [picture_section("Peaks and shares", scatter_picture(study), _caption(study)), _figure_section(study)]
+    outcome += [_share_section(study)] if study.shares else []
+    return study_page(study, scatter_words(study), outcome, _tolerance_section(study), "a scatter study")
 
 
 def scatter_words(study: ScatterStudy) -> str:
     """Say in words what the tolerances do."""
-    low, high = (faces.amount(ACCELERATION, value) for value in study.peaks()[[0, 2], 0])
+    low, high = (amount(ACCELERATION, value) for value in study.peaks()[[0, 2], 0])
     words = [
         f"{len(study.completed)} full runs with every one of {_count(len(study.tolerances), 'tolerance')} drawn anew."
         + (f" {study.verdicts.sentence}" if study.verdicts.words else ""),
@@ -101,6 +106,57 @@ def _tolerance_section(study: ScatterStudy) -> Section:
     return Section("What was drawn", text, [face_table(study, "drawn", "drawn", f"Tolerances, such as {names}")])
 
 
-picture = scatter_picture
-page = scatter_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+picture, page = scatter_picture, scatter_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+
+
+@dataclass
+class ScatterCommand(StudyCommand[ScatterStudy]):
+    """A scatter study as a command."""
+
+    name: ClassVar[str] = "scatter"
+    indent: ClassVar[int | None] = 2
+
+    plan: ScatterPlan
+
+    @property
+    def marked_text(self) -> str:
+        """The case as text, and above it what is asked."""
+        return self.plan.marked_text(self.case)
+
+    def run(self, changes: Sequence[str], output: Output) -> int:
+        """Make the study; a case that is no rotary machine, or has no tolerance, is refused before."""
+        self.case.rotary_tables()
+        tolerances_of(self.case)
+        return super().run(changes, output)
+
+    def made(self, store: RunStore, report: Report) -> ScatterStudy:
+        """Return the study."""
+        return scatter(self.case, self.plan, report, store, self.pool)
+
+    def summary(self, result: ScatterStudy) -> str:
+        """Say how much the blows scatter, and which tolerance matters most."""
+        return scatter_words(result)
+
+    def show(self, result: ScatterStudy) -> None:
+        """Print the scatter, and which tolerance it comes from."""
+        print_face(result, "means", "Means of the runs, and CV between runs")
+        print_face(result, "typical_blows", "Typical blow of each run, and CV between runs")
+        print_face(result, "within", "Scatter within a run: CV (%); later: without the first blow")
+        broken = sum(result.without_limit)
+        counted = f"; {broken} of {len(result.runs)} runs failed or missed a blow and keep no limit" if broken else ""
+        tell(f"bounds of the CV between runs: for normal figures; 95 % of runs below: with 95 % confidence{counted}")
+        if len(result.runs) < FEWEST_FOR_LIMIT:
+            tell(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
+        kinds = ", ".join(f"{blows} {kind} (in {runs} runs)" for kind, (blows, runs) in result.kinds().items())
+        tell(f"blows: {kinds}; largest displacement (rearward) {text_of(result, 'largest_displacement')}")
+        for one in result.shares:
+            _print_shares(result, one)
+
+
+def _print_shares(study: ScatterStudy, shares: Shares) -> None:
+    """Print the shares in one quantity with what each tolerance is."""
+    sobol = study.plan.shares == "sobol"
+    title = f"Shares in the {shares.of}, {'Sobol indices' if sobol else 'each alone'}, {shares.runs} runs each"
+    print_rows(title, columns_of(ShareRow, study.share_rows(shares), "sobol" if sobol else "alone"))
+    tell(f"sum of the shares: {sum_words(shares)}")

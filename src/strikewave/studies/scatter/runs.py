@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -214,22 +215,10 @@ def kept_runs(store: RunStore, keys: Sequence[bytes]) -> list[RunResult]:
         if key in wanted:
             blows[key][history.name] = history.values
     numbers, failures, _ = store.table(TrainEvaluation().names, keys)
-    runs = []
     verdicts = store.verdicts(keys).texts
+    runs = []
     for key, (displacement,), failure, verdict in zip(keys, numbers, failures, verdicts, strict=True):
-        if failure:
-            runs.append(RunResult(failure=failure, verdict=verdict))
-            continue
-        of_run = blows[key]
-        runs.append(
-            RunResult(
-                kinds=tuple(KINDS[int(code)] for code in of_run["kind"]),
-                peak=of_run["peak"],
-                width=of_run["width"],
-                interval=of_run["interval"],
-                velocity_change=of_run["velocity_change"],
-                largest_displacement=float(displacement),
-                verdict=verdict,
-            )
-        )
+        of_run: dict[str, Any] = {} if failure else {"largest_displacement": float(displacement), **blows[key]}
+        of_run["kinds"] = tuple(KINDS[int(code)] for code in of_run.pop("kind", ()))
+        runs.append(RunResult(failure=failure, verdict=verdict, **of_run))
     return runs

@@ -19,36 +19,26 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
-from strikewave.base.declare import NO_UNIT, Quantity
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, NOT_MEASURED, Quantity
 from strikewave.base.errors import InputError
-from strikewave.base.result import INFO, Notice, Source, Verdicts
-from strikewave.base.shock_quantities import ACCELERATION, VARIATION
+from strikewave.base.result import INFO, Notice, Verdicts
+from strikewave.base.shock_quantities import ACCELERATION, OF_FIGURE, VARIATION
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
-from strikewave.reporting.case_result import ResultOfCase
+from strikewave.records.campaign import statistic
 from strikewave.reporting.columns import Column, csv_table
+from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import axis_unit
 from strikewave.reporting.shown_result import Curve
-from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.store import RunStore, given_or_temporary
-from strikewave.studies.scatter.rows import (
-    PEAK,
-    WIDTH,
-    Figure,
-    FoundShares,
-    LargestShare,
-    NominalFigure,
-    OddBlows,
-    PeakBand,
-    RunStatistic,
-    ShareRow,
-    Tolerance,
-    WithinRow,
-    limit_words,
-)
+from strikewave.studies.engine.plan import MOST_SEED
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import at_work
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult, run_result
+from strikewave.studies.study import Study
 from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
+    Share,
     Shares,
     mixtures,
     scatter_shares,
@@ -56,7 +46,7 @@ from strikewave.uncertainty.shares import (
     sobol_shares,
     variance_shares,
 )
-from strikewave.uncertainty.statistics import spread
+from strikewave.uncertainty.statistics import RunSpread, spread
 
 Array = NDArray[np.float64]
 
@@ -67,8 +57,6 @@ FEWEST = 10
 MOST = 20_000
 """Most runs: bounds narrow with the root of their number, and at 0.1 s each (measured, li-ma-2019) they take half an
 hour already."""
-MOST_SEED = 2**63 - 1
-"""Largest seed: that of a 64-bit integer, which every reader of the JSON document holds."""
 MOST_WORKERS = 64
 """Most processes. Chosen: beyond the cores of a large machine; a typing error shall not start thousands."""
 SHARE_RUNS = 4
@@ -105,6 +93,10 @@ STATEMENTS = {
     "shares": "with bootstrap bounds at 95 %; a share whose bounds reach 0 is not significant",
 }
 """What the numbers of the document are."""
+
+
+PEAK, WIDTH, OF_PATH = Quantity("m/s^2", "g"), Quantity("s", "us"), Quantity.of_data("SI of its path")
+MEAN = OF_FIGURE._replace(label="mean", digits=5)
 
 
 @declare.dataclass
@@ -156,16 +148,163 @@ class ScatterPlan:
         extra = {"alone": tolerances, "sobol": tolerances + 2, "none": 0}[self.shares]
         return 1 + self.runs + extra * self.share_runs
 
+    def marked_text(self, case: Case) -> str:
+        """Return the case as text, and above it what was asked: another seed is another result."""
+        asked = f"# strikewave scatter --runs {self.runs} --seed {self.seed} --shares {self.shares}\n"
+        return asked + dump_case(case)
+
+
+@declare.dataclass
+class RunStatistic:
+    """A figure over runs: mean and scatter between them."""
+
+    figure: str = declare.word("which figure", column=KEY, in_document=False)
+    mean: float = declare.number(MEAN, "mean over the runs", column=MAIN, bounds="low high")
+    low: float = declare.number(MEAN, "low bound of the mean at 95 %")
+    high: float = declare.number(MEAN, "high bound of the mean at 95 %")
+    cv: float = declare.number(
+        VARIATION._replace(label="CV"), "coefficient of variation between runs", column=MAIN, bounds="cv_low cv_high"
+    )
+    cv_low: float = declare.number(VARIATION, "low bound of that at 95 %")
+    cv_high: float = declare.number(VARIATION, "high bound of that at 95 %")
+    runs: int = declare.count("runs that have it")
+    quantity: Quantity = NOT_MEASURED
+
+    @classmethod
+    def of_values(cls, name: str, values: Sequence[float]) -> RunStatistic:
+        """Return the statistic of a figure, of what runs have; see `strikewave.records.campaign.Statistic`."""
+        one = statistic([value for value in values if math.isfinite(value)])
+        numbers = one.mean, one.low, one.high, one.cv, one.cv_low, one.cv_high
+        return cls(FIGURES[name].label, *numbers, one.n, FIGURES[name])
+
+    @property
+    def given_units(self) -> declare.GivenUnits:
+        """What the figure measures."""
+        return {OF_FIGURE.given_by: self.quantity}
+
+
+@declare.dataclass
+class Figure:
+    """Scatter of a figure of the blows.
+
+    What 95 % of all runs keep counts runs that failed or missed a blow as beyond every limit.
+    """
+
+    mean: RunStatistic = declare.part(RunStatistic, "of the means of the runs", quantity=MEAN)
+    typical: RunStatistic = declare.part(
+        RunStatistic, "of the typical blow of each run, the median of the later full or double ones", quantity=MEAN
+    )
+    within: RunSpread = declare.part(RunSpread, "of the blows of a run", key="cv_within", quantity=VARIATION)
+    later: RunSpread = declare.part(RunSpread, "without the first blow", key="cv_within_later", quantity=VARIATION)
+
+
+@declare.dataclass
+class WithinRow:
+    """Scatter of a figure within a run, and what the dynamics alone make."""
+
+    figure: str = declare.word("which figure", column=KEY)
+    blows: str = declare.word("all blows, or without the first", column=KEY)
+    dynamics_alone: float = declare.number(VARIATION._replace(label="dynamics alone"), "nominal", column=MAIN)
+    spread: RunSpread = declare.part(RunSpread, "over the runs")
+
+    @declare.phrase("95 % of runs below", quantity=VARIATION, column=MAIN)
+    def limit(self) -> str:
+        """Say what 95 % of all runs keep."""
+        return limit_words(self.spread.limit, "none").removesuffix(" %")
+
+
+@declare.dataclass
+class NominalFigure:
+    """A figure of the blows of the run without scatter."""
+
+    blows: Array = declare.word("of the run without scatter: the figure of each blow")
+    mean: float = declare.number(MEAN, "mean of these")
+    typical: float = declare.number(MEAN, "median of the later full or double blows")
+    cv: float = declare.number(VARIATION, "coefficient of variation")
+    cv_later: float = declare.number(VARIATION, "the same without the first blow")
+
+
+@declare.dataclass
+class OddBlows:
+    """Blows of a kind that are not full."""
+
+    blows: int = declare.count("how many blows missed, were double, or glanced", column=MAIN)
+    runs: int = declare.count("in how many runs", label="runs", column=MAIN)
+
+
+@declare.dataclass
+class PeakBand:
+    """Percentiles of the peak of each blow over the runs."""
+
+    percentiles: tuple[float, ...] = declare.word("which percentiles follow")
+    low: Array = declare.history(PEAK, "low percentile of the peak of each blow, over the runs")
+    median: Array = declare.history(PEAK, "median")
+    high: Array = declare.history(PEAK, "high percentile")
+
+
+@declare.dataclass
+class Tolerance:
+    """What is drawn, and how; what a table of shares says of it."""
+
+    path: str = declare.word("path of what scatters", label="tolerance", column=KEY, tables="drawn alone sobol")
+    value: str = declare.word(
+        "the value with its tolerance, as typed", column=MORE, tables="drawn alone sobol", in_document=False
+    )
+    nominal: float = declare.number(OF_PATH, "its value, SI")
+    half_width: float | None = declare.number(OF_PATH, "half of its tolerance, SI")
+    unit: str = declare.word("SI unit of both")
+    typed: str | float = declare.word("the tolerance as typed")
+    distribution: str = declare.word("normal or uniform", column=MAIN, tables="drawn")
+    drawn: str = declare.word("once a run, or for each striker", column=MORE, tables="drawn alone sobol")
+    provenance: str = declare.word("where the value comes from", column=MORE, tables="drawn alone sobol", is_tag=True)
+    note: str = declare.word("what the case says of it", column=MAIN, tables="drawn")
+
+    @classmethod
+    def of_input(cls, one: UncertainInput) -> Tolerance:
+        """Return what documents and tables have of an input."""
+        value, band = one.value, one.value.tolerance
+        assert band is not None
+        drawn = "for each striker" if one.strikers else "once a run"
+        numbers = f"{value.typed} ± {band.typed}", value.si, value.half_width, one.allowed.unit or NO_UNIT
+        return cls(one.path, *numbers, band.typed, band.distribution, drawn, value.provenance, value.note)
+
+
+@declare.dataclass
+class ShareRow:
+    """A tolerance and its share."""
+
+    tolerance: Tolerance = declare.part(Tolerance, "what is drawn")
+    share: Share = declare.part(Share, "its share")
+
+
+@declare.dataclass
+class LargestShare:
+    """The largest share among the key numbers."""
+
+    name: str = declare.word("path of the tolerance")
+    share: float = declare.number(Quantity(NO_UNIT, "%", "share", 0, 0), "its share", headline="share of {name}")
+
+
+@declare.dataclass
+class FoundShares:
+    """How shares were found, and what they are."""
+
+    method: str = declare.word("how shares were found: alone, sobol or none")
+    of: tuple[Shares, ...] = declare.rows(Shares, "shares in each quantity")
+
+
+def limit_words(limit: float, nothing: str) -> str:
+    """Return what runs keep, or that they keep none; a dash where too few runs tell nothing."""
+    return nothing if math.isinf(limit) else amount(VARIATION, limit)
+
 
 @declare.dataclass(eq=False)
-class ScatterStudy(ResultOfCase):
-    """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others.
-
-    ``asked`` is the command line that gives it again, where one does.
-    """
+class ScatterStudy(Study):
+    """Runs of a case within its tolerances; see `scatter`, and `Result` for what it shares with others."""
 
     command: ClassVar[str] = "scatter"
     main_rows: ClassVar[str] = "run_table"
+    indent: ClassVar[int | None] = 2
 
     case: Case
     plan: ScatterPlan = declare.part(ScatterPlan, "how many runs", inline=True)
@@ -174,12 +313,11 @@ class ScatterStudy(ResultOfCase):
     runs: tuple[RunResult, ...]
     nominal_run: RunResult
     shares: tuple[Shares, ...]
-    asked: str = ""
 
     @property
-    def source(self) -> Source:
-        """The case, and above it what was asked."""
-        return Source("case", self.case.name, marked_text(self.case, self.plan), asked=self.asked)
+    def marked_text(self) -> str:
+        """The case as text, and above it what was asked."""
+        return self.plan.marked_text(self.case)
 
     @property
     def completed(self) -> list[RunResult]:
@@ -373,19 +511,9 @@ class ScatterStudy(ResultOfCase):
         median = self.peaks()[1]
         return Curve(np.arange(1.0, median.size + 1.0), median / size, "blow", f"median peak ({name})")
 
-    def texts(self) -> dict[str, str]:
-        """Return the JSON document as a file."""
-        return {"scatter.json": self.document_text(2)}
-
     def tables(self) -> dict[str, str]:
         """Return the table of runs."""
         return {"runs.csv": csv_table(self.run_table)}
-
-
-def marked_text(case: Case, plan: ScatterPlan) -> str:
-    """Return the case as text, and above it what was asked: another seed is another result."""
-    asked = f"# strikewave scatter --runs {plan.runs} --seed {plan.seed} --shares {plan.shares}\n"
-    return asked + dump_case(case)
 
 
 @compiling_shown()
@@ -436,10 +564,7 @@ def scatter(
     if nominal_run.failure or not nominal_run.struck.any():
         raise InputError("case", nominal_run.failure or "no blow", "a case whose nominal run strikes")
     advance = None if progress is None else (lambda done: progress((1 + done) / whole))
-    with (
-        given_or_temporary(store) as kept,
-        ProcessPool(plan.workers) if pool is None else pool as ready,
-    ):
+    with at_work(store, pool, plan.workers) as (kept, ready):
         runner = Runner(case, tolerances, kept, ready, advance)
         runs = runner(numbers)
         sobol = ("saltelli-2010", "jansen-1999") if plan.shares == "sobol" else ()

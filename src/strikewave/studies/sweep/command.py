@@ -91,7 +91,7 @@ def command(
     plan = request.plan(output.tested(request.loaded)).on(device, cluster)
     count = min(workers, os.cpu_count() or 1)
     pool = pool_of(None, 1) if dry_run else pool_of(None, count, cluster)
-    making = SweepCommand(plan, pool, place=store, fresh=fresh)
+    making = SweepCommand(plan.case, plan, pool, place=store, fresh=fresh)
     if dry_run:
         return show_estimate(making, request.changes, count, output)
     return making.run(request.changes, output)

@@ -9,7 +9,6 @@ from typing import ClassVar, NamedTuple
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import RUN_BROKEN, RUN_FAILED
-from strikewave.cases.case import Case
 from strikewave.reporting.faces import face_table
 from strikewave.reporting.histories import write_parquet
 from strikewave.reporting.numbers import percent
@@ -110,7 +109,7 @@ def _plan_section(study: SweepStudy) -> Section:
 
 
 picture, page = sweep_picture, sweep_report
-"""What a sweep shows in Python; see `strikewave.reporting.shown_result`."""
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
 
 
 @dataclass
@@ -121,11 +120,6 @@ class SweepCommand(StudyCommand[SweepStudy]):
     bar: ClassVar[str] = "sweep"
 
     plan: SweepPlan
-
-    @property
-    def case(self) -> Case:
-        """What is varied."""
-        return self.plan.case
 
     @property
     def marked_text(self) -> str:
