@@ -37,7 +37,10 @@ def listed() -> list[tuple[set[str], str]]:
     return [(set(re.findall(r"`([^`]+)`", files)), commands) for files, _, commands in rows]
 
 
-BUILT = re.compile(r"(run-)?histories(-\w+)?\.(csv|parquet)|[a-z]+-(laws|given)\.(svg|png)|test-report\.pdf")
+BUILT = re.compile(
+    r"(run-)?histories(-\w+)?\.(csv|parquet)|[a-z]+-(laws|given)\.(svg|png)|test-report\.pdf"
+    r"|(sweep|map|scatter|settings|design)\.(json|svg|png)"
+)
 """Names that the code puts together of a stem and an ending."""
 
 

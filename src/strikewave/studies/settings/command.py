@@ -184,12 +184,11 @@ def command(
     from strikewave.cases.case import load_case
     from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.settings.candidate import blow_goal
-    from strikewave.studies.settings.screen import SearchCommand
+    from strikewave.studies.settings.report import SearchCommand
     from strikewave.studies.settings.study import (
         SettingsChoices,
         check_changes,
         check_goal,
-        design_settings,
         is_rotary,
     )
 
@@ -210,8 +209,9 @@ def command(
     case = load_case(place, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
     check_goal(case, goal, choice)
     pool = pool_of(None, running.workers, running.cluster)
-    asked = design_settings, output.tested(case), goal, choice, pool
-    return SearchCommand(*asked, place=running.store, fresh=running.fresh).run(output, plain)
+    return SearchCommand(output.tested(case), goal, choice, pool, place=running.store, fresh=running.fresh).run(
+        output, plain
+    )
 
 
 def _refuse(options: Mapping[str, object], allowed: str) -> None:
@@ -229,13 +229,8 @@ def _drop_table(
     from strikewave.specifications.reading import load_specification
     from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.settings.drop_table.candidate import DropGoal
-    from strikewave.studies.settings.drop_table.study import (
-        STROKE,
-        check_drop,
-        check_drop_changes,
-        design_drop_table,
-    )
-    from strikewave.studies.settings.screen import SearchCommand
+    from strikewave.studies.settings.drop_table.report import DropCommand
+    from strikewave.studies.settings.drop_table.study import STROKE, check_drop, check_drop_changes
 
     specification = load_specification(spec)
     goal, choice = DropGoal(specification, specification.pulse_limits(), drop.stroke or STROKE), drop.choices()
@@ -243,5 +238,4 @@ def _drop_table(
     check_drop_changes(changes, case, choice)
     pool = pool_of(None, running.workers, running.cluster)
     plain = plain and not (changes or drop.given())
-    asked = design_drop_table, case, goal, choice, pool
-    return SearchCommand(*asked, place=running.store, fresh=running.fresh).run(output, plain)
+    return DropCommand(case, goal, choice, pool, place=running.store, fresh=running.fresh).run(output, plain)

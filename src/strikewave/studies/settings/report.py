@@ -1,10 +1,12 @@
-"""Page and picture of a search for settings: what the best ones give, what they cost, and what cannot and why."""
+"""A search for settings as a command, page and picture: what the best ones give, what they cost, and what cannot."""
 
 from __future__ import annotations
 
+import dataclasses
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -12,16 +14,26 @@ from strikewave.base.declare import declarations
 from strikewave.base.percents import percent
 from strikewave.base.result import Verdicts
 from strikewave.base.shock_quantities import FORCE
+from strikewave.cases.case import Case
 from strikewave.reporting import chapters
+from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import clause_columns
 from strikewave.reporting.columns import Column, page_table
+from strikewave.reporting.faces import text_of
 from strikewave.reporting.numbers import axis_unit, headed, shown
+from strikewave.reporting.options.output import Output
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
+from strikewave.reporting.run_and_write import run_and_write
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, mark_runs, quiet, sheet_title
+from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.axes import plain_log_ticks
+from strikewave.studies.command import ResumableCommand
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.store import RunStore
 from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
-from strikewave.studies.settings.search import MachineCandidate, limit_columns
-from strikewave.studies.settings.study import SettingsStudy
+from strikewave.studies.settings.search import MachineCandidate, MachineSearch, asked_line, limit_columns
+from strikewave.studies.settings.study import SettingsStudy, design_settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,6 +41,10 @@ if TYPE_CHECKING:
 Candidate = TypeVar("Candidate", bound=MachineCandidate)
 Places = tuple[list[float], list[float]]
 
+MOST_SHOWN = 6
+"""First of the ranking on the screen; the first of each other number of strikers follows."""
+MOST_REASONS = 6
+"""Reasons that are printed; the report has more."""
 MOST_ROWS = 40
 """Candidates in the table: more would not be read; settings.json has all."""
 SIZE = (10.0, 4.6)
@@ -40,6 +56,91 @@ LEAST = 0.01
 """Scatter below this, in %, is drawn there: 0 has no place on a logarithmic axis."""
 QUANTITIES = (("peak", BLUE, "o"), ("width", ORANGE, "s"), ("interval", GREEN, "^"))
 MARKERS = (("o", BLUE), ("s", ORANGE), ("^", GREEN), ("D", RED), ("v", "#CC79A7"), ("P", "#56B4E9"), ("X", GREY))
+
+
+@dataclass
+class SearchCommand(ResumableCommand[MachineSearch]):
+    """A search for settings that meet a goal; one that is stopped goes on where it was.
+
+    Attributes
+    ----------
+    case : Case
+        What is not chosen.
+    goal, choice
+        What is asked, and what may be chosen.
+    pool : Pool
+        Who runs it.
+    """
+
+    design: ClassVar[Callable[..., MachineSearch]] = staticmethod(design_settings)
+    """What searches: `design_settings` or `design_drop_table`."""
+
+    case: Case
+    goal: Any
+    choice: Any
+    pool: Pool
+
+    def run(self, output: Output, usual_question: bool) -> int:
+        """Search for settings, write and print them, and return the exit code.
+
+        ``usual_question`` says that nothing but the goal was asked: only then the folder has its name alone.
+
+        Raises
+        ------
+        InputError
+            If the place is taken.
+        """
+        asked = asked_line(self.case, self.goal, self.choice)
+        return run_and_write(self, output, self.goal.name + ("" if usual_question else f"-{asked[-10:-2]}"), asked)
+
+    def solved(self, store: RunStore) -> MachineSearch:
+        """Return the study, with a bar on stderr."""
+        try:
+            with progress_bar("settings") as report:
+                study = self.design(self.case, self.goal, self.choice, store, self.pool, share_reporter(report))
+        except KeyboardInterrupt as stop:
+            self.stopped_after(stop, store, "searches")
+        return dataclasses.replace(study, asked=measured.asked())
+
+    def summary(self, result: MachineSearch) -> str:
+        """Say which settings are first, and what they give."""
+        return result.words
+
+    def show(self, result: Any) -> None:
+        """Print the ranking, what the first is judged by, and what gave no result."""
+        first = result.candidates[0]
+        shown = leading(result.candidates, MOST_SHOWN, lambda one: one.strikers)
+        print_rows(f"{result.met_count} settings give {result.goal.words}", result.columns_of(shown))
+        tell(
+            "peak, width, interval: of the typical blow, the median of the later full ones; CV: scatter of all peaks; "
+            "sensitivity: change of the peak with engagement"
+        )
+        guess, seen = first.estimate, first.observation
+        tell(
+            f"{result.goal.words}, from {result.case.name}: a half-sine changes the velocity by "
+            f"{text_of(guess, 'velocity_change')}, for which a first estimate asks an approach of "
+            f"{text_of(guess, 'approach')}; the full run has {text_of(seen, 'velocity_change')} and "
+            f"{text_of(seen, 'approach')}"
+        )
+        print_rows("Limits of the first", limit_columns(first.limits))
+        if first.clauses:
+            print_rows("Clauses of the first, each by its worst blow", clause_columns(first.clauses))
+        if len(result.masses) > 1:
+            print_rows("What the mass of a striker costs", result.columns_of(result.masses, "mass"))
+        for one in result.left_out:
+            tell(f"left out, {one.strikers} strikers: {one.why}")
+        self.show_failed(result)
+
+    def show_failed(self, result: MachineSearch) -> None:
+        """Print why designs gave no result."""
+        for why in result.failed[:MOST_REASONS]:
+            tell(f"no result, {why}")
+
+
+def leading(candidates: Sequence[Candidate], most: int, kind: Callable[[Candidate], object]) -> list[Candidate]:
+    """Return the first of the ranking, and the first of each other kind."""
+    first = list({kind(one): one for one in reversed(candidates)}.values())
+    return [one for k, one in enumerate(candidates) if k < most or one in first]
 
 
 def picture(study: SettingsStudy) -> Figure:

@@ -12,7 +12,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,7 @@ from strikewave.reporting.parts import Tag
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.signal.pulse import crossing, refine_peak
 from strikewave.specifications.judging import PulseLimits, Shock
-from strikewave.studies.engine.answers import Failure, answers
+from strikewave.studies.engine.answers import Failure, Question, answers
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import Advance
 from strikewave.studies.engine.store import RunStore
@@ -77,76 +77,6 @@ ROOM = 0.75
 PEAK = Quantity("m/s^2", "g", "peak")
 STIFFNESS = Quantity("N/m", "MN/m", digits=3)
 OWN_UNIT = "its unit"
-
-
-class NearestSettings(NamedTuple):
-    """Where a search ended.
-
-    Logarithms of the nearest settings and of the last ones, runs, whether it came close, and why a run could not be
-    made; empty where each could.
-    """
-
-    nearest: Array
-    last: Array
-    runs: int
-    close: bool
-    failure: str
-
-
-def nearest_settings(
-    missed: Callable[[Array], tuple[Array | None, str]], start: Array, low: Array, high: Array, slopes: Array
-) -> NearestSettings:
-    """Return the settings whose run comes nearest to a goal.
-
-    Each run gives its misses and corrects the slopes. A run that cannot be made halves the step.
-
-    Parameters
-    ----------
-    missed : callable
-        Returns the logarithms of results over the goal at settings, or None and why there are none.
-    start, low, high : ndarray
-        Logarithms of the first settings, and of their bounds.
-    slopes : ndarray
-        First guess of the slopes of the misses over the logarithms of settings.
-
-    Raises
-    ------
-    StrikewaveError
-        If no run can be made: why.
-
-    Examples
-    --------
-    >>> end = nearest_settings(lambda x: (np.log(x) - np.log([2.0, 3.0]), ""), *np.log([[1.5, 4.0], [1, 1], [9, 9]]),
-    ...                        np.eye(2))
-    >>> np.exp(end.nearest).round(6).tolist(), end.runs, end.close
-    ([2.0, 3.0], 2, True)
-    """
-    first_slopes, slopes = slopes, slopes.copy()
-    x, failure, best = np.clip(start, low, high), "", None
-    for runs in range(1, MOST_RUNS + 1):
-        off, reason = missed(np.exp(x))
-        if off is None:
-            failure = reason
-            if best is None:
-                raise StrikewaveError(failure)
-            x = 0.5 * (x + best[0])
-            continue
-        if best is not None:
-            moved = x - best[0]
-            slopes += np.outer(off - best[1] - slopes @ moved, moved) / max(float(moved @ moved), LEAST_SQUARE)
-        if best is None or np.abs(off).max() < np.abs(best[1]).max():
-            best = x, off
-        if np.abs(best[1]).max() < CLOSE:
-            return NearestSettings(best[0], x, runs, True, failure)
-        if not np.linalg.cond(slopes) < WORST_CONDITION:
-            slopes = first_slopes.copy()
-        step = np.clip(-np.linalg.solve(slopes, best[1]), -LONGEST_STEP, LONGEST_STEP)
-        following = np.clip(best[0] + step, low, high)
-        if np.abs(following - x).max() < SHORTEST_STEP:
-            break
-        x = following
-    assert best is not None
-    return NearestSettings(best[0], x, runs, False, failure)
 
 
 def chosen(path: str, value: float, note: str) -> Value:
@@ -380,6 +310,7 @@ class MachineChoice(Protocol):
 
 
 Candidate = TypeVar("Candidate", bound=MachineCandidate)
+Candidate_co = TypeVar("Candidate_co", bound=MachineCandidate, covariant=True)
 
 
 @dataclass(frozen=True)
@@ -391,107 +322,86 @@ class SearchEnd:
     halt: str
 
 
-class MachineDesign(ABC, Generic[Candidate]):
-    """What is tried for a goal, with closed forms to begin with: a `Question` of a study.
+def search_end(
+    off: Callable[[Array], Array],
+    start: Array,
+    bounds: tuple[Array, Array],
+    slopes: Array,
+    at_bound: Callable[[Array, Array, Array], str],
+) -> SearchEnd:
+    """Return the settings whose run comes nearest to a goal, by Broyden's method on their logarithms.
 
-    Its answer is where the search ended, and what is kept of the full run there: with the rounded values and the own
-    tolerance of the case, as the case file will have them.
+    Each run gives its misses and corrects the slopes. A run that cannot be made halves the step.
+
+    Parameters
+    ----------
+    off : callable
+        Returns the logarithms of results over the goal at settings; raises `StrikewaveError` or `ValueError` where
+        there are none.
+    start, bounds : ndarray
+        First settings, the least and the largest.
+    slopes : ndarray
+        First guess of the slopes of the logarithms of results over those of settings.
+    at_bound : callable
+        Says which setting stands at its bound, of logarithms of settings and of the bounds; empty where none does.
+
+    Raises
+    ------
+    StrikewaveError
+        If no run can be made: why.
+
+    Examples
+    --------
+    >>> bounds = np.ones(2), np.full(2, 9.0)
+    >>> end = search_end(lambda x: np.log(x / [2.0, 3.0]), np.array([1.5, 4.0]), bounds, np.eye(2), lambda *_: "")
+    >>> np.round(end.settings, 6).tolist(), end.runs, end.halt
+    ([2.0, 3.0], 3, '')
+    """
+    low, high = (np.log(bound) for bound in bounds)
+    first_slopes, slopes = slopes, slopes.copy()
+    x, failure, best = np.clip(np.log(start), low, high), "", None
+    for runs in range(1, MOST_RUNS + 1):
+        try:
+            missed = off(np.exp(x))
+            if not np.all(np.isfinite(missed)):
+                raise ValueError("a pulse has no width at that share of its peak")
+        except (StrikewaveError, ValueError) as error:
+            failure = error.lines[0] if isinstance(error, InputErrors) else str(error)
+            if best is None:
+                raise StrikewaveError(failure) from None
+            x = 0.5 * (x + best[0])
+            continue
+        if best is not None:
+            moved = x - best[0]
+            slopes += np.outer(missed - best[1] - slopes @ moved, moved) / max(float(moved @ moved), LEAST_SQUARE)
+        if best is None or np.abs(missed).max() < np.abs(best[1]).max():
+            best = x, missed
+        if np.abs(best[1]).max() < CLOSE:
+            return SearchEnd(tuple(np.exp(best[0]).tolist()), runs + 1, "")
+        if not np.linalg.cond(slopes) < WORST_CONDITION:
+            slopes = first_slopes.copy()
+        step = np.clip(-np.linalg.solve(slopes, best[1]), -LONGEST_STEP, LONGEST_STEP)
+        following = np.clip(best[0] + step, low, high)
+        if np.abs(following - x).max() < SHORTEST_STEP:
+            break
+        x = following
+    assert best is not None
+    halt = at_bound(best[0], low, high) or at_bound(x, low, high) or failure
+    return SearchEnd(tuple(np.exp(best[0]).tolist()), runs + 1, halt or f"nothing nearer was found in {runs} runs")
+
+
+class MachineDesign(Question[Any], Protocol[Candidate_co]):
+    """What is tried for a goal: a question that is answered by where its search ends, and what a full run shows there.
+
+    The full run has the rounded values and the own tolerance of the case, as the case file will have them.
     """
 
-    answered_by: ClassVar[Any]
-    untouched: ClassVar[str]
-    """What is said where nothing is struck."""
-    shapeless: ClassVar[str]
-    """What is said where a pulse has no width."""
-    tolerance: ClassVar[float | None] = None
-    """Of the runs of a search; None: that of the case."""
-
-    @abstractmethod
-    def text(self) -> str:
-        """Return all that its search depends on."""
-
     @property
-    @abstractmethod
     def called(self) -> str:
         """What it is called where it gives no result."""
 
-    @property
-    @abstractmethod
-    def start(self) -> Array:
-        """First estimates of the settings."""
-
-    @property
-    @abstractmethod
-    def bounds(self) -> tuple[Array, Array]:
-        """Least and largest settings."""
-
-    @property
-    @abstractmethod
-    def slopes(self) -> Array:
-        """First guess of the slopes of the logarithms of results over those of settings."""
-
-    @abstractmethod
-    def case_at(self, settings: Array) -> Case:
-        """Return the case at settings."""
-
-    @abstractmethod
-    def read(self, case: Case, tolerance: float) -> Any:
-        """Run a case, and return what is read of it; None where nothing is struck.
-
-        Raises
-        ------
-        InputError, IntegrationError, ValueError
-            If it does not fit together, or cannot be followed.
-        """
-
-    @abstractmethod
-    def off(self, reading: Any) -> Array:
-        """Return the logarithms of results over the goal."""
-
-    @abstractmethod
-    def at_bound(self, logs: Array, low: Array, high: Array) -> str:
-        """Return which setting stands at its bound, in words; empty where none does."""
-
-    @abstractmethod
-    def kept(self, case: Case, reading: Any) -> Any:
-        """Return what is kept of a reading: numbers, texts, and dataclasses of these."""
-
-    @abstractmethod
-    def candidate(self, answer: tuple[SearchEnd, Any]) -> Candidate:
+    def candidate(self, answer: Any) -> Candidate_co:
         """Return what was found with all that it is judged by."""
-
-    def answer(self) -> tuple[SearchEnd, Any]:
-        """Return where the search from the closed forms ends, and what is kept of the full run there.
-
-        Raises
-        ------
-        StrikewaveError, ValueError
-            If no run could be made.
-        """
-        low, high = (np.log(bound) for bound in self.bounds)
-        end = nearest_settings(self._missed, np.log(self.start), low, high, self.slopes)
-        halt = ""
-        if not end.close:
-            halt = self.at_bound(end.nearest, low, high) or self.at_bound(end.last, low, high) or end.failure
-            halt = halt or f"nothing nearer was found in {end.runs} runs"
-        settings = np.exp(end.nearest)
-        case = self.case_at(settings)
-        reading = self.read(case, case.solver.tolerance.si)
-        if reading is None:
-            raise StrikewaveError(self.untouched)
-        return SearchEnd(tuple(settings.tolist()), end.runs + 1, halt), self.kept(case, reading)
-
-    def _missed(self, settings: Array) -> tuple[Array | None, str]:
-        """Return the logarithms of results over the goal, or why there are none."""
-        try:
-            case = self.case_at(settings)
-            reading = self.read(case, self.tolerance or case.solver.tolerance.si)
-        except (StrikewaveError, ValueError) as error:
-            return None, error.lines[0] if isinstance(error, InputErrors) else str(error)
-        if reading is None:
-            return None, self.untouched
-        off = self.off(reading)
-        return (off, "") if np.all(np.isfinite(off)) else (None, self.shapeless)
 
 
 Tried = list[tuple[MachineDesign[Candidate], Candidate | Failure]]

@@ -24,7 +24,7 @@ from strikewave.base import declare
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.materials import material
 from strikewave.base.percents import percent, plain
 from strikewave.base.quantities import Value
@@ -74,13 +74,13 @@ from strikewave.studies.settings.estimate import (
 )
 from strikewave.studies.settings.search import (
     PEAK,
-    MachineDesign,
     MachineSearch,
     SearchEnd,
     Tried,
     chosen,
     ranked,
     refuse_changes,
+    search_end,
     shock_about,
     tried_designs,
 )
@@ -177,7 +177,7 @@ class JudgedBlows:
 
 
 @dataclass(frozen=True)
-class RotaryDesign(MachineDesign[SettingsCandidate]):
+class RotaryDesign:
     """A case with a goal and what is tried: first estimates, bounds, and the case at given settings.
 
     Settings are engagement (m), stiffness (N/m) and speed (rad/s). ``support`` (what brings the object back) and
@@ -185,10 +185,6 @@ class RotaryDesign(MachineDesign[SettingsCandidate]):
     """
 
     answered_by: ClassVar[Any] = tuple[SearchEnd, JudgedBlows]
-    untouched: ClassVar[str] = "no striker touches the object"
-    shapeless: ClassVar[str] = "a pulse has no width at 10 % of its peak"
-    tolerance: ClassVar[float | None] = RUN_TOLERANCE
-    slopes: ClassVar[Array] = SLOPES
 
     case: Case
     goal: BlowGoal
@@ -309,16 +305,25 @@ class RotaryDesign(MachineDesign[SettingsCandidate]):
         """Return the case at settings."""
         return self.case.with_values(self.changes(settings))
 
-    def read(self, case: Case, tolerance: float) -> BlowsRun | None:
-        """Run a case, and return its blows; None where no striker touches the object."""
+    def run(self, case: Case, tolerance: float) -> BlowsRun:
+        """Run a case, and return its blows.
+
+        Raises
+        ------
+        StrikewaveError, ValueError
+            If it does not fit together, cannot be followed, or no striker touches the object.
+        """
         run = run_machine(build_machine(case), tolerance)
         train = blows(run)
         observation = observe_blows(run, train, self.goal)
-        return None if observation is None else BlowsRun(run, train, observation)
+        if observation is None:
+            raise StrikewaveError("no striker touches the object")
+        return BlowsRun(run, train, observation)
 
-    def off(self, reading: BlowsRun) -> Array:
+    def off(self, settings: Array) -> Array:
         """Return the logarithms of peak, width and interval over the goal."""
-        return np.log1p(list(reading.observation.misses.values()))
+        observation = self.run(self.case_at(settings), RUN_TOLERANCE).observation
+        return np.log1p(list(observation.misses.values()))
 
     def at_bound(self, logs: Array, low: Array, high: Array) -> str:
         """Return which setting stands at its bound; empty where none does."""
@@ -328,17 +333,19 @@ class RotaryDesign(MachineDesign[SettingsCandidate]):
             return f"the {self.vary} cannot be stiff enough: mount, frame and contact bend besides"
         return f"the {self.vary} cannot be soft enough" if logs[1] < low[1] + AT_BOUND else ""
 
-    def kept(self, case: Case, reading: BlowsRun) -> JudgedBlows:
-        """Return what is kept of a full run."""
-        run, train, observation = reading
+    def answer(self) -> tuple[SearchEnd, JudgedBlows]:
+        """Return where its search ends, and what is kept of the full run there."""
+        end = search_end(self.off, self.start, self.bounds, SLOPES, self.at_bound)
+        case = self.case_at(np.array(end.settings))
+        run, train, observation = self.run(case, case.solver.tolerance.si)
         verdict = run_verdict(case, run, train).text
         limits, specification = limits_of(case, run, observation, self.goal), self.goal.specification
         if specification is None:
-            return JudgedBlows(observation, limits, (), verdict)
+            return end, JudgedBlows(observation, limits, (), verdict)
         asked = specification.pulse_limits()
         struck = [blow.time for blow in train if blow.kind != "missed"]
         judged = tuple(judge_shock(shock_about(run, touch, asked), asked) for touch in struck)
-        return JudgedBlows(observation, limits, judged, verdict)
+        return end, JudgedBlows(observation, limits, judged, verdict)
 
     def candidate(self, answer: tuple[SearchEnd, JudgedBlows]) -> SettingsCandidate:
         """Return what was found with all that it is judged by."""
@@ -674,27 +681,21 @@ def design_settings(
     pool: Pool | None = None,
     advance: Advance | None = None,
 ) -> SettingsStudy:
-    """Return settings of a machine for blows of a peak and a width at an interval, ranked.
+    """Return settings of a machine for blows of a peak and a width at an interval, ranked; see `settings`.
 
     Parameters
     ----------
     case : Case
-        What is not chosen: geometry, materials, contact, feed, stop.
-    goal : BlowGoal
-        What the blows shall be.
-    choice : SettingsChoices, optional
-        What may be chosen.
-    store : RunStore, optional
-        Searches that were finished.
-    pool : Pool, optional
-        Who makes the others; this process where it is left out.
-    advance : callable, optional
-        Called as searches come back.
+        What is not chosen.
+    goal, choice
+        What the blows shall be, and what may be chosen.
+    store, pool, advance
+        Searches that were finished; who makes the others, this process without one; what is called as they come back.
 
     Raises
     ------
     InputError
-        If no setting can give it, or none could be run: with the reasons.
+        If nothing can give it, or could be run: with the reasons.
     """
     choice = choice or SettingsChoices()
     check_goal(case, goal, choice)

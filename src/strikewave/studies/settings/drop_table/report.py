@@ -1,9 +1,10 @@
-"""Page and picture of designs of a drop table: the pulse in its band, the clauses, the ranking, what cannot and why."""
+"""Designs of a drop table as a command, page and picture: the pulse in its band, clauses, ranking, what cannot."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -13,20 +14,69 @@ from strikewave.base.shock_quantities import LENGTH
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import clause_columns, verdict_words
 from strikewave.reporting.columns import page_table
-from strikewave.reporting.faces import face_table
+from strikewave.reporting.faces import face_columns, face_table
+from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.parts import Cell, Picture, Section, Table, Tag
 from strikewave.reporting.style import GREY, legend_below, new_figure, plain, quiet, titled
+from strikewave.reporting.terminal import print_rows, table, tell
 from strikewave.studies.settings.drop_table.candidate import WITHIN, DropCandidate
-from strikewave.studies.settings.drop_table.study import DropStudy
-from strikewave.studies.settings.report import SIZE, Places, draw_kinds, mark_candidates
-from strikewave.studies.settings.search import limit_columns
+from strikewave.studies.settings.drop_table.study import DropStudy, design_drop_table
+from strikewave.studies.settings.report import (
+    MOST_REASONS,
+    SIZE,
+    Places,
+    SearchCommand,
+    draw_kinds,
+    leading,
+    mark_candidates,
+)
+from strikewave.studies.settings.search import MachineSearch, limit_columns
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+MOST_SHOWN = 8
+"""First of the ranking on the screen; the first of each other programmer follows."""
+INPUTS = (
+    *("machine.height", "machine.friction", "striker.mass", "object.mass", "object.frame_stiffness"),
+    *("contact.restitution", "contact.reference_force", "contact.reference_depth"),
+    *("contact.cushion.diameter", "contact.cushion.thickness", "contact.cushion.modulus", "contact.cushion.stress"),
+    *("contact.cushion.exponent", "contact.cushion.retardation", "contact.cushion.limit_strain"),
+)
+"""Inputs that are printed; the report has all."""
 MOST_ROWS = 60
 """Designs in the tables: more would not be read; settings.json has all."""
+
+
+@dataclass
+class DropCommand(SearchCommand):
+    """A search for designs of a drop table."""
+
+    design: ClassVar[Callable[..., MachineSearch]] = staticmethod(design_drop_table)
+
+    def show(self, result: Any) -> None:
+        """Print the ranking, the clauses, limits and inputs of the first, and why others do not meet the goal."""
+        first = result.candidates[0]
+        shown = leading(result.candidates, MOST_SHOWN, lambda one: one.programmer.name)
+        print_rows(f"{result.met_count} designs give {result.goal.words}", result.columns_of(shown))
+        tell("peak, width: as a sensor reads them whose zero is taken in the fall; margin: least of all clauses")
+        tell("rebound: coefficient of restitution of the programmer, speed back over speed of arrival")
+        reasons: dict[str, list[str]] = {}
+        for one in shown:
+            if not one.meets:
+                reasons.setdefault(one.obstacles, []).append(f"#{one.place}")
+        for obstacles, places in list(reasons.items())[:MOST_REASONS]:
+            tell(f"{', '.join(places)}: {obstacles}")
+        for name in dict.fromkeys(one.programmer.name for one in shown if one.programmer.assumed):
+            tell(f"{name}: its law is assumed, nobody measured it")
+        print_rows("Height of a free fall for this velocity change", face_columns(result, "heights"))
+        print_rows("Clauses of the first", clause_columns(first.verdict.clauses))
+        print_rows("Limits of the first", limit_columns(first.limits))
+        values = first.case.values()
+        inputs = [[path, str(value.typed), value.provenance] for path, value in values.items() if path in INPUTS]
+        table("Its inputs", [*keys("field"), *numerals("value"), *texts("provenance")], inputs)
+        self.show_failed(result)
 
 
 def picture(study: DropStudy) -> Figure:

@@ -23,7 +23,7 @@ from strikewave.base import declare
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.declare import NO_UNIT
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.result import BALANCE_LIMIT, Notice
 from strikewave.base.shock_quantities import LENGTH, RATIO, VELOCITY
@@ -72,7 +72,6 @@ from strikewave.studies.settings.search import (
     PEAK,
     ROOM,
     Limit,
-    MachineDesign,
     MachineSearch,
     SearchEnd,
     beside,
@@ -80,6 +79,7 @@ from strikewave.studies.settings.search import (
     peak_and_width,
     ranked,
     refuse_changes,
+    search_end,
     shock_about,
     tried_designs,
 )
@@ -151,15 +151,13 @@ class FoundPulse:
 
 
 @dataclass(frozen=True)
-class DropDesign(MachineDesign[DropCandidate]):
+class DropDesign:
     """A programmer on a machine with a goal: its first estimate, and the case at given sizes.
 
     Settings are its rate (N/m) or thickness (m), and the drop height (m).
     """
 
     answered_by: ClassVar[Any] = tuple[SearchEnd, FoundPulse]
-    untouched: ClassVar[str] = "the table does not touch the programmer"
-    shapeless: ClassVar[str] = "the pulse has no width at that share of its peak"
 
     case: Case
     goal: DropGoal
@@ -262,48 +260,44 @@ class DropDesign(MachineDesign[DropCandidate]):
         """Return the case at settings."""
         return self.template.with_values(self.changes(settings))
 
-    @property
-    def start(self) -> Array:
-        """First estimates of size and height."""
-        return np.array([self.estimate.size, self.height_for(self.estimate.speed)])
-
-    @property
-    def bounds(self) -> tuple[Array, Array]:
-        """Least and largest size and height."""
-        rate = self.estimate.size
-        low, high = (rate / SIZES, rate * SIZES) if self.cushion is None else (THINNEST, THICKEST)
-        return np.array([low, HEIGHTS[0]]), np.array([high, HEIGHTS[1]])
-
-    @property
-    def slopes(self) -> Array:
-        """First guess of the slopes, see `SLOPES`."""
-        return SLOPES if self.cushion is None else SLOPES * np.array([[-1.0, 1.0]])
-
     def at_bound(self, logs: Array, low: Array, high: Array) -> str:
         """Return whether the size stands at its bound, in words; empty where it does not."""
         size = "rate" if self.cushion is None else "thickness"
         ends = [word for word, bound in (("least", low[0]), ("largest", high[0])) if math.isclose(logs[0], bound)]
         return f"the {size} stands at the {ends[0]} that is sought" if ends else ""
 
-    def read(self, case: Case, tolerance: float) -> FoundPulse | None:
-        """Run a case and return what a sensor on its table reads; None where the table is not struck."""
-        run = run_machine(build_machine(case), tolerance)
+    def run(self, settings: Array) -> FoundPulse:
+        """Run the case at settings, and return what a sensor on its table reads.
+
+        Raises
+        ------
+        StrikewaveError, ValueError
+            If it does not fit together, cannot be followed, or the table is not struck.
+        """
+        case = self.case_at(settings)
+        run = run_machine(build_machine(case), case.solver.tolerance.si)
         train = blows(run)
         first = next((blow for blow in train if blow.kind != "missed"), None)
         if first is None:
-            return None
+            raise StrikewaveError("the table does not touch the programmer")
         shock, verdict = shock_about(run, first.time, self.goal.limits), run_verdict(case, run, train).text
         history = tuple(shock.values.tolist()), shock.step, shock.begin, shock.peak_index
         return FoundPulse(*history, first, run.energy_error, verdict)
 
-    def off(self, reading: FoundPulse) -> Array:
+    def off(self, settings: Array) -> Array:
         """Return the logarithms of peak and width over the goal."""
-        peak, width = peak_and_width(reading.shock, self.goal.limits.level)
+        peak, width = peak_and_width(self.run(settings).shock, self.goal.limits.level)
         return np.log([peak / self.goal.pulse.peak, width / self.goal.width])
 
-    def kept(self, case: Case, reading: FoundPulse) -> FoundPulse:
-        """Return what is kept of a reading: all of it."""
-        return reading
+    def answer(self) -> tuple[SearchEnd, FoundPulse]:
+        """Return where its search ends, and what is kept of the full run there."""
+        rate, pad = self.estimate.size, self.cushion is not None
+        low, high = (THINNEST, THICKEST) if pad else (rate / SIZES, rate * SIZES)
+        bounds = np.array([low, HEIGHTS[0]]), np.array([high, HEIGHTS[1]])
+        start = np.array([rate, self.height_for(self.estimate.speed)])
+        slopes = SLOPES * np.array([[-1.0, 1.0]]) if pad else SLOPES
+        end = search_end(self.off, start, bounds, slopes, self.at_bound)
+        return end, self.run(np.array(end.settings))
 
     def candidate(self, answer: tuple[SearchEnd, FoundPulse]) -> DropCandidate:
         """Return what was found with all that it is judged by."""
@@ -497,27 +491,21 @@ def design_drop_table(
     pool: Pool | None = None,
     advance: Advance | None = None,
 ) -> DropStudy:
-    """Return designs of a drop table for a specification, ranked.
+    """Return designs of a drop table for a specification, ranked; see `drop_table`.
 
     Parameters
     ----------
     case : Case
-        What is not chosen: anvil, frame of the table, guides.
-    goal : DropGoal
-        What the pulse shall be.
-    choice : DropChoices, optional
-        What may be chosen.
-    store : RunStore, optional
-        Searches that were finished.
-    pool : Pool, optional
-        Who makes the others; this process where it is left out.
-    advance : callable, optional
-        Called as searches come back.
+        What is not chosen.
+    goal, choice
+        What the pulse shall be, and what may be chosen.
+    store, pool, advance
+        Searches that were finished; who makes the others, this process without one; what is called as they come back.
 
     Raises
     ------
     InputError
-        If no design can give it, or none could be run: with the reasons.
+        If nothing can give it, or could be run: with the reasons.
     """
     choice = choice or DropChoices()
     check_drop(case, goal, choice)
