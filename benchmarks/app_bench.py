@@ -17,7 +17,7 @@ from pathlib import Path
 import peers
 from timing import table
 
-from strikewave.web.case.view import titles
+from strikewave.web.case_values import titles
 
 MOVES = 100
 GOAL = "150 ms"

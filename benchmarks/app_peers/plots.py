@@ -1,8 +1,8 @@
 """The three diagrams of a first look at a machine, as Plotly draws them: what the peers of the app show."""
 
 from strikewave import load_case
-from strikewave.web.case.fields import edited_fields
-from strikewave.web.case.state import CaseSource
+from strikewave.web.case_state import CaseSource
+from strikewave.web.case_values import edited_fields
 from strikewave.web.pages.case.machine_view import look
 
 

@@ -32,8 +32,8 @@ from strikewave.studies.engine.variables import read_ends, read_variable, typed_
 from strikewave.uncertainty.bands import moved
 from strikewave.uncertainty.draws import range_of
 from strikewave.uncertainty.known import known_inputs
-from strikewave.web.case.fields import edited_fields
-from strikewave.web.pages.case.section_readings import _millimetres
+from strikewave.web.case_values import edited_fields
+from strikewave.web.pages.case.bar_parts import _millimetres
 
 SPELLINGS: tuple[Callable[[Decimal, str], str], ...] = (
     lambda number, unit: f"{number:e} {unit}",  # 1.5e-3

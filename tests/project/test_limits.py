@@ -13,7 +13,7 @@ from strikewave.base.result import BALANCE_LIMIT, BalanceCheck
 from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT
 from strikewave.reporting.chapters import balance_table
 from strikewave.web import markup
-from strikewave.web.case.view import told
+from strikewave.web.case_values import told
 
 SOURCE = Path(__file__).parents[2] / "src" / "strikewave"
 BARS = ["fem.duration=2 us", "fem.frames=0", "mesh.part.striker.size=3 mm", "mesh.part.bar.size=3 mm"]

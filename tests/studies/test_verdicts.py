@@ -244,8 +244,8 @@ def test_broken_runs_have_a_mark_of_their_own_in_the_picture(make, points, broke
 
 
 def test_the_page_of_the_app_says_what_the_runs_came_to(broken):
-    from strikewave.web.case.state import CaseSource
-    from strikewave.web.pages.study.result_view import result_view
+    from strikewave.web.case_state import CaseSource
+    from strikewave.web.pages.study.view import result_view
 
     view = result_view(broken(a_sweep), "Sweep", CaseSource("li-ma-2019", "", ONE, ""))
     assert f"2 of 2 runs failed a check ({PLANTED})" in view["by"]
@@ -313,7 +313,7 @@ def test_verdicts_that_decide_otherwise_are_others():
 
 
 def test_the_page_of_the_app_tells_runs_that_could_not_be_made_from_failed_checks():
-    from strikewave.web.pages.study.found_machines import _marked_groups
+    from strikewave.web.pages.study.view import _marked_groups
 
     verdicts = Verdicts(["passed", "broken: no-blow", "failed", "broken: no-blow"])
     assert _marked_groups(verdicts) == [("failed a check", [1, 3]), ("could not be made", [2])]

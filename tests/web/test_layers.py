@@ -5,7 +5,8 @@ import pytest
 from strikewave.base.errors import StrikewaveError
 from strikewave.cases.case import parse_case
 from strikewave.cases.stack_of_case import build_stack
-from strikewave.web.case.layers import (
+from strikewave.web.case_state import JOINTS, CaseSource
+from strikewave.web.case_values import (
     listed_stack,
     rearranged,
     with_joint,
@@ -13,8 +14,6 @@ from strikewave.web.case.layers import (
     without_joint,
     without_layer,
 )
-from strikewave.web.case.stack_row import JOINTS
-from strikewave.web.case.state import CaseSource
 
 JOINED = """
 schema = 1

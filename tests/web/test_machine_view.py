@@ -7,11 +7,8 @@ from strikewave import dump_case, load_case, run_case
 from strikewave.analyses.machine.quick_look import MOST_PASSES, quick_look
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import StrikewaveError
-from strikewave.web.case.edited_field import EditedField
-from strikewave.web.case.fields import edited_fields
-from strikewave.web.case.loading import loaded
-from strikewave.web.case.state import CaseSource, CaseState
-from strikewave.web.case.view import opened, saved
+from strikewave.web.case_state import CaseSource, CaseState, EditedField
+from strikewave.web.case_values import edited_fields, loaded, opened, saved
 from strikewave.web.pages.case.machine_view import PUBLISHED, compared, full, look
 
 ENGINE = 1e-3

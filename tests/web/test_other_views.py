@@ -18,13 +18,19 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.reporting.shown_result import shown_table
 from strikewave.studies.design.design_file import load_design
 from strikewave.studies.fit.targets import parse_targets
-from strikewave.web.case.state import CaseSource, CaseState
-from strikewave.web.case.view import opened
+from strikewave.web.case_state import CaseSource, CaseState
+from strikewave.web.case_values import opened
 from strikewave.web.charts import ChartLine, heat_chart, line_chart
 from strikewave.web.pages.case import elements_view, target_view
-from strikewave.web.pages.record.four_axes import four_axes
 from strikewave.web.pages.record.request import RecordRequest
-from strikewave.web.pages.record.view import campaign_tables, files_in_unit, history_chart, measure, units_of_channels
+from strikewave.web.pages.record.view import (
+    campaign_tables,
+    files_in_unit,
+    four_axes,
+    history_chart,
+    measure,
+    units_of_channels,
+)
 from strikewave.web.pages.study.request import KINDS, StudyRequest
 from strikewave.web.pages.study.view import refuse_other_files, study
 from strikewave.web.sessions import clean_name

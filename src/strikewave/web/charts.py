@@ -1,11 +1,15 @@
-"""Diagrams of the pages, in the colours of the reports; ECharts draws them from plain options."""
+"""Diagrams of the pages, in the colours of the reports, and their curves; ECharts draws them from plain options."""
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import round_step
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
 
@@ -321,3 +325,28 @@ def _frame(title: str, x: str, y: str, x_kind: str, y_kind: str) -> dict[str, An
         },
         "yAxis": {**axis, "type": y_kind, "name": y, "nameGap": 42, "splitLine": {"lineStyle": {"color": LINE}}},
     }
+
+
+CURVE_COLUMNS = 300
+"""Columns of pixels of a curve on a page."""
+
+
+def points(x: Any, y: Any, columns: int = CURVE_COLUMNS) -> list[list[float]]:
+    """Return a curve as points, without what is not finite; each column of pixels keeps its least and its greatest.
+
+    Examples
+    --------
+    >>> points(np.array([0.0, 1.0, 2.0]), np.array([0.0, np.nan, 4.0]))
+    [[0.0, 0.0], [2.0, 4.0]]
+    """
+    x, y = np.asarray(x, float), np.asarray(y, float)
+    kept = np.isfinite(y) & np.isfinite(x)
+    x, y = thin(x[kept], y[kept], columns)
+    return [[float(f"{a:.6g}"), float(f"{b:.6g}")] for a, b in zip(x, y, strict=True)]
+
+
+def svg_of(figure: Any) -> bytes:
+    """Return a figure of matplotlib as SVG."""
+    with io.BytesIO() as file:
+        figure.savefig(file, format="svg")
+        return file.getvalue()

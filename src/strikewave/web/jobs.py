@@ -32,6 +32,12 @@ PATIENCE = 10.0
 followed, and its process is replaced."""
 COLD_PATIENCE = 240.0
 """The same as long as kernels may have to be compiled, s."""
+PRELOADED = (
+    "strikewave.analyses.machine.report",
+    "strikewave.web.pages.case.machine_view",
+    "strikewave.web.pages.case.target_view",
+)
+"""Modules that the process imports which all others are copied from: what takes longest of what most of them need."""
 LONGEST_LINE = 400
 """Characters of a line of error that a page shows."""
 Say = Callable[[float | None, str], None]
@@ -57,7 +63,7 @@ class Message(NamedTuple):
 def prepare() -> None:
     """Have the process from which all others are copied import what they need, before the first is wanted."""
     if _context().get_start_method() == "forkserver":
-        multiprocessing.set_forkserver_preload(["strikewave.web.preloaded"])
+        multiprocessing.set_forkserver_preload(list(PRELOADED))
 
 
 def _context() -> Any:

@@ -1,11 +1,13 @@
-"""What the pages have in common: frame, numbers, tables, notices, commands, files that come and go."""
+"""Parts of pages: frame, boxes, diagrams, files that come and go, and what changes while a hand moves."""
 
 from __future__ import annotations
 
+import asyncio
 import base64
+import functools
 import hashlib
 import html
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -14,7 +16,8 @@ from nicegui import context, ui
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.reporting.style import BLUE, ORANGE
-from strikewave.web.live.chart import LiveChart
+from strikewave.web.case_state import EditedField
+from strikewave.web.guard import LARGEST_UPLOAD
 from strikewave.web.sessions import KEPT, Session
 
 PAGES = {
@@ -146,3 +149,272 @@ async def tried(work: Callable[[], Awaitable[Any]]) -> Any:
             f"refused: {error}"[:LONGEST_NOTE], type="warning", multi_line=True, close_button="close", timeout=15000
         )
         return None
+
+
+class LiveBody(ui.element, component="live_body.js"):
+    """The moving surface of a run of elements, with a slider of time, a field in colours and a plane that cuts.
+
+    Parameters
+    ----------
+    url : str
+        Where its bytes are (`strikewave.web.pages.case.elements_view`).
+    label : str
+        What it shows, for who cannot see it.
+    """
+
+    library = ui.scene
+    """What brings three.js: the page knows where to find it once this was named."""
+
+    def __init__(self, url: str, label: str) -> None:
+        super().__init__()
+        self.props.update({"url": url, "label": label})
+
+
+class LiveChart(ui.element, component="live_chart.js"):
+    """A diagram that ECharts draws, which NiceGUI brings.
+
+    Parameters
+    ----------
+    options : dict
+        As ECharts takes them (`strikewave.web.charts`).
+    """
+
+    library = ui.echart
+    """What brings ECharts: the page knows where to find it once this was named."""
+
+    def __init__(self, options: dict[str, Any]) -> None:
+        super().__init__()
+        self.shown = options
+        self.props["options"] = options
+
+    def show(self, options: dict[str, Any]) -> None:
+        """Show other curves: only what differs is sent."""
+        changed = {key: value for key, value in options.items() if self.shown.get(key) != value}
+        gone = self.shown.keys() - options.keys()
+        self.shown = options
+        if changed or gone:
+            self.run_method("show", options if gone else changed, bool(gone))
+
+
+THROTTLE = 0.05
+"""Least time between two movements that a slider tells, s: as many as are looked at."""
+
+
+class LiveField(ui.element, component="live_field.js"):
+    """One quantity of a case beside its name.
+
+    Parameters
+    ----------
+    field : EditedField
+    typed : str
+        What stands in it.
+    value : float
+        Where its slider stands, in its unit.
+    has_slider : bool
+    label : str, optional
+        What stands beside it; the words of its path where none is given.
+    """
+
+    def __init__(self, field: EditedField, typed: str, value: float, has_slider: bool, label: str = "") -> None:
+        super().__init__()
+        hint = f"{field.what}. How to get it: {field.how}. Here: {field.provenance}."
+        given = {"path": field.path, "label": label or field.label, "hint": hint, "typed": typed}
+        slid = {"low": field.low, "high": field.high if has_slider else field.low, "step": field.step, "value": value}
+        self.props.update(given | slid)
+
+    def on_move(self, moved: Callable[[float], Any]) -> None:
+        """Call with the value of the slider, in its unit, as it is moved."""
+        self.on("move", lambda event: moved(float(event.args)), throttle=THROTTLE)
+
+    def on_type(self, typed: Callable[[str], Any]) -> None:
+        """Call with what was typed, once the typing ends."""
+        self.on("type", lambda event: typed(str(event.args)))
+
+    def show(self, typed: str, value: float | None = None) -> None:
+        """Show another value; of the slider none where it stands there already."""
+        self.run_method("show", typed, value)
+
+
+class LiveHtml(ui.element, component="live_html.js"):
+    """Markup that changes; whoever gives it escapes what others wrote (`strikewave.web.markup`).
+
+    Parameters
+    ----------
+    content : str, optional
+        What is shown at first.
+    """
+
+    def __init__(self, content: str = "") -> None:
+        super().__init__()
+        self.props["content"] = content
+
+    def show(self, content: str) -> None:
+        """Show other markup."""
+        if content != self.props["content"]:
+            with self.props.suspend_updates():
+                self.props["content"] = content
+            self.run_method("show", content)
+
+
+class MarkedResult(ui.element):
+    """What holds results: dim as long as they are of other settings, and busy as long as theirs are computed.
+
+    Attributes
+    ----------
+    is_stale : bool
+        Whether what is shown is of other settings.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("div")
+        self.classes("sw-main")
+        self.is_stale = self._busy = False
+
+    def show_as(self, stale: bool, busy: bool = False) -> None:
+        """Say what is shown, to eyes and ears, where that is not said already."""
+        if (stale, busy) == (self.is_stale, self._busy) or self.is_deleted:
+            return
+        self.is_stale, self._busy = stale, busy
+        self.classes(**{"add" if stale else "remove": "sw-stale"})
+        self.props(f"aria-busy={'true' if busy else 'false'}")
+
+
+REST = 0.6
+"""Time without a change after which a hand rests, s: one that pauses on a slider pauses for less."""
+
+
+class RestingHand:
+    """Calls something once nothing has moved for a moment.
+
+    Parameters
+    ----------
+    then : callable
+    """
+
+    def __init__(self, then: Callable[[], object]) -> None:
+        self._then = then
+        self._timer: asyncio.TimerHandle | None = None
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether something moved a moment ago."""
+        return self._timer is not None
+
+    def moved(self) -> None:
+        """Note that something moved now."""
+        self.stop()
+        self._timer = asyncio.get_running_loop().call_later(REST, self._call)
+
+    def stop(self) -> None:
+        """Do not call."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _call(self) -> None:
+        self._timer = None
+        self._then()
+
+
+DROP_HEAD = """
+<div class="row no-wrap items-center q-pa-sm">
+  <div class="col q-uploader__title">{label}</div>
+  <q-spinner v-if="props.isUploading" />
+  <q-btn v-if="props.canAddFiles" type="a" icon="add_box" flat dense aria-label="choose files: {label}">
+    <q-uploader-add-trigger />
+  </q-btn>
+</div>"""
+"""Head of a field that files are dropped on: that of the kit has a button without a name."""
+FIELD_NAME = ":field-name='file => file.__key'"
+"""Each file of a drop has a field of its own in what the browser sends: two of one name would be one."""
+REFUSED = "entries => emit(entries.map(entry => [entry.failedPropValidation, entry.file.name]))"
+MOST_NAMED = 3
+"""Files that were refused which a note names."""
+REASONS = {"max-file-size": f"a file takes {LARGEST_UPLOAD >> 20} MB at most", "duplicate": "it is on its way already"}
+"""Why the browser does not send a file, by the name of the rule."""
+
+
+class DroppedFiles:
+    """The field and the list.
+
+    Parameters
+    ----------
+    session : Session
+    folder : str
+        Of the session, for these files alone.
+    label : str
+        What may be dropped.
+    dropped : callable
+        Called with the files that were dropped now, once they are kept.
+    removed : callable, optional
+        Called when files were removed.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        folder: str,
+        label: str,
+        dropped: Callable[[Sequence[Path]], Awaitable[None]],
+        removed: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._session, self._folder, self._dropped, self._removed = session, folder, dropped, removed
+        with ui.element("div").classes("sw-drop").classes("sw-full"):
+            zone = ui.upload(label=label, multiple=True, auto_upload=True, max_file_size=LARGEST_UPLOAD)
+            zone.on_multi_upload(self._take)
+        zone.on("rejected", self._refuse, js_handler=REFUSED)
+        # what is kept stands in the list below; emptied by the browser itself: asked for from here, it comes late and
+        # throws away what has been dropped since
+        zone.on("finish", js_handler=f"() => runMethod({zone.id}, 'reset', [])")
+        zone.add_slot("header", DROP_HEAD.format(label=html.escape(label)))
+        zone.props(f'flat bordered batch {FIELD_NAME} aria-label="{html.escape(label)}"')
+        self._list = ui.element("div").classes("sw-full")
+        self._show()
+
+    @property
+    def place(self) -> Path:
+        """The folder of these files."""
+        return self._session.place(self._folder)
+
+    @property
+    def names(self) -> list[str]:
+        """The files that are kept, in the order of their names."""
+        return sorted(path.name for path in self.place.iterdir() if path.is_file())
+
+    def _show(self) -> None:
+        self._list.clear()
+        names = self.names
+        with self._list:
+            for name in names:
+                with ui.element("div").classes("sw-row sw-file"):
+                    ui.label(name).classes("sw-soft sw-grow")
+                    cross = ui.button(icon="close", on_click=functools.partial(self.remove, [name]))
+                    cross.props(f'flat dense round size=sm aria-label="remove {html.escape(name)}"')
+            if len(names) > 1:
+                ui.button("remove all", icon="delete", on_click=lambda: self.remove(self.names)).props(
+                    "flat dense no-caps"
+                )
+
+    def remove(self, names: Sequence[str]) -> None:
+        """Remove files."""
+        for name in names:
+            (self.place / name).unlink(missing_ok=True)
+        self._show()
+        self._removed()
+
+    async def _take(self, event: Any) -> None:
+        taken = []
+        try:
+            files = [(file.name, await file.read()) for file in event.files]
+            taken = self._session.take(files, self._folder)
+        except StrikewaveError as error:
+            ui.notify(f"refused: {error}", type="warning")
+        for file in taken:
+            if file.remark:
+                ui.notify(file.remark, type="info", timeout=10000)
+        self._show()
+        await self._dropped([file.path for file in taken])
+
+    def _refuse(self, event: Any) -> None:
+        for rule, name in event.args[:MOST_NAMED]:
+            ui.notify(f"refused: {name}: {REASONS.get(rule, 'the browser does not send it')}", type="warning")

@@ -12,7 +12,7 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.web import markup, parts
 from strikewave.web.desk import started
 from strikewave.web.jobs import CancelledError, PageJob
-from strikewave.web.live.marked import MarkedResult
+from strikewave.web.parts import MarkedResult
 from strikewave.web.sessions import Session
 
 

@@ -2,28 +2,29 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from matplotlib.colors import to_hex
 
 from strikewave.analyses.fem.build import build_model
-from strikewave.analyses.fem.figures.animation import fem_page, movie_of
+from strikewave.analyses.fem.figures.animation import chosen, fem_page, movie_of
+from strikewave.analyses.fem.figures.cut import QUANTITIES, colour_scale
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_fem, run_model
 from strikewave.base.shock_quantities import FORCE
 from strikewave.fem.measures import mean_force, middles
 from strikewave.fem.run import ENERGIES
 from strikewave.fem.solve import Progress, RunOptions
+from strikewave.reporting.animation.page import even_rows
 from strikewave.reporting.numbers import axis_unit, energy_unit, time_unit
 from strikewave.reporting.shown_result import shown_table
-from strikewave.web.case.loading import loaded
-from strikewave.web.case.state import CaseSource
-from strikewave.web.case.view import by_full_run, result_file, told
-from strikewave.web.charts import ChartLine, colour, dash, line_chart
-from strikewave.web.curves import points
+from strikewave.web.case_state import CaseSource
+from strikewave.web.case_values import by_full_run, loaded, result_file, told
+from strikewave.web.charts import ChartLine, colour, dash, line_chart, points
 from strikewave.web.jobs import Say
-from strikewave.web.pages.case.body_field import body_field
 
 RUN_SHARE = 0.8
 """Share of the time that the run takes; the rest draws what is shown in motion."""
@@ -85,3 +86,51 @@ def _lines(time: Any, histories: Mapping[str, Any], size: float) -> list[ChartLi
 def files(source: CaseSource, wanted: str, say: Say | None = None) -> bytes:
     """Return a file of a run."""
     return result_file(run_fem(loaded(source)), wanted)
+
+
+LARGEST = 24 << 20
+"""Bytes of a field that is sent to a page at most: the instants are fewer where the mesh is finer."""
+LEVELS = 255
+"""Steps of the scale of colours: a byte a face."""
+SHADES = 33
+"""Colours that are sent; between them the page fills in."""
+
+
+def body_field(solution: FemSolution) -> bytes:
+    """Return the moving surface as bytes: length of the head, head as JSON, then arrays; nothing where none was kept.
+
+    The head names time, counts, and each field with its scale. The arrays are faces (faces, 4) as 32-bit places of
+    points, then for each instant the points (points, 3), mm, in single precision; then for each field and instant a
+    byte a face, from the least to the largest of its scale. All are little-endian.
+    """
+    film = solution.film
+    stills = chosen(film) if film is not None else []
+    if film is None or not stills:
+        return b""
+    skin = film.skin
+    a_still = 12 * len(skin.points) + len(QUANTITIES) * len(skin.faces)
+    stills = [stills[k] for k in even_rows(len(stills), max(2, (LARGEST - 16 * len(skin.faces)) // a_still))]
+    second, time_name = time_unit(stills[-1].time)
+    arrays: list[bytes] = [np.asarray(skin.faces, "<u4").tobytes()]
+    arrays += [np.asarray(1e3 * skin.moved(still.displacement), "<f4").tobytes() for still in stills]
+    fields = []
+    for shown in QUANTITIES.values():
+        values = [shown.of(skin, still)[skin.element] / shown.scale for still in stills]
+        scale, _ = colour_scale(skin, values, shown)
+        low, high = scale.get_clim()
+        levels = [np.clip((cells - low) / (high - low) * LEVELS, 0.0, LEVELS).round() for cells in values]
+        arrays += [np.asarray(level, np.uint8).tobytes() for level in levels]
+        colours = [to_hex(scale.cmap(share)) for share in np.linspace(0.0, 1.0, SHADES)]
+        fields.append({"name": shown.words, "unit": shown.unit, "low": low, "high": high, "colours": colours})
+    head: dict[str, Any] = {
+        "points": len(skin.points),
+        "faces": len(skin.faces),
+        "time": [round(still.time / second, 6) for still in stills],
+        "time_unit": time_name,
+        "axis": [float(x) for x in skin.axis],
+        "towards": [float(x) for x in skin.cut.plane.normal],
+        "fields": fields,
+    }
+    text = json.dumps(head, allow_nan=False).encode()
+    text += b" " * (-len(text) % 4)  # arrays of words begin at a multiple of four
+    return len(text).to_bytes(4, "little") + text + b"".join(arrays)

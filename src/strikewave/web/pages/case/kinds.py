@@ -51,7 +51,7 @@ class CaseKind(NamedTuple):
     is_layered: bool = False
 
 
-CASES = "strikewave.web.case.view"
+CASES = "strikewave.web.case_values"
 """Module of what all kinds have in common, which runs in processes."""
 REPORTS = (("report (.html)", "article", "report.html"), ("report (.pdf)", "picture_as_pdf", "report.pdf"))
 MACHINE = CaseKind(

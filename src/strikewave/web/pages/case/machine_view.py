@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+import strikewave
 from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.quick_look import PULSE_TOLERANCE, quick_look
@@ -18,16 +21,20 @@ from strikewave.base.compiled import is_cold
 from strikewave.base.declare import declarations
 from strikewave.base.percents import percent
 from strikewave.base.result import Band
-from strikewave.base.shock_quantities import ACCELERATION, FORCE
+from strikewave.base.shock_quantities import ACCELERATION, FORCE, PULSE_WIDTH, RIGID_PEAK
+from strikewave.base.units import in_unit
+from strikewave.cases.case import Case
 from strikewave.machines.blows import Blow
 from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
 from strikewave.reporting.parts import NONE
-from strikewave.web.case.loading import loaded
-from strikewave.web.case.state import CaseSource
-from strikewave.web.case.view import by_full_run, result_file, told
-from strikewave.web.charts import ChartLine, line_chart, train_chart
-from strikewave.web.curves import points, svg_of
+from strikewave.studies.design.design_file import load_design
+from strikewave.studies.engine.variables import read_variable
+from strikewave.studies.settings.study import is_rotary
+from strikewave.studies.sweep.plan import varied_texts
+from strikewave.web.case_state import CaseSource
+from strikewave.web.case_values import by_full_run, edited_fields, loaded, result_file, told
+from strikewave.web.charts import ChartLine, line_chart, points, svg_of, train_chart
 from strikewave.web.jobs import Say
 
 OF_FIRST = ("rigid_peak", "width", "velocity_change")
@@ -191,3 +198,44 @@ def compared(solution: Solution) -> list[list[str]]:
         difference = NONE if one.difference is None else percent(one.difference, 1, "+")
         rows.append([one.quantity, one.measured_or_simulated, one.role, *values, difference])
     return rows
+
+
+NOW = (
+    ("interval", "interval", INTERVAL),
+    ("peak", "first.rigid_peak", RIGID_PEAK),
+    ("width", "first.width", PULSE_WIDTH),
+)
+"""What can be asked of the blows: key of the form, name of the result, what it measures."""
+STUDY = Path(strikewave.__file__).parent / "examples" / "studies" / "equal-blows.toml"
+"""What equal blows are, and which support of the object is looked for, as shares of that of its case."""
+ANY_MACHINE = re.compile(r"(%|= 0|smallest)$")
+"""Ends of goals without a quantity: a force or a length is a limit of the machine of that study alone."""
+RUNS = 300
+"""Runs of a page: fewer than of the study, for somebody waits."""
+
+
+def wishes(source: CaseSource) -> dict[str, dict[str, list[str]]]:
+    """Return what stands in the forms at first, by study and key: the blows as they are, and the support to be varied.
+
+    Examples
+    --------
+    >>> wishes(CaseSource("li-ma-2019", "", (), ""))["design"]["vary"][0]
+    'object.damper=20..120 N s/m'
+    """
+    case = loaded(source)
+    figures = figures_of(quick_look(case).blows)
+    now = {key: [f"{in_unit(figures[name], *of.units):.4g} {of.usual}"] for key, name, of in NOW if name in figures}
+    return {"settings": now, "design": _equal_blows(case)} if is_rotary(case) else {}
+
+
+def _equal_blows(case: Case) -> dict[str, list[str]]:
+    """Return what the study of equal blows asks, its ranges in proportion to the support of another case."""
+    study, fields, ranges = load_design(STUDY), edited_fields(case), []
+    for text in varied_texts(study.file.vary):
+        axis = read_variable(study.case, text).axis
+        one, of_study = fields.get(axis.path), study.case.values()[axis.path].si
+        if one is not None and one.value > 0.0:
+            low, high = (f"{end / of_study * one.value:.4g}" for end in (axis.values[0], axis.values[-1]))
+            ranges.append(f"{axis.path}={low}..{high} {one.unit}".strip())
+    goals = [goal for goal in study.file.goals if ANY_MACHINE.search(goal)]
+    return {"vary": ranges, "goals": goals, "analysis": [study.file.analysis], "runs": [str(RUNS)]}

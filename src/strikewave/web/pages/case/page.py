@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import functools
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from nicegui import Client, background_tasks, ui
 from starlette.requests import Request
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
-from strikewave.web.case.state import CaseSource, CaseState, address, is_case
-from strikewave.web.desk import Desk
-from strikewave.web.dropped_files import DroppedFiles
-from strikewave.web.pages.case.files import CaseFiles
+from strikewave.web.case_state import CaseSource, CaseState, EditedField, address, is_case
+from strikewave.web.desk import Desk, started
+from strikewave.web.jobs import PageJob
+from strikewave.web.pages.case.bar_parts import KEY as SECTION
+from strikewave.web.pages.case.bar_parts import StackLayers
 from strikewave.web.pages.case.kinds import CASES, CaseKind
-from strikewave.web.pages.case.runs import CaseRuns
-from strikewave.web.pages.case.section_readings import KEY as SECTION
-from strikewave.web.pages.case.shown import CaseShown
-from strikewave.web.pages.case.side import CaseSide, SideActions
-from strikewave.web.pages.case.stack_layers import StackLayers
-from strikewave.web.pages.case.wanted_blows import WantedBlows
-from strikewave.web.sessions import Session
+from strikewave.web.pages.case.results import CaseRuns, CaseShown
+from strikewave.web.pages.study.request import KINDS, StudyRequest
+from strikewave.web.parts import DroppedFiles, LiveField
+from strikewave.web.sessions import Session, clean_name
+from strikewave.web.workbench import Workbench
 
 FOLDER = "cases"
 """Folder, of each session, of what is dropped on the pages of cases."""
@@ -260,3 +260,275 @@ class CasePage:
             parts.code("command line", self.state.command(self.kind.program))
             more = ", band=True" if self.kind.quick else ""
             parts.code("Python", self.state.python(self.kind.call, more))
+
+
+ONLY_TYPED = ("solver", "recorder")
+"""Tables whose quantities are no matter of a hand on a slider."""
+MOST_GUESSED = 6
+"""Fields with sliders of a case of which nothing is said."""
+
+
+class SideActions(NamedTuple):
+    """What the left side asks of its page: a field moved or typed, one step back, and what the buttons do."""
+
+    moved: Callable[[str, float], Any]
+    typed: Callable[[str, str], Any]
+    chosen: Callable[[CaseState], Any]
+    undo: Callable[[], Any]
+    reset: Callable[[], Any]
+    keep_beside: Callable[[], Any]
+    run: Callable[[], Any]
+    stop: Callable[[], Any]
+
+
+class CaseSide:
+    """The left side of a page.
+
+    Parameters
+    ----------
+    kind : CaseKind
+    actions : SideActions
+    drop_zone : callable
+        Makes the field that files are dropped on, of its label.
+    titles : mapping of str to str
+        The built-in cases.
+    fields : mapping of str to EditedField
+    state : CaseState
+        What is shown at first.
+    values : mapping of str to float
+        Its quantities, SI, by path.
+    important : sequence of str
+        Fields that are known to matter most; empty where that is not known yet.
+    """
+
+    def __init__(
+        self,
+        kind: CaseKind,
+        actions: SideActions,
+        drop_zone: Callable[[str], object],
+        titles: Mapping[str, str],
+        fields: Mapping[str, EditedField],
+        state: CaseState,
+        values: Mapping[str, float],
+        important: Sequence[str],
+    ) -> None:
+        self.kind, self.actions, self.fields = kind, actions, fields
+        self.state, self.values = state, dict(values)
+        self.important = important
+        self._shown: dict[str, LiveField] = {}
+        self._titles = titles
+        self._choice(drop_zone)
+        self._place = ui.element("div").classes("sw-side")
+        self.build()
+
+    def _options(self) -> dict[str, str]:
+        """Return the built-in cases with their titles, the case that is shown among them."""
+        name = self.state.name
+        return dict(self._titles) if name in self._titles and not self.state.text else {name: name, **self._titles}
+
+    async def _chosen(self, event: Any) -> None:
+        if event.value != self.state.name:
+            await self.actions.chosen(CaseState(str(event.value)))
+
+    def _choice(self, drop_zone: Callable[[str], object]) -> None:
+        with parts.box("Case"):
+            self._select = ui.select(
+                self._options(), value=self.state.name, label="built-in case", on_change=self._chosen
+            )
+            self._select.props("dense outlined options-dense").classes("sw-full")
+            drop_zone("or drop a case file (.toml)")
+            with ui.element("div").classes("sw-row sw-gap"):
+                if self.kind.waits:
+                    ui.button("run", icon="play_arrow", on_click=self.actions.run).props("unelevated dense no-caps")
+                    ui.button("stop", icon="stop", on_click=self.actions.stop).props("outline dense no-caps")
+                for words, icon, do, hint in (
+                    ("undo", "undo", self.actions.undo, "Ctrl+Z"),
+                    ("as the case", "restart_alt", self.actions.reset, "undo all changes"),
+                    ("keep beside", "compare", self.actions.keep_beside, "compare with what you change next"),
+                ):
+                    ui.button(words, icon=icon, on_click=do).props("flat dense no-caps").tooltip(hint)
+
+    def build(self) -> None:
+        """Put the fields on the page: those that matter most with sliders, the rest folded by tables."""
+        self._place.clear()
+        self._shown = {}
+        important = [path for path in self.important if path in self.fields]
+        usual = [path for path in self.kind.main if path in self.fields]
+        guessed = [path for path in self.fields if path.endswith((".length", ".velocity"))][:MOST_GUESSED]
+        first = important or usual or guessed
+        with self._place:
+            with parts.box("What matters most" if important else "Main settings"):
+                if important:
+                    ui.label("from the shares of the bands of the results, the largest first").classes("sw-soft")
+                for path in first:
+                    self._field(path, has_slider=True)
+            for table in dict.fromkeys(path.partition(".")[0] for path in self.fields):
+                rest = [path for path in self.fields if path.partition(".")[0] == table and path not in first]
+                if rest:
+                    with ui.expansion(table.capitalize()).props("dense"):
+                        for path in rest:
+                            self._field(path, has_slider=table not in ONLY_TYPED)
+
+    def _field(self, path: str, has_slider: bool) -> None:
+        shown = LiveField(self.fields[path], self.typed(path), self._number(path), has_slider)
+        shown.on_move(functools.partial(self.actions.moved, path))
+        shown.on_type(functools.partial(self.actions.typed, path))
+        shown.on("back", self.actions.undo)
+        self._shown[path] = shown
+
+    def typed(self, path: str) -> str:
+        """Return what stands in a field."""
+        return self.state.changes.get(path, self.fields[path].typed)
+
+    def _number(self, path: str) -> float:
+        """Return the value of a field in the unit of its slider."""
+        one = self.fields[path]
+        return one.shown(self.values[path]) if path in self.values else one.value
+
+    def show(self, state: CaseState, values: Mapping[str, float]) -> None:
+        """Show another state in all fields."""
+        self.state, self.values = state, dict(values)
+        for path, shown in self._shown.items():
+            shown.show(self.typed(path), self._number(path))
+
+    def open(self, state: CaseState, fields: Mapping[str, EditedField], values: Mapping[str, float]) -> None:
+        """Show another case, whose fields are others."""
+        self.state, self.fields, self.values = state, fields, dict(values)
+        self._select.set_options(self._options(), value=state.name)
+        self.build()
+
+    def show_typed(self, path: str) -> None:
+        """Show what a field holds, where something else was typed."""
+        self._shown[path].show(self.typed(path), self._number(path))
+
+    def show_moved(self, path: str, value: float) -> str:
+        """Show in words where the slider of a field was moved to, and return them."""
+        text = self.fields[path].text(value)
+        self.values[path] = value * self.fields[path].scale
+        self._shown[path].show(text)
+        return text
+
+
+class CaseFiles:
+    """Buttons for what can be taken away.
+
+    Parameters
+    ----------
+    desk, session, kind
+        Of the page.
+    source : callable
+        Returns the state.
+    view : callable
+        Returns what is shown of it.
+    """
+
+    def __init__(
+        self,
+        desk: Desk,
+        session: Session,
+        kind: CaseKind,
+        source: Callable[[], CaseSource],
+        view: Callable[[], dict[str, Any]],
+    ) -> None:
+        self.desk, self.session, self.kind, self.source, self.view = desk, session, kind, source, view
+        with parts.box("Take away"), ui.element("div").classes("sw-row"):
+            ui.button("case (.toml)", icon="description", on_click=self._save_case).props("outline dense no-caps")
+            for name, icon, file in kind.files:
+                press = functools.partial(self._save_file, file)
+                ui.button(name, icon=icon, on_click=press).props("outline dense no-caps")
+        if kind.drawn:
+            self.drawing = ui.expansion("Drawing of the machine", on_value_change=self._draw)
+
+    async def _save_case(self) -> None:
+        source = self.source()
+        text = await parts.tried(lambda: self.desk.lookers.ask(f"{CASES}:saved", source))
+        if text is not None:
+            ui.download.content(text, f"{clean_name(source.name)}.toml")
+
+    async def _save_file(self, wanted: str) -> None:
+        texts = self.view().get("texts", {})
+        if wanted in texts:
+            ui.download.content(texts[wanted], wanted)
+            return
+        note = ui.notification(f"making {wanted}", spinner=True, timeout=None)
+        job = PageJob(f"{self.kind.view}:files", self.source(), wanted)
+        content = await parts.tried(lambda: started(self.session, job))
+        note.dismiss()
+        if content is not None:
+            ui.download.content(content, wanted)
+
+    async def _draw(self, event: Any) -> None:
+        if not event.value:
+            return
+        self.drawing.clear()
+        with self.drawing:
+            ui.spinner()
+        job = PageJob(f"{self.kind.view}:drawings", self.source())
+        pictures = await parts.tried(lambda: started(self.session, job))
+        self.drawing.clear()
+        with self.drawing:
+            if not pictures:
+                ui.label("this kind of machine is not drawn").classes("sw-soft")
+            for svg, caption in pictures or ():
+                parts.svg_picture(svg, caption)
+
+
+WISHES = "strikewave.web.pages.case.machine_view:wishes"
+STUDY = "strikewave.web.pages.study.view:study"
+
+
+class WantedBlows:
+    """Forms for what the blows shall be, each with its button; what is found is opened by a link.
+
+    Parameters
+    ----------
+    desk, session
+        Of the page.
+    source : callable
+        Returns the state, in the folder of its files.
+    """
+
+    def __init__(self, desk: Desk, session: Session, source: Callable[[], CaseSource]) -> None:
+        self.desk, self.session, self.source = desk, session, source
+        self._boxes: dict[tuple[str, str], ui.input | ui.textarea] = {}
+        self._folded = ui.expansion("Find settings: match the period, equal blows", on_value_change=self._fill)
+        with self._folded, ui.element("div").classes("sw-main"):
+            with ui.element("div").classes("sw-charts"):
+                self._form("settings", "Match the period", "match the period")
+                self._form("design", "Equal blows", "equal blows")
+            with ui.element("div").classes("sw-row"):
+                ui.button("stop", icon="stop", on_click=self.stop).props("outline dense no-caps")
+            self.bench = Workbench(session, "Each setting that is found is checked by full runs, and opened by a link.")
+
+    def _form(self, kind: str, title: str, button: str) -> None:
+        with parts.box(title):
+            ui.label(KINDS[kind].what).classes("sw-soft")
+            for text in KINDS[kind].texts:
+                make = ui.textarea if text.lines else ui.input
+                box = make(text.label, placeholder=text.example).classes("sw-full")
+                self._boxes[kind, text.key] = box.props(
+                    "dense outlined stack-label" + (" rows=2 autogrow" if text.lines else "")
+                )
+            ui.button(button, icon="search", on_click=lambda: self.begin(kind)).props("unelevated dense no-caps")
+
+    async def _fill(self, event: object) -> None:
+        """Fill in what the blows are now, and what may be changed, where nothing was typed."""
+        if not self._folded.value:
+            return
+        wishes = await parts.tried(lambda: self.desk.lookers.ask(WISHES, self.source()))
+        for (kind, key), box in self._boxes.items():
+            if not box.value and wishes:
+                box.value = "\n".join(wishes.get(kind, {}).get(key, ()))
+
+    def begin(self, kind: str) -> None:
+        """Look for settings."""
+        texts = tuple(
+            (key, tuple(str(box.value or "").splitlines())) for (of, key), box in self._boxes.items() if of == kind
+        )
+        place = str(self.session.place("studies"))
+        asked = StudyRequest(kind, self.source()._replace(folder=place), texts)
+        self.bench.begin(STUDY, asked, same=asked.commands())
+
+    def stop(self) -> None:
+        """Stop looking."""
+        self.bench.stop()

@@ -13,13 +13,10 @@ from strikewave.base.shock_quantities import ACCELERATION, STRESS, VELOCITY
 from strikewave.reporting.faces import text_of
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.shown_result import shown_table
-from strikewave.web.case.loading import loaded
-from strikewave.web.case.state import CaseSource
-from strikewave.web.case.view import by_full_run, result_file, told
-from strikewave.web.charts import ChartLine, colour, heat_chart, line_chart
-from strikewave.web.curves import points
+from strikewave.web.case_state import BarSections, CaseSource
+from strikewave.web.case_values import by_full_run, loaded, result_file, told
+from strikewave.web.charts import ChartLine, colour, heat_chart, line_chart, points
 from strikewave.web.jobs import Say
-from strikewave.web.pages.case.bar_sections import BarSections
 
 FIELD_TIMES, FIELD_PLACES = 120, 48
 """Cells of the x-t diagram: each is 7 pixels wide on a desk, and a page of so many opens at once."""

@@ -11,10 +11,10 @@ from starlette.requests import Request
 
 from strikewave.base.errors import StrikewaveError
 from strikewave.web import parts
-from strikewave.web.case.state import CaseState, address, is_case
+from strikewave.web.case_state import CaseState, address, is_case
 from strikewave.web.desk import Desk
-from strikewave.web.dropped_files import DroppedFiles
 from strikewave.web.pages.study.request import KINDS, StudyRequest
+from strikewave.web.parts import DroppedFiles
 from strikewave.web.sessions import Session
 from strikewave.web.workbench import Workbench
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 from strikewave.base.command_line import command_line, file_word
-from strikewave.web.case.state import CaseSource
+from strikewave.web.case_state import CaseSource
 
 
 class StudyText(NamedTuple):

@@ -4,20 +4,36 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+import numpy as np
 
 import strikewave
-from strikewave.base.errors import InputError
+from strikewave.base.declare import declarations
+from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.base.result import RUN_BROKEN, RUN_FAILED, RUN_PASSED, Verdicts, status_of
+from strikewave.cases.case import Case
 from strikewave.cases.case_files import bundled_cases
-from strikewave.reporting.shown_result import ShownResult
+from strikewave.reporting.shown_result import ShownResult, shown_table
 from strikewave.specifications.reading import asked_names
+from strikewave.studies.design.figures import drawn_numbers
+from strikewave.studies.design.study import DesignStudy
+from strikewave.studies.engine.evaluation import Row
+from strikewave.studies.engine.variables import StudyVariable
+from strikewave.studies.fit.result import FitStudy
 from strikewave.studies.map import X, Y
+from strikewave.studies.map.cells import MapCell
+from strikewave.studies.map.study import MapStudy
 from strikewave.studies.scatter.study import ScatterPlan
-from strikewave.web.case.loading import loaded
+from strikewave.studies.settings.study import SettingsStudy
+from strikewave.studies.sweep.study import SweepStudy
+from strikewave.web.case_state import CaseSource, CaseState, address
+from strikewave.web.case_values import PAGES_OF, by_full_run, loaded, result_file
+from strikewave.web.charts import Dots, dot_chart, heat_chart, svg_of
 from strikewave.web.jobs import Say
 from strikewave.web.pages.study.request import KINDS, StudyRequest
-from strikewave.web.pages.study.result_view import result_view
 
 MOST_RUNS = 2000
 MOST_CELLS = 3600
@@ -83,7 +99,7 @@ def refuse_other_files(request: StudyRequest) -> None:
 
     Examples
     --------
-    >>> from strikewave.web.case.state import CaseSource
+    >>> from strikewave.web.case_state import CaseSource
     >>> source = CaseSource("li-ma-2019", "", (), "")
     >>> refuse_other_files(StudyRequest("sweep", source, (("vary", ("machine.speed=1 m/s..2 m/s:3",)),)))
     >>> refuse_other_files(StudyRequest("fit", source, (("to", ("/etc/passwd",)),)))
@@ -127,3 +143,219 @@ def study_cases() -> list[str]:
 def specifications() -> list[str]:
     """Return the names of the built-in specifications."""
     return asked_names()
+
+
+def result_view(result: ShownResult, title: str, source: CaseSource) -> dict[str, Any]:
+    """Return what a page shows of a study of a case."""
+    picked = picked_chart(result, source)
+    heads, rows = shown_table(result)
+    files: dict[str, str | bytes] = {name: text for name, text in result.tables().items() if isinstance(text, str)}
+    files["report.html"] = result_file(result, "report.html")
+    return {
+        "by": by_full_run(result).replace("a full run", title.lower()),
+        "figures": [list(row) for row in result.highlights()],
+        "charts": [] if picked is None else [picked.options],
+        "links": [] if picked is None else [picked.links],
+        "found": found(result, source),
+        "pictures": pictures(result, title),
+        "tables": [(title, heads, rows, (0,))],
+        "notices": [(one.severity, one.code, one.message) for one in result.notices],
+        "files": files,
+    }
+
+
+def pictures(result: ShownResult, title: str) -> list[tuple[bytes, str]]:
+    """Return the picture of a result as SVG with its caption; none where there is none."""
+    try:
+        figure = result.plot()
+    except StrikewaveError:
+        return []
+    return [(svg_of(figure), title)]
+
+
+MOST_LISTED = 12
+"""Of what was found, how many are listed: the best, or the first; a diagram has all."""
+DIGITS = 4
+"""Significant digits of a number in a diagram: more are no pixel."""
+
+
+MARKED = {RUN_BROKEN: "failed a check", RUN_FAILED: "could not be made"}
+"""What runs are called that are marked, by their status."""
+
+
+class PickedChart(NamedTuple):
+    """A diagram, and the address that each of its points leads to; its points end with their place in these."""
+
+    options: dict[str, Any]
+    links: list[str]
+
+
+class Linker:
+    """Makes addresses of a case with changes.
+
+    Parameters
+    ----------
+    source : CaseSource
+        What was studied.
+
+    Examples
+    --------
+    >>> Linker(CaseSource("li-ma-2019", "", ("feed.blows=3",), "")).of({"machine.speed": "700 rpm"})
+    '/?case=li-ma-2019&set=feed.blows%3D3&set=machine.speed%3D700+rpm'
+    """
+
+    def __init__(self, source: CaseSource) -> None:
+        self.case = loaded(source)
+        self._state = CaseState.of_source(source)
+        self._place = PAGES_OF[self.case.command].place if self.case.command in PAGES_OF else ""
+
+    def of(self, changes: Mapping[str, str]) -> str:
+        """Return the address of the case with more changes; empty where no page shows it."""
+        state = self._state
+        for path, value in changes.items():
+            state = state.changed(path, value)
+        whole = bool(self._place) and (not state.text or state.fits_address)
+        return address(self._place, state.query()) if whole else ""
+
+    def of_row(self, variables: Iterable[StudyVariable], row: Row) -> str:
+        """Return the address of a run."""
+        return self.of({one.path: one.shown(value) for one, value in zip(variables, row, strict=True)})
+
+    def of_case(self, case: Case, paths: Sequence[str]) -> str:
+        """Return the address of a case that was made of it, by what differs in some fields."""
+        values = case.values()
+        return self.of({path: str(values[path].typed) for path in paths})
+
+
+def found(result: Any, source: CaseSource) -> list[tuple[str, str]]:
+    """Return what a study found, the best first: each in words, and its address."""
+    link = Linker(source)
+    return [(words, place) for words, place in _listed(result, link) if place][:MOST_LISTED]
+
+
+def _listed(result: Any, link: Linker) -> Iterator[tuple[str, str]]:
+    if isinstance(result, SettingsStudy):
+        for one in result.candidates:
+            values = one.case.values()
+            yield (
+                _marked(", ".join(f"{path} = {values[path].typed}" for path in one.chosen), one.run_verdict),
+                link.of_case(one.case, one.chosen),
+            )
+    elif isinstance(result, FitStudy):
+        values = result.case.values()
+        paths = [one.field.path for one in result.parameters if one.field.path in values]
+        yield ", ".join(f"{path} = {values[path].typed}" for path in paths), link.of_case(result.case, paths)
+    elif isinstance(result, DesignStudy):
+        for candidate in result.candidates:
+            yield (
+                _marked(result.at(candidate.row), candidate.verdict),
+                link.of_row(result.plan.variables, candidate.row),
+            )
+    elif isinstance(result, SweepStudy):
+        for run, row in enumerate(result.plan.rows):
+            yield _marked(result.at(run), result.verdicts.texts[run]), link.of_row(result.plan.variables, row)
+    elif isinstance(result, MapStudy) and result.setting is not None:
+        typed = {a.path: str(a.typed(v)) for a, v in zip(result.plan.axes, result.setting.values, strict=True)}
+        yield ", ".join(f"{path} = {value}" for path, value in typed.items()), link.of(typed)
+
+
+def _marked(words: str, verdict: str) -> str:
+    """Return words of a run with its verdict, where it broke a limit or failed."""
+    return f"{words} ({verdict})" if verdict and status_of(verdict) != RUN_PASSED else words
+
+
+def picked_chart(result: Any, source: CaseSource) -> PickedChart | None:
+    """Return the diagram of a study whose points lead to its machines; None where its kind has none."""
+    link = Linker(source)
+    if isinstance(result, DesignStudy):
+        return _design_chart(result, link)
+    if isinstance(result, SweepStudy):
+        return _sweep_chart(result, link)
+    if isinstance(result, MapStudy):
+        return _map_chart(result, link)
+    return None
+
+
+def _design_chart(study: DesignStudy, link: Linker) -> PickedChart:
+    """Return all runs over the two numbers that matter most, by what they came to."""
+    names = drawn_numbers(study)
+    (x, x_label), (y, y_label) = (_numbers(study, name) for name in (names if len(names) == 2 else [None, *names]))
+    met = study.margins >= 0.0
+    ranked = {one.run for one in study.candidates}
+    marked = study.verdicts.marked
+    others = [k for k in range(len(study.rows)) if k not in ranked and not marked[k]]
+    groups = [
+        ("a goal is missed", [k for k in others if not met[k]]),
+        ("all goals met", [k for k in others if met[k]]),
+        *_marked_groups(study.verdicts, ranked),
+        ("ranked", sorted(ranked)),
+    ]
+    links = [link.of_row(study.plan.variables, row) for row in study.rows]
+    return PickedChart(dot_chart("Runs by their numbers", x_label, y_label, _dots(groups, x, y)), links)
+
+
+def _numbers(study: DesignStudy, name: str | None) -> tuple[Any, str]:
+    """Return a number of all runs as it is shown, with its label; their order for none."""
+    if name is None:
+        return np.arange(1.0, len(study.rows) + 1.0), "run"
+    kept = study.kept(name)
+    return study.numbers[:, study.plan.evaluation.names.index(name)] / kept.scale, kept.label
+
+
+def _sweep_chart(study: SweepStudy, link: Linker) -> PickedChart:
+    """Return the first number over the first setting, by the second where there is one."""
+    variables, kept = study.plan.variables, study.plan.kept[0]
+    first = variables[0]
+    x = study.settings[:, 0] if first.words else np.asarray(first.axis.shown(study.settings[:, 0]))
+    runs = range(len(study.plan.rows))
+    groups: dict[str, list[int]] = {}
+    for run in runs:
+        words = variables[1].brief(study.plan.rows[run][1]) if len(variables) > 1 else "runs"
+        groups.setdefault(words, []).append(run)
+    marked = study.verdicts.marked
+    listed = list(groups.items()) if len(groups) <= MOST_LISTED else [("runs", list(runs))]
+    listed = [(words, [run for run in of_group if not marked[run]]) for words, of_group in listed]
+    listed += _marked_groups(study.verdicts)
+    links = [link.of_row(variables, row) for row in study.plan.rows]
+    options = dot_chart("Runs", first.label, kept.label, _dots(listed, x, study.number(kept.name) / kept.scale))
+    return PickedChart(options, links)
+
+
+def _marked_groups(verdicts: Verdicts, left_out: Container[int] = ()) -> list[tuple[str, list[int]]]:
+    """Return the runs that failed a check, and those that could not be made, each where there are any."""
+    groups = [
+        (words, [run for run, found in enumerate(verdicts.statuses) if found == status and run not in left_out])
+        for status, words in MARKED.items()
+    ]
+    return [(words, runs) for words, runs in groups if runs]
+
+
+def _dots(groups: Iterable[tuple[str, list[int]]], x: Any, y: Any) -> list[Dots]:
+    """Return groups of runs as dots, those without a number left out; each ends with its run."""
+    return [
+        Dots(words, [[_short(x[k]), _short(y[k]), k] for k in runs if np.isfinite(x[k]) and np.isfinite(y[k])])
+        for words, runs in groups
+    ]
+
+
+def _map_chart(study: MapStudy, link: Linker) -> PickedChart:
+    """Return the scatter of the peaks over the first two settings, of the first panel."""
+    x, y = study.plan.axes[:2]
+    further = {axis.path: str(axis.typed(axis.values[0])) for axis in study.plan.axes[2:]}
+    cv = 100.0 * study.field("cv")[0]
+    cells: list[list[float]] = []
+    links: list[str] = []
+    for j, of_y in enumerate(y.values):
+        for i, of_x in enumerate(x.values):
+            if np.isfinite(cv[j, i]):
+                cells.append([i, j, _short(cv[j, i]), len(links)])
+                links.append(link.of({x.path: str(x.typed(of_x)), y.path: str(y.typed(of_y)), **further}))
+    columns, rows = ([f"{float(axis.shown(value)):.3g}" for value in axis.values] for axis in (x, y))
+    options = heat_chart(
+        declarations(MapCell)["cv"].quantity.label, x.label, y.label, columns, rows, cells, "%", signed=False
+    )
+    return PickedChart(options, links)
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")

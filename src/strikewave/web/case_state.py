@@ -1,4 +1,4 @@
-"""What a page shows of a case: which one, what is changed in it; as an address, as a command line, in Python."""
+"""A case as pages hold it: its state as an address and as a command line, its fields, layers and sections."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 from urllib.parse import urlencode
+
+import numpy as np
 
 from strikewave.base.command_line import command_line, file_word
 from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.base.units import typed_number
+from strikewave.reporting.numbers import spelled
 
 CASE_FILE = ".toml"
 """Ending of the name of a case file."""
@@ -196,3 +200,139 @@ def _unpacked(packed: str) -> str:
         return data.decode()
     except (ValueError, zlib.error):
         raise InputError("address", "toml=…", "a whole case as this app wrote it", "drop the file instead") from None
+
+
+class EditedField(NamedTuple):
+    """A quantity of a case.
+
+    Attributes
+    ----------
+    path : str
+        In the case.
+    what, how : str
+        What it is, and how one gets it on a real machine.
+    typed : str
+        As the case has it, with its unit.
+    unit : str
+        The unit in which it is typed and slid; empty for a number.
+    value : float
+        In that unit.
+    low, high, step : float
+        Of the slider, in that unit.
+    provenance : str
+        Where the value of the case comes from.
+    scale : float
+        Size of its unit in SI.
+    """
+
+    path: str
+    what: str
+    how: str
+    typed: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    step: float
+    provenance: str
+    scale: float
+
+    def shown(self, si: float) -> float:
+        """Return an SI value in the unit in which it is slid."""
+        return si / self.scale
+
+    def text(self, value: float) -> str:
+        """Return a value of the slider as a case file has it.
+
+        Examples
+        --------
+        >>> from strikewave import load_case
+        >>> from strikewave.web.case_values import edited_fields
+        >>> edited_fields(load_case("li-ma-2019"))["machine.speed"].text(700.0)
+        '700 rpm'
+        """
+        number = f"{value:.0f}" if self.step >= 1.0 and float(value).is_integer() else f"{value:.6g}"
+        return f"{number} {self.unit}".strip()
+
+    def with_unit(self, typed: str) -> str:
+        """Return what was typed into the field: a bare number has the unit that stands in its label.
+
+        Examples
+        --------
+        >>> from strikewave import load_case
+        >>> from strikewave.web.case_values import edited_fields
+        >>> speed = edited_fields(load_case("li-ma-2019"))["machine.speed"]
+        >>> speed.with_unit("7e2"), speed.with_unit("70 rad/s")
+        ('7e2 rpm', '70 rad/s')
+        """
+        return f"{typed.strip()} {self.unit}".strip() if typed_number(typed) is not None else typed.strip()
+
+    @property
+    def label(self) -> str:
+        """What it is called beside its slider: its whole path in words, for a mass may be that of striker or object."""
+        words = self.path.replace(".", " ").replace("_", " ")
+        return f"{words} ({spelled(self.unit)})" if self.unit else words
+
+
+JOINTS = {
+    "compliant": "stiffness = 1 GN/m\ndamping = 0 N s/m",
+    "gasket": "material = PTFE\nthickness = 1 mm",
+    "unilateral": "preload = 1 kN",
+    "mass": "mass = 5 gram",
+    "oscillator": "mass = 5 gram\nresonance = 50 kHz\nquality = 50",
+    "contact": "law = hertz\nradius = 1 m",
+    "cushion": "cushion.material = natural rubber 65 IRHD\ncushion.thickness = 10 mm\ncushion.diameter = 20 mm",
+}
+"""Kinds of joints, with properties that each may begin from."""
+
+
+class StackRow(NamedTuple):
+    """A layer, and the joint behind it: their keys, and each in words; no key and no words where there is no joint."""
+
+    layer: str
+    layer_words: str
+    joint: str
+    joint_words: str
+
+
+class ListedStack(NamedTuple):
+    """The layers of a bar, from the loaded face on, and the materials that one more may be of."""
+
+    rows: list[StackRow]
+    materials: list[str]
+
+
+class BarSections(NamedTuple):
+    """Stress and velocity of a bar, in the units shown.
+
+    Attributes
+    ----------
+    time : array (times,)
+    position : array (places,)
+        From the first face, mm.
+    layer : tuple of str
+        Name of the layer of each place.
+    stress : array (times, places)
+        Compression above zero.
+    velocity : array (times, places)
+    labels : tuple of str
+        Of time, stress and velocity, with their units.
+    """
+
+    time: Any
+    position: Any
+    layer: tuple[str, ...]
+    stress: Any
+    velocity: Any
+    labels: tuple[str, str, str]
+
+    def nearest(self, position: float) -> int:
+        """Return the place that is nearest to a position, mm.
+
+        Examples
+        --------
+        >>> empty = np.zeros((1, 3))
+        >>> BarSections(np.zeros(1), np.array([0.0, 1.0, 2.0]), ("a",) * 3, empty, empty, ("",) * 3).nearest(1.2)
+        1
+        """
+        return int(np.argmin(np.abs(self.position - position)))
