@@ -10,21 +10,20 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.records import readers
-from strikewave.records.readers import Options, child, common, long_table, measurements, read_measurements
+from strikewave.records.readers import Options, apart, child, common, long_table, read_measurements, restarts
 from strikewave.records.readers.common import (
     ArrayColumn,
     Scaled,
+    array_columns,
     assemble,
     begin_together,
-    columns_of,
     floats,
     grid_of,
     guard,
     on_grids,
 )
+from strikewave.records.readers.headings import PICO
 from strikewave.records.readers.long_table import Labels, as_asked, as_long_table, labels_of, may_be_labels, may_count
-from strikewave.records.readers.measurements import apart, restarts
-from strikewave.records.readers.settings import PICO
 from strikewave.records.record import Channel, Record
 
 NAN = math.nan
@@ -147,20 +146,20 @@ def test_scale_offset_and_fill_value_are_applied_in_this_order(said, expected):
 def test_a_table_is_cut_along_its_longer_side(monkeypatch):
     table = np.arange(6.0).reshape(2, 3)
     for array in (table, table.T):
-        found = columns_of("run/x", array, "g", "run/", step=7.0)
+        found = array_columns("run/x", array, "g", "run/", step=7.0)
         assert [(c.name, c.size, c.unit, c.folder, c.step, c.load().tolist()) for c in found] == [
             ("run/x 1", 3, "g", "run/", 7.0, [0.0, 1.0, 2.0]), ("run/x 2", 3, "g", "run/", 7.0, [3.0, 4.0, 5.0]),
         ]  # fmt: skip
-    square = columns_of("x", np.arange(4.0).reshape(2, 2))
+    square = array_columns("x", np.arange(4.0).reshape(2, 2))
     assert [c.load().tolist() for c in square] == [[0.0, 2.0], [1.0, 3.0]]
-    assert [(c.name, c.size) for c in columns_of("x", np.zeros((1, 5, 1)))] == [("x", 5)]
-    assert [(c.name, c.size) for c in columns_of("x", np.zeros(1))] == [("x", 1)]
-    assert [c.size for c in columns_of("x", np.zeros(0))] == [0]
-    assert columns_of("x", np.zeros((2, 3, 4))) == columns_of("x", np.zeros((0, 3))) == []
-    assert columns_of("x", np.zeros((1, 1))) == []
+    assert [(c.name, c.size) for c in array_columns("x", np.zeros((1, 5, 1)))] == [("x", 5)]
+    assert [(c.name, c.size) for c in array_columns("x", np.zeros(1))] == [("x", 1)]
+    assert [c.size for c in array_columns("x", np.zeros(0))] == [0]
+    assert array_columns("x", np.zeros((2, 3, 4))) == array_columns("x", np.zeros((0, 3))) == []
+    assert array_columns("x", np.zeros((1, 1))) == []
     monkeypatch.setattr(common, "MOST_COLUMNS", 2)
-    assert len(columns_of("x", np.zeros((2, 3)))) == 2
-    assert columns_of("x", np.zeros((3, 4))) == []
+    assert len(array_columns("x", np.zeros((2, 3)))) == 2
+    assert array_columns("x", np.zeros((3, 4))) == []
 
 
 # Channels
@@ -508,13 +507,13 @@ def test_a_record_is_parted_where_all_its_clocks_begin_anew():
 
 
 def test_more_measurements_than_the_most_are_refused(monkeypatch):
-    monkeypatch.setattr(measurements, "MOST_MEASUREMENTS", 2)
+    monkeypatch.setattr(readers, "MOST_MEASUREMENTS", 2)
     whole = Record("a", "text", (Channel("a", np.arange(9.0), 1.0, 5.0), Channel("b", np.arange(8.0), 1.0, 5.0)))
-    found = measurements.parted(whole, [4])
+    found = readers.parted(whole, [4])
     assert [[c.values.size for c in one.channels] for one in (found, *found.further)] == [[4, 4], [5, 4]]
     assert found.further[0].channels[0].start == 5.0
     with pytest.raises(InputError, match="it has 3: split it"):
-        measurements.parted(whole, [3, 6])
+        readers.parted(whole, [3, 6])
 
 
 @pytest.mark.parametrize(

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.records.readers import Options, excel, hdf, ide, mat, mdf, netcdf, parquet, rigol, tdms, uff, wav
+from strikewave.records.readers import Options, hdf, mat, recorders, tables
 from strikewave.records.readers.common import ArrayColumn
-from strikewave.records.readers.settings import PICO
+from strikewave.records.readers.headings import PICO
 
 from .samples import uff_set
 
@@ -58,7 +58,7 @@ def written(tmp_path):
 @pytest.mark.parametrize(("bits", "kind"), [(8, 1), (16, 1), (24, 1), (32, 1), (32, 3), (64, 3)])
 def test_wav_samples_of_any_width_and_order(written, monkeypatch, order, block, bits, kind):
     """Two channels of four values: the first and the last of the full scale, and two between."""
-    monkeypatch.setattr(wav, "BLOCK", block)
+    monkeypatch.setattr(recorders, "BLOCK", block)
     full = 2 ** (bits - 1)
     ints = [[-full, full - 1], [3, -5], [full // 3, 100], [-(full // 7), 1]]
     size = bits // 8
@@ -69,7 +69,7 @@ def test_wav_samples_of_any_width_and_order(written, monkeypatch, order, block, 
     else:
         data = b"".join(v.to_bytes(size, "little" if order == "<" else "big", signed=True) for row in ints for v in row)
     path = written(riff(wav_form(order, kind, bits=bits), data, tag=b"RIFF" if order == "<" else b"RIFX", order=order))
-    record = wav.read(path, Options())
+    record = recorders.read_wav(path, Options())
     scale = 1.0 if kind == 3 else float(full)
     expected = np.array(ints, "f4" if (kind, bits) == (3, 32) else "f8").astype(float) / scale
     assert [c.values.tolist() for c in record.channels] == expected.T.tolist()
@@ -85,25 +85,28 @@ def test_chunks_before_the_samples_are_passed_over(written, monkeypatch):
     samples = struct.pack("<4h", 1, 2, 3, 4)
     for length in (0, 1, 2, 5):
         other = b"LIST" + struct.pack("<I", length) + bytes(length + length % 2)
-        assert wav.read(written(riff(wav_form(), samples, other * 2)), Options()).channels[1].values[1] == 4 / 2**15
+        assert (
+            recorders.read_wav(written(riff(wav_form(), samples, other * 2)), Options()).channels[1].values[1]
+            == 4 / 2**15
+        )
     with pytest.raises(InputError, match="no samples"):
-        wav.read(written(riff(wav_form(), samples, b"LIST" + struct.pack("<I", 999))), Options())
+        recorders.read_wav(written(riff(wav_form(), samples, b"LIST" + struct.pack("<I", 999))), Options())
     with pytest.raises(InputError, match="no samples"):
-        wav.read(written(riff(wav_form()[:15] + b"", samples)), Options())
+        recorders.read_wav(written(riff(wav_form()[:15] + b"", samples)), Options())
     other = b"LIST" + bytes(4)
-    assert len(wav.read(written(riff(wav_form(), samples, other * 998)), Options()).channels) == 2
+    assert len(recorders.read_wav(written(riff(wav_form(), samples, other * 998)), Options()).channels) == 2
     with pytest.raises(InputError, match="no samples"):
-        wav.read(written(riff(wav_form(), samples, other * 999)), Options())
-    monkeypatch.setattr(wav, "_MOST_CHUNKS", 3)
-    assert len(wav.read(written(riff(wav_form(), samples, other)), Options()).channels) == 2
+        recorders.read_wav(written(riff(wav_form(), samples, other * 999)), Options())
+    monkeypatch.setattr(recorders, "_MOST_CHUNKS", 3)
+    assert len(recorders.read_wav(written(riff(wav_form(), samples, other)), Options()).channels) == 2
     with pytest.raises(InputError, match="no samples"):
-        wav.read(written(riff(wav_form(), samples, other * 2)), Options())
+        recorders.read_wav(written(riff(wav_form(), samples, other * 2)), Options())
 
 
 def test_a_wav_file_of_64_bits_tells_its_size_ahead(written):
     samples = struct.pack("<6h", 1, 2, 3, 4, 5, 6)
     ds64 = b"ds64" + struct.pack("<IQQ", 16, 99, 8)
-    layout = wav._layout(written(riff(wav_form(), samples, ds64, 2**32 - 1, b"RF64")))
+    layout = recorders._layout(written(riff(wav_form(), samples, ds64, 2**32 - 1, b"RF64")))
     assert (layout.size, layout.kind, layout.channels, layout.rate, layout.bits, layout.order) == (
         8,
         1,
@@ -112,20 +115,23 @@ def test_a_wav_file_of_64_bits_tells_its_size_ahead(written):
         16,
         "<",
     )
-    assert wav._layout(written(riff(wav_form(), samples, ds64, 12, b"RF64"))).size == 12
+    assert recorders._layout(written(riff(wav_form(), samples, ds64, 12, b"RF64"))).size == 12
     path = written(riff(wav_form(), samples, size=2**32 - 1))
-    record = wav.read(path, Options())  # cut where no size is known
+    record = recorders.read_wav(path, Options())  # cut where no size is known
     assert (record.channels[0].values.size, [f.code for f in record.findings]) == (3, ["wav-scale"])
 
 
 def test_an_extended_format_names_its_own(written):
     samples = np.arange(4.0, dtype="<f4").tobytes()
     extended = wav_form(kind=0xFFFE, bits=32, extension=struct.pack("<HHIH", 22, 32, 0, 3))
-    assert wav.read(written(riff(extended, samples)), Options()).channels[1].values.tolist() == [1.0, 3.0]
+    assert recorders.read_wav(written(riff(extended, samples)), Options()).channels[1].values.tolist() == [1.0, 3.0]
     assert len(extended) == 26
-    assert wav.read(written(riff(extended + bytes(8), samples)), Options()).channels[0].values.tolist() == [0.0, 2.0]
+    assert recorders.read_wav(written(riff(extended + bytes(8), samples)), Options()).channels[0].values.tolist() == [
+        0.0,
+        2.0,
+    ]
     with pytest.raises(InputError, match="kind 65534"):
-        wav.read(written(riff(extended[:24], samples)), Options())
+        recorders.read_wav(written(riff(extended[:24], samples)), Options())
 
 
 @pytest.mark.parametrize(
@@ -137,17 +143,17 @@ def test_an_extended_format_names_its_own(written):
 )  # fmt: skip
 def test_wav_files_without_plain_samples_are_refused(written, form, words):
     with pytest.raises(InputError, match=words):
-        wav.read(written(riff(form, bytes(12))), Options())
-    assert math.isnan(wav.read(written(riff(wav_form(rate=0), bytes(12))), Options()).channels[0].step)
-    assert wav.read(written(riff(wav_form(channels=6), bytes(12))), Options()).channels[5].values.size == 1
+        recorders.read_wav(written(riff(form, bytes(12))), Options())
+    assert math.isnan(recorders.read_wav(written(riff(wav_form(rate=0), bytes(12))), Options()).channels[0].step)
+    assert recorders.read_wav(written(riff(wav_form(channels=6), bytes(12))), Options()).channels[5].values.size == 1
 
 
 def test_a_wav_file_that_ends_early_says_so(written):
-    record = wav.read(written(riff(wav_form(), bytes(12), size=13)), Options())
+    record = recorders.read_wav(written(riff(wav_form(), bytes(12), size=13)), Options())
     assert [(f.code, f.value) for f in record.findings][1:] == [("cut-off", 3.0)]
-    assert wav.sniff(b"RF64....WAVE")
-    assert not wav.sniff(b"RIFF....AVI ")
-    assert not wav.sniff(b"RIFD....WAVE")
+    assert recorders.sniff_wav(b"RF64....WAVE")
+    assert not recorders.sniff_wav(b"RIFF....AVI ")
+    assert not recorders.sniff_wav(b"RIFD....WAVE")
 
 
 # MATLAB
@@ -177,7 +183,7 @@ HEAD = {"<": b"MATLAB".ljust(124) + b"\x00\x01IM", ">": b"MATLAB".ljust(124) + b
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize("kind", [1, 2, 3, 4, 5, 6, 7, 9, 12, 13])
 def test_every_type_of_numbers_of_matlab(written, order, kind):
-    record = mat.read(written(HEAD[order] + matrix("abc", [3, 5, 100], kind, order=order)), Options())
+    record = mat.read_mat(written(HEAD[order] + matrix("abc", [3, 5, 100], kind, order=order)), Options())
     assert shown(record)[0][:3] == ("abc", "", [3.0, 5.0, 100.0])
 
 
@@ -185,7 +191,7 @@ def test_classes_that_are_no_numbers_are_passed_over(written):
     """Classes from 6 to 15 hold numbers; 0x0800 marks complex ones, other flags nothing of the kind."""
     parts = [matrix(f"class{k}", [3, 5], flags=k) for k in (1, 4, 5, 6, 15, 16)]
     parts += [matrix("complex", [3, 5], flags=0x0806), matrix("global", [3, 5], flags=0x0406)]
-    record = mat.read(written(HEAD["<"] + b"".join(parts)), Options())
+    record = mat.read_mat(written(HEAD["<"] + b"".join(parts)), Options())
     assert [c.name for c in record.channels] == ["class6", "class15", "global"]
     assert record.findings[0].value == 5
     assert "class1, class4, class5, class16, complex" in record.findings[0].message
@@ -195,7 +201,7 @@ def test_small_elements_hold_up_to_four_bytes(written):
     """Kind and size in one word, the bytes in the next."""
     body = element(6, struct.pack("<II", 6, 0)) + element(5, struct.pack("<2i", 3, 1))
     small = struct.pack("<I", 3 << 16 | 1) + b"abc\0" + struct.pack("<I", 3 << 16 | 2) + b"\x07\x08\x09\0"
-    assert shown(mat.read(written(HEAD["<"] + element(14, body + small)), Options()))[0][:3] == (
+    assert shown(mat.read_mat(written(HEAD["<"] + element(14, body + small)), Options()))[0][:3] == (
         "abc",
         "",
         [7.0, 8.0, 9.0],
@@ -223,31 +229,35 @@ def struct_of(name, fields, length=5):
 
 def test_fields_of_structs_have_the_name_of_their_place(written):
     inner = struct_of("", [("bar", matrix("", [1, 2])), ("dt", matrix("", [4])), ("", matrix("", [7, 7]))])
-    record = mat.read(written(HEAD["<"] + struct_of("run", [("in", inner), ("top", matrix("", [3, 5]))])), Options())
+    record = mat.read_mat(
+        written(HEAD["<"] + struct_of("run", [("in", inner), ("top", matrix("", [3, 5]))])), Options()
+    )
     assert shown(record)[0] == ("run/in/bar", "", [1.0, 2.0], 4.0, 0.0)
     assert [c.name for c in record.channels] == ["run/in/bar"]  # the other one has no step
     two = struct_of("run", [("top", matrix("", [3, 5]))]).replace(struct.pack("<2i", 1, 1), struct.pack("<2i", 2, 1))
-    assert "run" in mat.read(written(HEAD["<"] + two + matrix("a", [1, 2])), Options()).findings[0].message
+    assert "run" in mat.read_mat(written(HEAD["<"] + two + matrix("a", [1, 2])), Options()).findings[0].message
 
 
 def test_structs_nest_up_to_eight_deep(written):
     part = matrix("", [1, 2])
     for _ in range(7):
         part = struct_of("", [("a", part)])
-    assert [c.name for c in mat.read(written(HEAD["<"] + struct_of("s", [("a", part)])), Options()).channels] == [
+    assert [c.name for c in mat.read_mat(written(HEAD["<"] + struct_of("s", [("a", part)])), Options()).channels] == [
         "s/" + "a/" * 7 + "a"
     ]
     part = struct_of("", [("a", part)])
     with pytest.raises(InputError, match="no arrays"):
-        mat.read(written(HEAD["<"] + struct_of("s", [("a", part)])), Options())
+        mat.read_mat(written(HEAD["<"] + struct_of("s", [("a", part)])), Options())
 
 
 def test_tables_of_matlab_lie_column_by_column(written):
-    record = mat.read(written(HEAD["<"] + matrix("ab", range(6), shape=(3, 2)) + matrix("dt", [2])), Options())
+    record = mat.read_mat(written(HEAD["<"] + matrix("ab", range(6), shape=(3, 2)) + matrix("dt", [2])), Options())
     assert shown(record) == [("ab 1", "", [0.0, 1.0, 2.0], 2.0, 0.0), ("ab 2", "", [3.0, 4.0, 5.0], 2.0, 0.0)]
     with pytest.raises(InputError, match=r"6 numbers for a shape of \(3, 3\)"):
-        mat.read(written(HEAD["<"] + matrix("ab", range(6), shape=(3, 3))), Options())
-    record = mat.read(written(HEAD["<"] + matrix("cube", range(8), shape=(2, 2, 2)) + matrix("a", [1, 2])), Options())
+        mat.read_mat(written(HEAD["<"] + matrix("ab", range(6), shape=(3, 3))), Options())
+    record = mat.read_mat(
+        written(HEAD["<"] + matrix("cube", range(8), shape=(2, 2, 2)) + matrix("a", [1, 2])), Options()
+    )
     assert record.findings[0].message == "1 arrays are no channels: cube"
 
 
@@ -256,7 +266,8 @@ def test_compressed_arrays_are_unpacked_no_further_than_they_claim(written):
 
     packed = zlib.compress(matrix("abc", [3, 5]))
     assert (
-        mat.read(written(HEAD["<"] + struct.pack("<II", 15, len(packed)) + packed), Options()).channels[0].name == "abc"
+        mat.read_mat(written(HEAD["<"] + struct.pack("<II", 15, len(packed)) + packed), Options()).channels[0].name
+        == "abc"
     )
     empty = zlib.compress(struct.pack("<II", 14, 0) + b"xyz")
     assert mat._unpacked(written(b"file"), memoryview(empty), "<") == (14, b"x")  # zlib takes a bound of zero for none
@@ -264,9 +275,9 @@ def test_compressed_arrays_are_unpacked_no_further_than_they_claim(written):
     assert mat._unpacked(written(b"file"), memoryview(three), "<") == (14, b"abc")
     packed = zlib.compress(b"1234567")
     with pytest.raises(InputError, match="compressed array is empty"):
-        mat.read(written(HEAD["<"] + struct.pack("<II", 15, len(packed)) + packed), Options())
+        mat.read_mat(written(HEAD["<"] + struct.pack("<II", 15, len(packed)) + packed), Options())
     with pytest.raises(InputError, match="ends within an array"):
-        mat.read(written(HEAD["<"] + struct.pack("<II", 15, len(packed) + 1) + packed), Options())
+        mat.read_mat(written(HEAD["<"] + struct.pack("<II", 15, len(packed) + 1) + packed), Options())
 
 
 def old_matrix(name, numbers, form=0, shape=None, imaginary=0, order="<"):
@@ -281,8 +292,8 @@ def old_matrix(name, numbers, form=0, shape=None, imaginary=0, order="<"):
 def test_every_type_of_numbers_of_version_4(written, order, form):
     parts = [("abc", [3, 5, 100]), ("de", [7, 8, 9])]
     content = b"".join(old_matrix(*part, form, order=order) for part in parts)
-    assert mat.sniff(content)
-    assert [one[:3] for one in shown(mat.read(written(content), Options()))] == [
+    assert mat.sniff_mat(content)
+    assert [one[:3] for one in shown(mat.read_mat(written(content), Options()))] == [
         ("abc", "", [3.0, 5.0, 100.0]),
         ("de", "", [7.0, 8.0, 9.0]),
     ]
@@ -297,7 +308,7 @@ def test_every_type_of_numbers_of_version_4(written, order, form):
     ],
 )  # fmt: skip
 def test_what_is_no_head_of_version_4(head):
-    assert not mat.sniff(head + bytes(8))
+    assert not mat.sniff_mat(head + bytes(8))
 
 
 def test_heads_of_version_4_up_to_their_limits():
@@ -316,31 +327,31 @@ def test_heads_of_version_4_up_to_their_limits():
 
 def test_complex_arrays_of_version_4_are_passed_over(written):
     both = old_matrix("ab", [3, 5, 0, 0], shape=(2, 1), imaginary=1) + old_matrix("cd", [7, 8])
-    assert [c.name for c in mat.read(written(both), Options()).channels] == ["cd"]
+    assert [c.name for c in mat.read_mat(written(both), Options()).channels] == ["cd"]
     with pytest.raises(InputError, match="no array begins at byte 39"):
-        mat.read(written(old_matrix("ab", [3, 5]) + b"rest"), Options())
+        mat.read_mat(written(old_matrix("ab", [3, 5]) + b"rest"), Options())
     with pytest.raises(InputError, match="ends within an array"):
-        mat.read(written(old_matrix("ab", [3, 5])[:-1]), Options())
+        mat.read_mat(written(old_matrix("ab", [3, 5])[:-1]), Options())
 
 
 def test_more_arrays_than_the_most_are_refused(written, monkeypatch):
     monkeypatch.setattr(mat, "MOST_ARRAYS", 2)
-    assert len(mat.read(written(old_matrix("ab", [3, 5]) * 2), Options()).channels) == 2
+    assert len(mat.read_mat(written(old_matrix("ab", [3, 5]) * 2), Options()).channels) == 2
     with pytest.raises(InputError, match="more than 2 arrays"):
-        mat.read(written(old_matrix("ab", [3, 5]) * 3), Options())
+        mat.read_mat(written(old_matrix("ab", [3, 5]) * 3), Options())
     passed_over = matrix("class4", [3, 5], flags=4)
-    assert len(mat.read(written(HEAD["<"] + matrix("a", [3, 5]) + passed_over), Options()).channels) == 1
+    assert len(mat.read_mat(written(HEAD["<"] + matrix("a", [3, 5]) + passed_over), Options()).channels) == 1
     with pytest.raises(InputError, match="more than 2 arrays"):
-        mat.read(written(HEAD["<"] + matrix("a", [3, 5]) + passed_over + matrix("b", [3, 5])), Options())
-    assert not mat.sniff(HEAD["<"][:127])
-    assert mat.sniff(HEAD[">"])
+        mat.read_mat(written(HEAD["<"] + matrix("a", [3, 5]) + passed_over + matrix("b", [3, 5])), Options())
+    assert not mat.sniff_mat(HEAD["<"][:127])
+    assert mat.sniff_mat(HEAD[">"])
 
 
 # Rigol
 
 
 def family(written, head, size=400):
-    return rigol._family(written(head.ljust(size, b"\0")))
+    return recorders._family(written(head.ljust(size, b"\0")))
 
 
 @pytest.mark.parametrize(
@@ -360,8 +371,8 @@ def family(written, head, size=400):
 )  # fmt: skip
 def test_the_family_of_an_oscilloscope_is_told_by_its_head(written, head, expected):
     assert family(written, head) == expected
-    assert rigol.sniff(head)
-    assert not rigol.sniff(b"x" + head)
+    assert recorders.sniff_rigol(head)
+    assert not recorders.sniff_rigol(b"x" + head)
 
 
 def points(count, first=1, second=0):
@@ -383,7 +394,7 @@ def test_a_head_of_one_family_with_the_samples_of_another(written, head, size, f
     """So many points of each channel that is on, behind a head of 256 or 272 bytes."""
     if len(head) < 76:
         path = written(head)
-        assert rigol._family(path)[0] == form
+        assert recorders._family(path)[0] == form
         return
     assert family(written, head, size)[0] == form
 
@@ -399,7 +410,7 @@ def test_channels_of_oscilloscopes_have_their_unit_step_and_start():
         }
         return SimpleNamespace(**{**said, **how})
 
-    column = rigol._column(channel())
+    column = recorders._analog_column(channel())
     assert (column.name, column.size, column.unit, column.step, column.start, column.load().tolist()) == (
         "CH4",
         2,
@@ -408,9 +419,15 @@ def test_channels_of_oscilloscopes_have_their_unit_step_and_start():
         -5e-3,
         [1.0, 2.0],
     )
-    assert rigol._column(channel(times=None)).start == rigol._column(channel(times=[])).start == 0.0
-    assert [rigol._column(channel(unit=SimpleNamespace(name=n))).unit for n in ("v", "W", "unknown")] == ["V", "W", ""]
-    assert rigol._column(channel(unit="")).unit == "V"
+    assert (
+        recorders._analog_column(channel(times=None)).start == recorders._analog_column(channel(times=[])).start == 0.0
+    )
+    assert [recorders._analog_column(channel(unit=SimpleNamespace(name=n))).unit for n in ("v", "W", "unknown")] == [
+        "V",
+        "W",
+        "",
+    ]
+    assert recorders._analog_column(channel(unit="")).unit == "V"
 
 
 def test_channels_of_an_oscilloscope_that_are_switched_on_are_read(written, monkeypatch):
@@ -428,10 +445,10 @@ def test_channels_of_an_oscilloscope_that_are_switched_on_are_read(written, monk
     parsers = SimpleNamespace(parse_file=lambda family, path: [f"{family} waveform"])
     monkeypatch.setitem(sys.modules, "RigolWFM", None)
     monkeypatch.setattr(
-        rigol, "extra", lambda name, _: parsers if name.endswith("rigol") else SimpleNamespace(Channel=channel)
+        recorders, "extra", lambda name, _: parsers if name.endswith("rigol") else SimpleNamespace(Channel=channel)
     )
     path = written(b"RG03" + bytes(300))
-    assert shown(rigol.parse(path, Options())) == [
+    assert shown(recorders.parse_rigol(path, Options())) == [
         ("CH2", "V", [1.0, 2.0, 4.0], 0.5, -3.0), ("CH4", "V", [3.0, 5.0, 7.0], 0.5, -3.0),
     ]  # fmt: skip
     assert asked == [("DHO waveform", number, "dho1000") for number in (1, 2, 3, 4)]
@@ -444,17 +461,17 @@ def test_segments_of_a_tdms_file_are_counted_by_their_heads(written, monkeypatch
     def part(size, flags=0, order="little", tag=b"TDSm"):
         return tag + flags.to_bytes(4, "little") + bytes(4) + size.to_bytes(8, order) + bytes(8) + bytes(size)
 
-    assert not tdms._has_many_segments(written(part(0) * 1000))
-    assert tdms._has_many_segments(written(part(0) * 1001))
-    monkeypatch.setattr(tdms, "MANY_SEGMENTS", 3)
-    assert not tdms._has_many_segments(written(part(5) * 3))
-    assert tdms._has_many_segments(written(part(5) * 4))
-    assert tdms._has_many_segments(written(part(5) + part(7, 1 << 6, "big") + part(0) + b"x"))
-    assert not tdms._has_many_segments(written(part(5) + b"x" + part(7) * 3))
-    assert not tdms._has_many_segments(written(part(5) + part(7, tag=b"TDSx") + part(0) * 3))
-    assert not tdms._has_many_segments(written(part(5)[:20]))
-    assert tdms.sniff(b"TDSm ")
-    assert not tdms.sniff(b"TDSh ")
+    assert not recorders._has_many_segments(written(part(0) * 1000))
+    assert recorders._has_many_segments(written(part(0) * 1001))
+    monkeypatch.setattr(recorders, "MANY_SEGMENTS", 3)
+    assert not recorders._has_many_segments(written(part(5) * 3))
+    assert recorders._has_many_segments(written(part(5) * 4))
+    assert recorders._has_many_segments(written(part(5) + part(7, 1 << 6, "big") + part(0) + b"x"))
+    assert not recorders._has_many_segments(written(part(5) + b"x" + part(7) * 3))
+    assert not recorders._has_many_segments(written(part(5) + part(7, tag=b"TDSx") + part(0) * 3))
+    assert not recorders._has_many_segments(written(part(5)[:20]))
+    assert recorders.sniff_tdms(b"TDSm ")
+    assert not recorders.sniff_tdms(b"TDSh ")
 
 
 class Sized(SimpleNamespace):
@@ -471,7 +488,7 @@ def test_waveforms_of_tdms_have_grid_unit_and_clock_time():
         "NI_UnitDescription": "g",
         "wf_start_time": time,
     }
-    column = tdms._column(Sized(properties=properties, group_name="g", read_data=None), "g/a")
+    column = recorders._tdms_column(Sized(properties=properties, group_name="g", read_data=None), "g/a")
     assert (column.name, column.size, column.unit, column.step, column.start, column.folder) == (
         "g/a",
         3,
@@ -481,11 +498,11 @@ def test_waveforms_of_tdms_have_grid_unit_and_clock_time():
         "g/",
     )
     assert column.origin == 24107 * 86400 * PICO + PICO // 4
-    still = tdms._column(
+    still = recorders._tdms_column(
         Sized(properties={**properties, "wf_increment": 0.0, "unit_string": "V"}, group_name="g", read_data=None), "a"
     )
     np.testing.assert_equal((still.step, still.origin, still.unit), (NAN, None, "V"))
-    plain = tdms._column(Sized(properties={"wf_increment": 0.5}, group_name="g", read_data=None), "a")
+    plain = recorders._tdms_column(Sized(properties={"wf_increment": 0.5}, group_name="g", read_data=None), "a")
     np.testing.assert_equal((plain.step, plain.start, plain.origin), (0.5, NAN, None))
 
 
@@ -497,7 +514,7 @@ def test_clock_times_of_a_tdms_channel_begin_at_its_first():
         def read_data(self):
             return SimpleNamespace(as_datetime64=lambda unit: f"read in {unit}")
 
-    column = tdms._stamps(Channel(group_name="shots"), "shots/t")
+    column = recorders._stamps(Channel(group_name="shots"), "shots/t")
     assert column.origin == 24107 * 86400 * PICO + PICO // 2
     assert (column.name, column.size, column.folder, column.time) == ("shots/t", 3, "shots/", True)
     assert column.load() == "read in ns"
@@ -505,12 +522,12 @@ def test_clock_times_of_a_tdms_channel_begin_at_its_first():
 
 def test_clock_times_of_tdms_before_1970_are_none():
     def of(seconds, fractions=0):
-        return tdms._clock_time(SimpleNamespace(seconds=seconds, second_fractions=fractions))
+        return recorders._clock_time(SimpleNamespace(seconds=seconds, second_fractions=fractions))
 
     assert of(24107 * 86400 - 1) is None
     assert of(24107 * 86400, 2**64 - 1) == 24107 * 86400 * PICO + PICO - 1
-    assert tdms._clock_time(SimpleNamespace(seconds=5e9)) is None
-    assert tdms._clock_time(SimpleNamespace(second_fractions=5)) is None
+    assert recorders._clock_time(SimpleNamespace(seconds=5e9)) is None
+    assert recorders._clock_time(SimpleNamespace(second_fractions=5)) is None
 
 
 @pytest.mark.parametrize(
@@ -521,7 +538,7 @@ def test_clock_times_of_tdms_before_1970_are_none():
     ],
 )  # fmt: skip
 def test_a_spectrum_of_tdms_is_not_over_time(properties, expected):
-    assert tdms._is_over_time(SimpleNamespace(properties=properties)) is expected
+    assert recorders._is_over_time(SimpleNamespace(properties=properties)) is expected
 
 
 # Universal files, MDF, IDE
@@ -540,32 +557,32 @@ def data_set(**how):
 
 
 def test_a_time_response_has_its_samples_grid_and_unit():
-    (column,) = uff._columns(data_set(), 3)
+    (column,) = recorders._response_columns(data_set(), 3)
     assert (column.name, column.size, column.load().tolist(), column.unit, column.step, column.start, column.folder) == (
         "bar", 4, [0.0, 1.0, 2.0, 3.0], "g", 0.25, -3.0, "3",
     )  # fmt: skip
-    assert uff._columns(data_set(num_pts=0), 3)[0].size == 5
-    assert math.isnan(uff._columns(data_set(abscissa_inc=0.0), 3)[0].step)
-    both = uff._columns(data_set(abscissa_spacing=0, abscissa_axis_units_lab="ms"), 3)
+    assert recorders._response_columns(data_set(num_pts=0), 3)[0].size == 5
+    assert math.isnan(recorders._response_columns(data_set(abscissa_inc=0.0), 3)[0].step)
+    both = recorders._response_columns(data_set(abscissa_spacing=0, abscissa_axis_units_lab="ms"), 3)
     assert [(c.name, c.size, c.unit, c.time, c.folder) for c in both] == [
         ("bar", 4, "g", False, "3"),
         ("time", 4, "ms", True, "3"),
     ]
     assert math.isnan(both[0].step)
     assert (
-        uff._columns(data_set(func_type=4), 3)
-        == uff._columns(data_set(data=np.array([1j])), 3)
-        == uff._columns(data_set(data=[]), 3)
+        recorders._response_columns(data_set(func_type=4), 3)
+        == recorders._response_columns(data_set(data=np.array([1j])), 3)
+        == recorders._response_columns(data_set(data=[]), 3)
         == []
     )
 
 
 def test_names_of_data_sets_are_the_first_that_is_filled():
-    assert uff._name({"ordinate_axis_lab": "NONE", "rsp_ent_name": "null", "id1": "a blow"}, 3) == "a blow"
-    assert uff._name({"ordinate_axis_lab": "", "rsp_ent_name": "top", "id1": "a blow"}, 3) == "top"
-    assert uff._name({}, 3) == "channel 4"
-    assert uff.sniff(b"    -1\n    58\n")
-    assert not uff.sniff(b"     1\n    58\n")
+    assert recorders._name({"ordinate_axis_lab": "NONE", "rsp_ent_name": "null", "id1": "a blow"}, 3) == "a blow"
+    assert recorders._name({"ordinate_axis_lab": "", "rsp_ent_name": "top", "id1": "a blow"}, 3) == "top"
+    assert recorders._name({}, 3) == "channel 4"
+    assert recorders.sniff_uff(b"    -1\n    58\n")
+    assert not recorders.sniff_uff(b"     1\n    58\n")
 
 
 class Conversion(SimpleNamespace):
@@ -593,7 +610,7 @@ def mdf_file(samples, conversion=None, version="4.10", masters=()):
 )
 def test_conversions_of_mdf_are_plain_or_left_out(version, kind, plain):
     raw = []
-    (column,) = mdf._column(
+    (column,) = recorders._signal_columns(
         mdf_file([1, 2], Conversion(conversion_type=kind), version), 5, 2, SimpleNamespace(name="bar"), raw
     )
     assert (column.name, column.size, column.unit, column.folder, column.time) == ("bar", 2, "g", "5", False)
@@ -618,38 +635,38 @@ def test_channels_of_mdf_are_read_group_by_group(written, monkeypatch):
             return SimpleNamespace(samples=np.array(samples[group, index]), conversion=conversion, unit="g")
 
     file = File(groups=[SimpleNamespace(channels=one) for one in groups], version="4.10", masters_db={0: 0})
-    monkeypatch.setattr(mdf, "extra", lambda *_: SimpleNamespace(MDF=lambda *_, **how: file))
-    monkeypatch.setattr(mdf.logging, "disable", lambda level: None)
-    record = mdf.parse(written(b"MDF"), Options())
+    monkeypatch.setattr(recorders, "extra", lambda *_: SimpleNamespace(MDF=lambda *_, **how: file))
+    monkeypatch.setattr(recorders.logging, "disable", lambda level: None)
+    record = recorders.parse_mdf(written(b"MDF"), Options())
     assert next((c.name, c.values.tolist(), c.step) for c in record.channels) == ("01", [3.0, 5.0, 7.0], 0.5)
     assert record.channels[1].values.tolist() == [1.0, 2.0, 4.0]
     assert [(f.code, f.value) for f in record.findings] == [("array-ignored", 1), ("not-converted", 1)]
     assert "10" in record.findings[0].message
     assert "11" in record.findings[1].message
-    monkeypatch.setattr(mdf, "MOST_ARRAYS", 3)
-    assert len(mdf.parse(written(b"MDF"), Options()).channels) == 2
-    monkeypatch.setattr(mdf, "MOST_ARRAYS", 2)
+    monkeypatch.setattr(recorders, "MOST_ARRAYS", 3)
+    assert len(recorders.parse_mdf(written(b"MDF"), Options()).channels) == 2
+    monkeypatch.setattr(recorders, "MOST_ARRAYS", 2)
     with pytest.raises(InputError, match="more than 2 channels"):
-        mdf.parse(written(b"MDF"), Options())
+        recorders.parse_mdf(written(b"MDF"), Options())
 
 
 def test_the_master_of_a_group_of_mdf_is_its_time():
     channel = SimpleNamespace(name="bar")
-    assert mdf._column(mdf_file([1.0, 2.0], masters={5: 2}), 5, 2, channel, [])[0][0] == "time"
-    assert not mdf._column(mdf_file([1.0, 2.0], masters={5: 3}), 5, 2, channel, [])[0].time
+    assert recorders._signal_columns(mdf_file([1.0, 2.0], masters={5: 2}), 5, 2, channel, [])[0][0] == "time"
+    assert not recorders._signal_columns(mdf_file([1.0, 2.0], masters={5: 3}), 5, 2, channel, [])[0].time
     for samples in (["a"], np.zeros((2, 2)), []):
-        assert mdf._column(mdf_file(samples), 5, 2, channel, []) == []
+        assert recorders._signal_columns(mdf_file(samples), 5, 2, channel, []) == []
     words = SimpleNamespace(convert=lambda values, as_object: np.array(["a", "b"]))
-    assert mdf._physical(np.array([1, 2]), words).tolist() == [1, 2]
-    assert mdf.sniff(b"MDF     3")
-    assert mdf.sniff(b"UnFinMF ")
-    assert not mdf.sniff(b"MDF    x")
+    assert recorders._physical(np.array([1, 2]), words).tolist() == [1, 2]
+    assert recorders.sniff_mdf(b"MDF     3")
+    assert recorders.sniff_mdf(b"UnFinMF ")
+    assert not recorders.sniff_mdf(b"MDF    x")
 
 
 def test_numbers_of_ide_are_fractions():
-    assert [ide._ratio(word) for word in ("1/8", "3", "2.5/5")] == [0.125, 3.0, 0.5]
+    assert [recorders._ratio(word) for word in ("1/8", "3", "2.5/5")] == [0.125, 3.0, 0.5]
     with pytest.raises(ValueError, match="os"):
-        ide._ratio("os.x")
+        recorders._ratio("os.x")
 
 
 def test_axes_of_ide_lie_over_microseconds(written, monkeypatch):
@@ -665,25 +682,25 @@ def test_axes_of_ide_lie_over_microseconds(written, monkeypatch):
 
     path = written(b"x")
     claimed = []
-    monkeypatch.setattr(ide, "guard", lambda path, size: claimed.append(size))
-    columns = ide._columns(path, channel())
+    monkeypatch.setattr(recorders, "guard", lambda path, size: claimed.append(size))
+    columns = recorders._sensor_columns(path, channel())
     assert claimed == [8.0 * 3 * 3]  # time and two axes
     assert [(c.name, c.size, c.unit, c.folder, c.time, c.load().tolist()) for c in columns] == [
         ("time", 3, "s", "8", True, pytest.approx([0.0, 5e-6, 1e-5], rel=1e-15)), ("board/X", 3, "g", "8", False, [1.0, 2.0, 3.0]),
         ("board/Y", 3, "N", "8", False, [4.0, 5.0, 6.0]),
     ]  # fmt: skip
-    assert ide._columns(path, channel(count=0)) == []
+    assert recorders._sensor_columns(path, channel(count=0)) == []
     assert (
-        len(ide._columns(path, channel(count=2, axes=4))) == 3
+        len(recorders._sensor_columns(path, channel(count=2, axes=4))) == 3
     )  # eight samples of a byte; of axes without samples none
     with pytest.raises(InputError, match="channel board claims 3 samples"):
-        ide._columns(path, channel(count=3, axes=3))
+        recorders._sensor_columns(path, channel(count=3, axes=3))
     missing = channel()
     missing.subchannels[0] = None
     missing.subchannels[1].units = None
-    assert [(c.name, c.unit) for c in ide._columns(path, missing)] == [("time", "s"), ("board/Y", "")]
-    assert ide.sniff(b"\x1aE\xdf\xa3" + bytes(120) + b"mide")
-    assert not ide.sniff(b"\x1aE\xdf\xa3" + bytes(121) + b"mide")
+    assert [(c.name, c.unit) for c in recorders._sensor_columns(path, missing)] == [("time", "s"), ("board/Y", "")]
+    assert recorders.sniff_ide(b"\x1aE\xdf\xa3" + bytes(120) + b"mide")
+    assert not recorders.sniff_ide(b"\x1aE\xdf\xa3" + bytes(121) + b"mide")
 
 
 # HDF5 and NetCDF
@@ -692,8 +709,8 @@ def test_axes_of_ide_lie_over_microseconds(written, monkeypatch):
 @pytest.mark.parametrize("at", [0, 512, 1024, 2048, 4096])
 def test_hdf_may_begin_behind_a_block_of_the_user(at):
     signature = b"\x89HDF\r\n\x1a\n"
-    assert hdf.sniff(bytes(at) + signature)
-    assert not hdf.sniff(bytes(at + 1) + signature)
+    assert hdf.sniff_hdf(bytes(at) + signature)
+    assert not hdf.sniff_hdf(bytes(at + 1) + signature)
 
 
 @pytest.fixture
@@ -709,7 +726,7 @@ def hdf_read(file):
     file.flush()
     copy = Path(file.filename).with_suffix(".copy")
     shutil.copy(file.filename, copy)
-    return hdf.parse(copy, Options())
+    return hdf.parse_hdf(copy, Options())
 
 
 def test_grids_and_units_of_hdf_are_attributes_of_array_group_or_file(hdf_file):
@@ -808,9 +825,9 @@ def test_classic_netcdf_has_scales_grids_and_scalars(tmp_path, own):
         file.t0 = 7.0
     top = ("top", "N", [4.0, 5.0, 6.0], 0.25 if own else 0.125, 7.0)
     expected = [top] if own else [("bar", "g", [0.5, 1.0, 1.5], 0.125, 7.0), top]
-    assert shown(netcdf.read(tmp_path / "a.nc", Options())) == expected
-    assert netcdf.sniff(b"CDF\x02")
-    assert not netcdf.sniff(b"CDF\x05")
+    assert shown(hdf.read_netcdf(tmp_path / "a.nc", Options())) == expected
+    assert hdf.sniff_netcdf(b"CDF\x02")
+    assert not hdf.sniff_netcdf(b"CDF\x05")
 
 
 # What a file claims
@@ -818,14 +835,14 @@ def test_classic_netcdf_has_scales_grids_and_scalars(tmp_path, own):
 
 def test_readers_claim_the_bytes_that_a_file_promises(tmp_path, monkeypatch, hdf_file):
     claimed = []
-    for module in (tdms, ide, hdf, mat):
+    for module in (recorders, hdf, mat):
         monkeypatch.setattr(module, "guard", lambda path, size, compressed=True: claimed.append((size, compressed)))
     nptdms = pytest.importorskip("nptdms")
     with nptdms.TdmsWriter(str(tmp_path / "a.tdms")) as file:
         file.write_segment(
             [nptdms.ChannelObject("g", "a", np.arange(9.0)), nptdms.ChannelObject("g", "b", np.arange(7, dtype="i2"))]
         )
-    tdms.parse(tmp_path / "a.tdms", Options())
+    recorders.parse_tdms(tmp_path / "a.tdms", Options())
     assert claimed == [(72, False), (14, False)]
     claimed.clear()
     hdf_file.create_dataset("a", data=np.zeros((5, 6), "f4"), chunks=(2, 3))
@@ -837,11 +854,11 @@ def test_more_arrays_than_the_most_of_other_formats_are_refused(tmp_path, monkey
     import pyuff
 
     pyuff.UFF(str(tmp_path / "a.uff")).write_sets([uff_set(0, label="a"), uff_set(0, label="b")], "overwrite")
-    monkeypatch.setattr(uff, "MOST_ARRAYS", 2)
-    assert [c.name for c in uff.read(tmp_path / "a.uff", Options()).channels] == ["a", "b"]
-    monkeypatch.setattr(uff, "MOST_ARRAYS", 1)
+    monkeypatch.setattr(recorders, "MOST_ARRAYS", 2)
+    assert [c.name for c in recorders.read_uff(tmp_path / "a.uff", Options()).channels] == ["a", "b"]
+    monkeypatch.setattr(recorders, "MOST_ARRAYS", 1)
     with pytest.raises(InputError, match="it has 2 data sets"):
-        uff.read(tmp_path / "a.uff", Options())
+        recorders.read_uff(tmp_path / "a.uff", Options())
 
 
 # Parquet
@@ -852,7 +869,7 @@ def test_parquet_is_read_batch_by_batch(tmp_path, monkeypatch, batch):
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    monkeypatch.setattr(parquet, "_BATCH", batch)
+    monkeypatch.setattr(tables, "_BATCH", batch)
     n = 34
     times = (np.arange(n) * 500).astype("M8[us]")
     fields = [
@@ -870,7 +887,7 @@ def test_parquet_is_read_batch_by_batch(tmp_path, monkeypatch, batch):
         pa.array([[1]] * n),
     ]
     pq.write_table(pa.table(columns, schema=pa.schema(fields)), tmp_path / "a.parquet", row_group_size=10)
-    record = parquet.read(tmp_path / "a.parquet", Options())
+    record = tables.read_parquet(tmp_path / "a.parquet", Options())
     assert [(c.name, c.unit, c.values[:3].tolist(), c.step) for c in record.channels] == [
         ("top bar", "g", [0.0, 4.0, 8.0], 1e-3), ("top on", "", [1.0, 0.0, 0.0], 1e-3), ("bar bar", "g", [2.0, 6.0, 10.0], 1e-3),
         ("bar on", "", [0.0, 1.0, 0.0], 1e-3),
@@ -885,21 +902,21 @@ def test_parquet_states_its_grid_in_short_metadata(tmp_path, monkeypatch):
     said = {b"fs": b"8", b"T0": b"3".ljust(199), b"dt": b"5".ljust(200)}
     table = pa.table({"a": [1.0, None, 3.0], "w": ["x", "y", "z"]}).replace_schema_metadata(said)
     pq.write_table(table, tmp_path / "a.parquet")
-    channel = parquet.read(tmp_path / "a.parquet", Options()).channels[0]
+    channel = tables.read_parquet(tmp_path / "a.parquet", Options()).channels[0]
     np.testing.assert_equal((channel.values, channel.step, channel.start), ([1.0, NAN, 3.0], 0.125, 3.0))
-    monkeypatch.setattr(parquet, "MOST_LABELS", 3)
+    monkeypatch.setattr(tables, "MOST_LABELS", 3)
     with pq.ParquetFile(tmp_path / "a.parquet") as file:
-        assert parquet._words_of(file, "w") == {"x": 0, "y": 1, "z": 2}
-        assert parquet._coded(file, "w", {"y": 1, "z": 2})().tolist()[1:] == [1.0, 2.0]
-        monkeypatch.setattr(parquet, "MOST_LABELS", 2)
-        assert parquet._words_of(file, "w") == {}
+        assert tables._words_of(file, "w") == {"x": 0, "y": 1, "z": 2}
+        assert tables._coded(file, "w", {"y": 1, "z": 2})().tolist()[1:] == [1.0, 2.0]
+        monkeypatch.setattr(tables, "MOST_LABELS", 2)
+        assert tables._words_of(file, "w") == {}
 
 
 # Excel
 
 
 def sheet(*rows, left=10**6):
-    columns, cells = excel._columns("a.xlsx", rows, left)
+    columns, cells = tables._columns("a.xlsx", rows, left)
     return [(c.name, c.unit, c.load().tolist(), c.words) for c in columns], cells
 
 
@@ -916,10 +933,10 @@ def test_columns_of_a_sheet_end_with_its_last_number():
 def test_the_first_hundred_letters_of_a_cell_name_a_setting_and_the_last_two_hundred_rows_of_a_head_are_kept():
     for blanks, step in ((89, 5e-4), (90, NAN)):
         rows = [("name", "bar"), ("delta t" + " " * blanks + "[ms]", 0.5), (None, 3.0), (None, 5.0)]
-        ((column, *_),) = [excel._columns("a.xlsx", rows, 99)[0]]
+        ((column, *_),) = [tables._columns("a.xlsx", rows, 99)[0]]
         np.testing.assert_equal((len(rows[1][0]), column.step), (blanks + 11, step))
     for more, first in ((199, "first"), (200, "x")):
-        above, lines = excel._begin([("first",), *[("x",)] * more, (1.0,)])
+        above, lines = tables._begin([("first",), *[("x",)] * more, (1.0,)])
         assert (len(above), above[0], list(lines)) == (200, (first,), [(1.0,)])
 
 
@@ -928,9 +945,9 @@ def test_sheets_of_more_rows_or_cells_than_the_most_are_refused(monkeypatch):
     assert sheet(*rows, left=12)[1] == 12
     with pytest.raises(InputError, match="more than 3 rows"):
         sheet(*rows, left=11)
-    monkeypatch.setattr(excel, "MOST_ROWS", 4)
+    monkeypatch.setattr(tables, "MOST_ROWS", 4)
     sheet(*rows)
-    monkeypatch.setattr(excel, "MOST_ROWS", 3)
+    monkeypatch.setattr(tables, "MOST_ROWS", 3)
     with pytest.raises(InputError, match="more than 3 rows"):
         sheet(*rows)
 
@@ -946,23 +963,23 @@ def test_words_beside_numbers_become_labels_where_most_lines_have_one():
 
 def test_rows_of_numbers_behind_a_name_are_of_the_head():
     head = [("name", "bar"), ("delta t", 0.5), ("offset", 3.0)]
-    above, lines = excel._begin([*head, (None, 1.0), (None, 2.0)])
+    above, lines = tables._begin([*head, (None, 1.0), (None, 2.0)])
     assert (above, list(lines)) == (head, [(None, 1.0), (None, 2.0)])
-    above, lines = excel._begin([*head, ("bar", 1.0), ("top", 2.0), ("bar", 3.0)])  # the name comes again
+    above, lines = tables._begin([*head, ("bar", 1.0), ("top", 2.0), ("bar", 3.0)])  # the name comes again
     assert (above, list(lines)) == (head, [("bar", 1.0), ("top", 2.0), ("bar", 3.0)])
-    above, lines = excel._begin([*head[:2], ("what",), (5, 6)])
+    above, lines = tables._begin([*head[:2], ("what",), (5, 6)])
     assert (above, list(lines)) == ([*head[:2], ("what",)], [(5, 6)])
-    above, lines = excel._begin([("a", 1.0), ("b", 2.0)])
+    above, lines = tables._begin([("a", 1.0), ("b", 2.0)])
     assert (above, list(lines)) == ([], [("a", 1.0), ("b", 2.0)])
-    above, lines = excel._begin([(), ("x",), (" ", 4.0)])
+    above, lines = tables._begin([(), ("x",), (" ", 4.0)])
     assert (above, list(lines)) == ([(), ("x",)], [(" ", 4.0)])
 
 
 def test_a_head_of_more_rows_than_the_most_is_cut(monkeypatch):
-    monkeypatch.setattr(excel, "LONGEST_HEAD", 3)
-    above, lines = excel._begin([*[(f"{k}",) for k in range(5)], (1.0,)])
+    monkeypatch.setattr(tables, "LONGEST_HEAD", 3)
+    above, lines = tables._begin([*[(f"{k}",) for k in range(5)], (1.0,)])
     assert (above, list(lines)) == ([("2",), ("3",), ("4",)], [(1.0,)])
-    above, lines = excel._begin([(chr(97 + k), 1.0) for k in range(5)])
+    above, lines = tables._begin([(chr(97 + k), 1.0) for k in range(5)])
     assert (above, len(list(lines))) == ([], 5)
 
 
@@ -979,13 +996,13 @@ def test_a_head_of_more_rows_than_the_most_is_cut(monkeypatch):
     ],
 )
 def test_a_row_of_numbers_has_as_many_as_words(row, expected):
-    assert excel._numeric(row) is expected
-    assert math.isnan(excel._number(10**400))
+    assert tables._numeric(row) is expected
+    assert math.isnan(tables._number(10**400))
 
 
 def test_names_and_units_stand_in_the_last_rows_of_text():
     def names(*rows, places=(0, 1, 2)):
-        return excel._names(list(rows), 3, places)
+        return tables._names(list(rows), 3, places)
 
     assert names(("t [s]", "bar/g")) == [("t", "s"), ("bar", "g"), ("", "")]
     assert names(("x", "y", "z"), ("t [s]", "bar", "top"), ("ms", "[g]", None)) == [
@@ -1011,11 +1028,11 @@ def test_few_numbers_beside_long_columns_are_settings():
         values[:count] = 1.0
         return ArrayColumn(name, size, lambda: values, folder=folder)
 
-    kept, left = excel._without_settings(
+    kept, left = tables._without_settings(
         [column("a", 32), column("b", 16), column("c", 15), column("d", 3, folder="x/"), column("e", 0, 0)]
     )
     assert ([c.name for c in kept], left) == (["a", "b", "d"], ["c"])
-    kept, left = excel._without_settings([column("a", 31), column("c", 15)])
+    kept, left = tables._without_settings([column("a", 31), column("c", 15)])
     assert ([c.name for c in kept], left) == (["a", "c"], [])
 
 
@@ -1024,11 +1041,11 @@ def test_rows_below_the_last_number_of_any_column_are_left_out():
         ArrayColumn("a", 5, lambda: np.array([1.0, 2.0, NAN, NAN, NAN])),
         ArrayColumn("b", 5, lambda: np.array([NAN, 5.0, NAN, 6.0, NAN])),
     ]
-    first, second = excel._trimmed(columns)
+    first, second = tables._trimmed(columns)
     assert (first.name, first.size, second.name, second.size) == ("a", 4, "b", 4)
     np.testing.assert_equal(first.load(), [1.0, 2.0, NAN, NAN])
     np.testing.assert_equal(second.load(), [NAN, 5.0, NAN, 6.0])
-    assert excel._trimmed([]) == []
+    assert tables._trimmed([]) == []
 
 
 def test_settings_of_a_sheet_give_step_start_and_origin():
@@ -1038,12 +1055,12 @@ def test_settings_of_a_sheet_give_step_start_and_origin():
         ("delta t [ms]", 0.5, 0.25),
         ("start [ms]", 4.0, 5.0),
     ]
-    columns, _ = excel._columns("a.xlsx", [*rows, *[(None, 1.0, 2.0)] * 3], 10**6)
+    columns, _ = tables._columns("a.xlsx", [*rows, *[(None, 1.0, 2.0)] * 3], 10**6)
     assert [(c.name, c.unit, c.step, c.start) for c in columns] == [("bar", "g", 5e-4, 4e-3), ("top", "", 2.5e-4, 5e-3)]
     assert columns[1].origin - columns[0].origin == 3 * PICO
-    assert excel.sniff(b"PK\x03\x04....docProps/")
-    assert not excel.sniff(b"PK\x03\x04....mimetype")
-    assert not excel.sniff(b"PK\x05\x06xl/")
+    assert tables.sniff_excel(b"PK\x03\x04....docProps/")
+    assert not tables.sniff_excel(b"PK\x03\x04....mimetype")
+    assert not tables.sniff_excel(b"PK\x05\x06xl/")
 
 
 def test_a_workbook_is_read_up_to_so_many_sheets_and_cells(tmp_path, monkeypatch):
@@ -1053,11 +1070,11 @@ def test_a_workbook_is_read_up_to_so_many_sheets_and_cells(tmp_path, monkeypatch
         for row in [("t", "v"), *[(k, 2.0 * k) for k in range(3)]]:
             sheet_.append(row)
     book.save(tmp_path / "a.xlsx")
-    assert [c.name for c in excel.read(tmp_path / "a.xlsx", Options()).channels] == ["Sheet/v", "b/v"]
-    monkeypatch.setattr(excel, "MOST_CELLS", 24)
-    assert len(excel.read(tmp_path / "a.xlsx", Options()).channels) == 2
-    monkeypatch.setattr(excel, "MOST_CELLS", 23)
+    assert [c.name for c in tables.read_excel(tmp_path / "a.xlsx", Options()).channels] == ["Sheet/v", "b/v"]
+    monkeypatch.setattr(tables, "MOST_CELLS", 24)
+    assert len(tables.read_excel(tmp_path / "a.xlsx", Options()).channels) == 2
+    monkeypatch.setattr(tables, "MOST_CELLS", 23)
     with pytest.raises(InputError, match="more than 3 rows"):
-        excel.read(tmp_path / "a.xlsx", Options())
-    monkeypatch.setattr(excel, "MOST_SHEETS", 1)
-    assert [c.name for c in excel.read(tmp_path / "a.xlsx", Options()).channels] == ["v"]
+        tables.read_excel(tmp_path / "a.xlsx", Options())
+    monkeypatch.setattr(tables, "MOST_SHEETS", 1)
+    assert [c.name for c in tables.read_excel(tmp_path / "a.xlsx", Options()).channels] == ["v"]

@@ -26,7 +26,7 @@ from .samples import (
     uff_set,
 )
 
-READERS = {form: importlib.import_module(f"strikewave.records.readers.{form}") for form in FORMATS}
+READERS = {form: importlib.import_module(f"strikewave.records.readers.{module}") for form, module in FORMATS.items()}
 
 
 @pytest.fixture
@@ -361,8 +361,8 @@ def test_rigol_leaves_matplotlib_and_the_network_alone(sample):
     import subprocess
 
     code = (
-        "import sys; from pathlib import Path; from strikewave.records.readers import rigol, Options;"
-        f"rigol.parse(Path({str(path)!r}), Options()); print({{'requests', 'matplotlib'}} & set(sys.modules))"
+        "import sys; from pathlib import Path; from strikewave.records.readers import recorders, Options;"
+        f"recorders.parse_rigol(Path({str(path)!r}), Options()); print({{'requests', 'matplotlib'}} & set(sys.modules))"
     )
     assert (
         subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.strip()
@@ -569,7 +569,7 @@ def logs():
 @pytest.mark.parametrize("form", ["hdf", "tdms", "ide", "rigol"])
 def test_what_is_read_in_a_child_process_is_read_in_this_one(sample, form, logs):
     """As the tests of these formats above, where the code that reads runs beside the test."""
-    record = READERS[form].parse(sample(form), Options())
+    record = getattr(READERS[form], f"parse_{form}")(sample(form), Options())
     if form == "rigol":
         volts = (RAW.astype(float) - 127.0) * 0.5 / 20.0 + 0.25 + 0.5
         assert record.channels[0].values == pytest.approx(volts, abs=1e-15)

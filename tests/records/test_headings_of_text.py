@@ -6,11 +6,25 @@ import numpy as np
 import pytest
 
 from strikewave.records.calibration import known_unit
-from strikewave.records.readers import clock, headings, settings
-from strikewave.records.readers.clock import last_digit, rises_evenly, said_step, seconds_in, step_of, to_seconds
+from strikewave.records.readers import headings
 from strikewave.records.readers.columns import Marks
-from strikewave.records.readers.headings import find_headings, is_counter, is_time, is_unit, name_and_unit
-from strikewave.records.readers.settings import PICO, below_start_and_increment, clock_times, settings_of
+from strikewave.records.readers.headings import (
+    PICO,
+    below_start_and_increment,
+    clock_times,
+    find_headings,
+    is_counter,
+    is_time,
+    is_unit,
+    last_digit,
+    name_and_unit,
+    rises_evenly,
+    said_step,
+    seconds_in,
+    settings_of,
+    step_of,
+    to_seconds,
+)
 
 COMMAS, SEMICOLONS = Marks(","), Marks(";")
 
@@ -201,7 +215,7 @@ def test_of_a_hostile_line_no_more_than_its_begin_is_looked_at():
         assert known_unit("1000" + " " * blanks + "g") == known
     for count, known in ((246, 246), (247, 0)):
         line = "delta t" + ";1" * count
-        assert len(settings.settings_of([line], Marks(";"), count + 1, range(1, count + 1)).steps) == known
+        assert len(headings.settings_of([line], Marks(";"), count + 1, range(1, count + 1)).steps) == known
 
 
 @pytest.mark.parametrize("seconds", [3e-3, 0.7, 0.3, 1.005, 0.995, 1e-5, 7.5e-4])
@@ -278,22 +292,22 @@ def test_a_gap_is_told_from_jitter_by_its_share_and_its_length():
     def differences(*parts):
         return np.concatenate([[0.0], np.cumsum(np.concatenate([np.full(n, d) for n, d in parts]))])
 
-    assert clock._typical(differences((95, 2.0), (5, 3.0))) == (2.0, True)
-    assert clock._typical(differences((94, 2.0), (6, 3.0))) == (2.0, False)
-    assert clock._typical(differences((95, 2.0), (5, 2.9))) == (2.0, False)
-    assert clock._typical(differences((95, 2.0), (5, 2.2)))[1]  # within a tenth: none that differs
-    assert math.isnan(clock._typical(np.array([1.0]))[0])
+    assert headings._typical(differences((95, 2.0), (5, 3.0))) == (2.0, True)
+    assert headings._typical(differences((94, 2.0), (6, 3.0))) == (2.0, False)
+    assert headings._typical(differences((95, 2.0), (5, 2.9))) == (2.0, False)
+    assert headings._typical(differences((95, 2.0), (5, 2.2)))[1]  # within a tenth: none that differs
+    assert math.isnan(headings._typical(np.array([1.0]))[0])
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 100])
 def test_stray_stamps_are_found_in_every_part(monkeypatch, size):
-    monkeypatch.setattr(clock, "_CHUNK", size)
+    monkeypatch.setattr(headings, "_CHUNK", size)
     stamps = 5.0 + 0.5 * np.arange(8.0)
     stamps[[3, 6]] += [-0.2, 0.1]
     stamps[5] = np.nan
-    assert clock._strays(stamps, 0.5) == pytest.approx(0.2, rel=1e-12)
+    assert headings._strays(stamps, 0.5) == pytest.approx(0.2, rel=1e-12)
     stamps[6] += 0.3
-    assert clock._strays(stamps, 0.5) == pytest.approx(0.4, rel=1e-12)
+    assert headings._strays(stamps, 0.5) == pytest.approx(0.4, rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -312,7 +326,7 @@ def test_lines_above_the_data_name_step_and_start(lines, step, start):
 
 
 def test_a_line_names_a_step_within_its_first_letters():
-    assert [clock.names_a_step(line) for line in ("a, fs = 3", "offset = 3", " " * 494 + "fs = 5", " " * 495 + "fs = 5")] == [
+    assert [headings.names_a_step(line) for line in ("a, fs = 3", "offset = 3", " " * 494 + "fs = 5", " " * 495 + "fs = 5")] == [
         True, False, True, False,
     ]  # fmt: skip
 
@@ -361,4 +375,4 @@ def test_start_and_increment_stand_above_their_numbers():
     [(["# Number of samples: 12"], 12), (["Points = 7", "Samples;7"], 7), (["Points = 7", "Samples;8"], 0), ([""], 0)],
 )
 def test_the_head_counts_the_samples(lines, count):
-    assert settings.counted_samples(lines) == count
+    assert headings.counted_samples(lines) == count

@@ -9,7 +9,7 @@ import pytest
 from strikewave.base.errors import InputError
 from strikewave.records.readers import Options, lvm
 from strikewave.records.readers.columns import Marks, Region
-from strikewave.records.readers.settings import PICO
+from strikewave.records.readers.headings import PICO
 from strikewave.records.record import Channel
 
 FILE = Path("blow.lvm")
@@ -381,25 +381,25 @@ def described(record):
 
 
 def test_each_channel_has_the_grid_count_and_unit_of_its_own_cells(tmp_path):
-    record = lvm.read(lvm_file(tmp_path, two()), Options())
+    record = lvm.read_lvm(lvm_file(tmp_path, two()), Options())
     assert described(record) == [("bar", "g", [1.0, 2.0, 3.0], 0.5, 1.0), ("top", "N", [-4.0, -5.0], 0.25, 7.0)]
     assert record.findings == ()
-    only = lvm.read(lvm_file(tmp_path, two()), Options(channels=("top",)))
+    only = lvm.read_lvm(lvm_file(tmp_path, two()), Options(channels=("top",)))
     assert [(c.values.strides == (0,), c.values.size, c.step, c.start) for c in only.channels] == [
         (True, 2, 0.5, 1.0),
         (False, 2, 0.25, 7.0),
     ]
-    bare = lvm.read(lvm_file(tmp_path, two(x0=(), delta=("0", "0"), samples=())), Options())
+    bare = lvm.read_lvm(lvm_file(tmp_path, two(x0=(), delta=("0", "0"), samples=())), Options())
     np.testing.assert_equal([(c.step, c.start, c.values.size) for c in bare.channels], [(math.nan, 0.0, 3)] * 2)
 
 
 def test_columns_of_time_give_the_grid_of_the_channels_behind_them(tmp_path):
     rows = (("1.0", "1", "-4"), ("1.5", "2", "-5"), ("2.0", "3", "-6"))
-    same = lvm.read(
+    same = lvm.read_lvm(
         lvm_file(tmp_path, two(x0=("0", "0"), delta=("9", "9"), samples=("3", "3"), rows=rows), kind="One"), Options()
     )
     assert described(same) == [("bar", "g", [1.0, 2.0, 3.0], 0.5, 1.0), ("top", "N", [-4.0, -5.0, -6.0], 0.5, 1.0)]
-    other = lvm.read(
+    other = lvm.read_lvm(
         lvm_file(tmp_path, two(x0=("1", "7"), delta=("0.5", "0.25"), samples=("3", "3"), rows=rows), kind="One"),
         Options(),
     )
@@ -408,13 +408,13 @@ def test_columns_of_time_give_the_grid_of_the_channels_behind_them(tmp_path):
 
 def test_segments_of_a_line_are_left_out(tmp_path):
     short = two(rows=(("", "1", "-4"),), samples=("1", "1"))
-    record = lvm.read(lvm_file(tmp_path, short, two(x0=("90", "90")), two(x0=("200", "200"))), Options())
+    record = lvm.read_lvm(lvm_file(tmp_path, short, two(x0=("90", "90")), two(x0=("200", "200"))), Options())
     assert [c.start for c in record.channels] == [90.0, 90.0]
     assert [one.channels[0].start for one in record.further] == [200.0]
     assert [(f.code, f.value) for f in record.findings] == [("segments", 1.0)]
     assert record.findings[0].message.startswith("1 of 3 measurements have fewer than two lines")
     with pytest.raises(InputError, match="at least two lines"):
-        lvm.read(lvm_file(tmp_path, short), Options())
+        lvm.read_lvm(lvm_file(tmp_path, short), Options())
 
 
 @pytest.mark.parametrize(
@@ -426,7 +426,7 @@ def test_segments_of_a_line_are_left_out(tmp_path):
 )  # fmt: skip
 def test_segments_are_joined_where_clock_and_units_of_all_channels_go_on(tmp_path, second, joined):
     how = {"samples": ("3", "3"), "delta": ("0.5", "0.5"), "rows": (("", "1", "-4"), ("", "2", "-5"), ("", "3", "-6"))}
-    record = lvm.read(lvm_file(tmp_path, two(x0=("1", "1"), **how), two(**{**how, **second})), Options())
+    record = lvm.read_lvm(lvm_file(tmp_path, two(x0=("1", "1"), **how), two(**{**how, **second})), Options())
     assert len(record.further) == (0 if joined else 1)
     if joined:
         assert record.channels[1].values.tolist() == [-4.0, -5.0, -6.0] * 2
@@ -436,22 +436,22 @@ def test_segments_are_joined_where_clock_and_units_of_all_channels_go_on(tmp_pat
 def test_options_that_a_head_leaves_no_room_for_are_refused(tmp_path, options):
     file = lvm_file(tmp_path, two())
     with pytest.raises(InputError, match="--time"):
-        lvm.read(file, options)
+        lvm.read_lvm(file, options)
     assert (
-        lvm.read(file, Options(time=" x_VALUE ")).channels[0].step
-        == lvm.read(file, Options(time="1")).channels[0].step
+        lvm.read_lvm(file, Options(time=" x_VALUE ")).channels[0].step
+        == lvm.read_lvm(file, Options(time="1")).channels[0].step
         == 0.5
     )
 
 
 def test_writes_that_are_not_counted_are_parted_in_all_channels(tmp_path):
     rows = tuple(("", f"{k}", f"{-k}") for k in range(48))
-    record = lvm.read(lvm_file(tmp_path, two(samples=("16", "16"), rows=rows)), Options())
+    record = lvm.read_lvm(lvm_file(tmp_path, two(samples=("16", "16"), rows=rows)), Options())
     assert [[c.values[0] for c in one.channels] for one in (record, *record.further)] == [
         [0.0, 0.0],
         [16.0, -16.0],
         [32.0, -32.0],
     ]
     assert [[c.start for c in one.channels] for one in (record, *record.further)] == [[1.0, 7.0]] * 3
-    assert lvm.sniff(b"\xef\xbb\xbf\r\nLabVIEW Measurement\t")
-    assert not lvm.sniff(b"x LabVIEW Measurement")
+    assert lvm.sniff_lvm(b"\xef\xbb\xbf\r\nLabVIEW Measurement\t")
+    assert not lvm.sniff_lvm(b"x LabVIEW Measurement")

@@ -3,9 +3,9 @@
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.records.readers import layout
+from strikewave.records.readers import text
 from strikewave.records.readers.columns import Marks
-from strikewave.records.readers.layout import is_cut, is_data, lay_out, look_at
+from strikewave.records.readers.text import is_cut, is_data, lay_out, look_at
 
 COMMAS = Marks(",")
 
@@ -37,8 +37,8 @@ def messages(found):
 
 
 def test_a_short_file_is_looked_at_as_a_whole(written, monkeypatch):
-    monkeypatch.setattr(layout, "_LINES", 4)
-    monkeypatch.setattr(layout, "_MIDDLE_LINES", 3)
+    monkeypatch.setattr(text, "_LINES", 4)
+    monkeypatch.setattr(text, "_MIDDLE_LINES", 3)
     look = look_at(written("\ufeff" + "".join(f"{k}\n" for k in range(20))))
     assert look.head == [*map(str, range(20)), ""]
     assert look.middle == ["10", "11", "12"]
@@ -50,8 +50,8 @@ def test_a_short_file_is_looked_at_as_a_whole(written, monkeypatch):
 
 def test_of_a_large_file_the_beginning_the_middle_and_the_end_are_looked_at(written, monkeypatch):
     """Lines of 5 bytes: 100 lie within the first 500 bytes, 8 within parts of 40; those at an edge are left out."""
-    monkeypatch.setattr(layout, "HEAD", 500)
-    monkeypatch.setattr(layout, "_PART", 42)
+    monkeypatch.setattr(text, "HEAD", 500)
+    monkeypatch.setattr(text, "_PART", 42)
     path = written("".join(f"{k:04d}\n" for k in range(1000)))
     look = look_at(path)
     assert look.head == [f"{k:04d}" for k in range(100)]
@@ -66,8 +66,8 @@ def test_of_a_large_file_the_beginning_the_middle_and_the_end_are_looked_at(writ
 
 
 def test_lines_of_two_bytes_a_letter_are_cut_between_letters(written, monkeypatch):
-    monkeypatch.setattr(layout, "HEAD", 100)
-    monkeypatch.setattr(layout, "_PART", 41)
+    monkeypatch.setattr(text, "HEAD", 100)
+    monkeypatch.setattr(text, "_PART", 41)
     look = look_at(written("".join(f"{k:03d}\n" for k in range(103)), "utf-16"))
     assert all(line.isascii() and len(line) == 3 for line in (*look.head, *look.middle, *look.tail))
     assert look.tail[-1] == "102"
@@ -90,16 +90,16 @@ def test_a_last_line_has_an_end_or_none(written, end, ended):
 def test_lines_in_quotes_as_a_whole_are_taken_off_them():
     """Three lines at least, and all but five; not where they are single numbers with a decimal comma."""
     whole = ['"1,a;2"', ' "2,b;3" ', '"3,c;4"']
-    assert layout._are_quoted(whole)
-    assert not layout._are_quoted(whole[:2])
-    assert layout._are_quoted([*whole, *["x"] * 5, "", ""])
-    assert not layout._are_quoted([*whole, *["x"] * 6])
-    assert not layout._are_quoted(['"1,5"', '"2,5"', '"3,5"'])
-    assert not layout._are_quoted(['"a,b"', '"2,5"', '"3,5"'])  # a head above them
-    assert layout._are_quoted(['"2,5"', '"3,5"', '"a,b"'])
-    assert not layout._are_quoted(['"a b"', '"c d"', '"e f"'])
-    assert layout._are_quoted(['"a,"', '"b,"', '"c,"'])
-    assert not layout._are_quoted(['"1,a;2'] * 3)
+    assert text._are_quoted(whole)
+    assert not text._are_quoted(whole[:2])
+    assert text._are_quoted([*whole, *["x"] * 5, "", ""])
+    assert not text._are_quoted([*whole, *["x"] * 6])
+    assert not text._are_quoted(['"1,5"', '"2,5"', '"3,5"'])
+    assert not text._are_quoted(['"a,b"', '"2,5"', '"3,5"'])  # a head above them
+    assert text._are_quoted(['"2,5"', '"3,5"', '"a,b"'])
+    assert not text._are_quoted(['"a b"', '"c d"', '"e f"'])
+    assert text._are_quoted(['"a,"', '"b,"', '"c,"'])
+    assert not text._are_quoted(['"1,a;2'] * 3)
 
 
 # Columns
@@ -113,7 +113,7 @@ def test_columns_are_full_filled_or_left_out(tmp_path):
         return [1.0] * numbers + [None] * words + [nan] * (lines - numbers - words)
 
     def sorted_out(*columns):
-        filled, full, findings = layout._columns_with_numbers(list(zip(*columns, strict=True)), tmp_path)
+        filled, full, findings = text._columns_with_numbers(list(zip(*columns, strict=True)), tmp_path)
         return filled, full, [finding.message.partition("it ")[2] for finding in findings]
 
     whole = of(200, 0)
@@ -153,14 +153,14 @@ def test_settings_beside_numbers_are_named_where_no_column_is_theirs(laid):
     _, found = laid("t,bar,\n" + "\n".join(rows) + "\n")
     assert messages(found) == ["column 3 is left out: it holds settings"]
     assert (found.filled, found.width) == ([0, 1], 3)
-    assert layout._labels(["1,2,x", "3,4,"], COMMAS, 3, [0, 1], []) != []
-    assert layout._labels(["1,2,x", "3,4,"], COMMAS, 2, [0, 1], []) == []
-    assert layout._labels(["1,a,x", "3,4,"], COMMAS, 3, [0, 1], []) == []  # no line of numbers
-    assert layout._labels(["1,2,nan", "3,4,"], COMMAS, 3, [0, 1], []) == []
-    known = layout._labels(["1,2,x"], COMMAS, 3, [0, 1], [])
+    assert text._labels(["1,2,x", "3,4,"], COMMAS, 3, [0, 1], []) != []
+    assert text._labels(["1,2,x", "3,4,"], COMMAS, 2, [0, 1], []) == []
+    assert text._labels(["1,a,x", "3,4,"], COMMAS, 3, [0, 1], []) == []  # no line of numbers
+    assert text._labels(["1,2,nan", "3,4,"], COMMAS, 3, [0, 1], []) == []
+    known = text._labels(["1,2,x"], COMMAS, 3, [0, 1], [])
     assert [(one.code, one.value) for one in known] == [("column-dropped", 3.0)]
-    assert layout._labels(["1,2,x"], COMMAS, 3, [0, 1], known) == []
-    assert layout._says("7", COMMAS)
+    assert text._labels(["1,2,x"], COMMAS, 3, [0, 1], known) == []
+    assert text._says("7", COMMAS)
 
 
 @pytest.mark.parametrize(("lines", "beside"), [(1, 0), (2, 0), (40, 41), (41, 0)])
@@ -182,8 +182,8 @@ def test_settings_beside_the_data_are_counted_from_their_first_line(laid):
     assert found.findings[-1].value == 3.0
     rows[1], rows[2] = "1,1", "2,2,t0"
     assert laid("t,a\n" + "\n".join(rows) + "\n")[1].beside == 0  # not together
-    assert layout._settings_beside(look._replace(head=look.head[:5]), found.marks, 2, 1) == 0  # half of the lines
-    assert layout._settings_beside(look._replace(head=look.head[:6]), found.marks, 2, 1) == 3
+    assert text._settings_beside(look._replace(head=look.head[:5]), found.marks, 2, 1) == 0  # half of the lines
+    assert text._settings_beside(look._replace(head=look.head[:6]), found.marks, 2, 1) == 3
 
 
 def test_lines_of_words_are_left_out_where_one_in_five_is_of_numbers(laid):
@@ -194,8 +194,8 @@ def test_lines_of_words_are_left_out_where_one_in_five_is_of_numbers(laid):
 @pytest.mark.parametrize("least", [1, 8])
 def test_long_lines_are_judged_by_fewer_of_them(laid, monkeypatch, least):
     """Lines are halved until they are short enough, but not below eight."""
-    monkeypatch.setattr(layout, "_MOST_JUDGED", 60)
-    monkeypatch.setattr(layout, "_FEWEST_JUDGED", least)
+    monkeypatch.setattr(text, "_MOST_JUDGED", 60)
+    monkeypatch.setattr(text, "_FEWEST_JUDGED", least)
     _, found = laid("".join(f"{k:02d},{k if k == 4 else '':4},1\n" for k in range(32)))
     assert found.filled == ([0, 2] if least == 1 else [0, 1, 2])
 
@@ -221,16 +221,16 @@ def test_the_first_line_of_the_data_may_lack_numbers_like_those_over_the_range(l
 
 
 def test_a_line_may_be_nearly_one_of_data():
-    assert layout._nearly("1,over,3", COMMAS, 3, [0, 1, 2])
-    assert layout._nearly("1,---,***", COMMAS, 3, [0, 1, 2])
-    assert layout._nearly("1,,3", COMMAS, 3, [0, 1, 2])
-    assert not layout._nearly("over,1,3", COMMAS, 3, [0, 1, 2])
-    assert not layout._nearly(",1,3", COMMAS, 3, [0, 1, 2])
-    assert not layout._nearly("1,bar,3", COMMAS, 3, [0, 1, 2])
-    assert not layout._nearly("1,over", COMMAS, 3, [0, 1])
-    assert not layout._nearly("1,over", COMMAS, 2, [0])
-    assert layout._nearly("1,9" + "x" * 19 + " bar", COMMAS, 2, [0, 1])  # twenty letters are looked at
-    assert not layout._nearly("1,9" + "x" * 18 + " bar", COMMAS, 2, [0, 1])
+    assert text._nearly("1,over,3", COMMAS, 3, [0, 1, 2])
+    assert text._nearly("1,---,***", COMMAS, 3, [0, 1, 2])
+    assert text._nearly("1,,3", COMMAS, 3, [0, 1, 2])
+    assert not text._nearly("over,1,3", COMMAS, 3, [0, 1, 2])
+    assert not text._nearly(",1,3", COMMAS, 3, [0, 1, 2])
+    assert not text._nearly("1,bar,3", COMMAS, 3, [0, 1, 2])
+    assert not text._nearly("1,over", COMMAS, 3, [0, 1])
+    assert not text._nearly("1,over", COMMAS, 2, [0])
+    assert text._nearly("1,9" + "x" * 19 + " bar", COMMAS, 2, [0, 1])  # twenty letters are looked at
+    assert not text._nearly("1,9" + "x" * 18 + " bar", COMMAS, 2, [0, 1])
 
 
 def test_lines_of_data_have_a_number_in_every_full_column(laid):
@@ -273,7 +273,7 @@ def test_a_date_before_the_numbers_is_one_of_data(laid):
     body = "".join(f"05/01/2026 10:{k:02d},{k},{k * k}\n" for k in range(50))
     assert laid(body)[1].first == 0
     assert laid(SETTINGS + body)[1].first == 3
-    assert layout._kind("a" * 59 + "7b") == "a0"  # sixty letters
+    assert text._kind("a" * 59 + "7b") == "a0"  # sixty letters
 
 
 @pytest.mark.parametrize(("count", "first"), [(39, 39), (40, 40), (41, 40)])
@@ -324,7 +324,7 @@ def test_a_number_that_a_mark_ends_is_whole(laid):
 
 
 def test_the_end_of_a_large_file_is_judged_by_its_own_lines(written, monkeypatch):
-    monkeypatch.setattr(layout, "HEAD", 100)
+    monkeypatch.setattr(text, "HEAD", 100)
     look = look_at(written("".join(f"{k},1.25\n" for k in range(60)) + "60,1.2"))
     assert is_cut(look, lay_out(look))
     look = look_at(written("".join(f"{k},1.25\n" for k in range(60)) + "60,1.25"))
@@ -332,6 +332,6 @@ def test_the_end_of_a_large_file_is_judged_by_its_own_lines(written, monkeypatch
 
 
 def test_digits_are_decimals_and_those_of_the_power():
-    assert [layout._digits(cell) for cell in ("1.25", "-1,5e-10", "12", "word", "1.e5")] == [
+    assert [text._digits(cell) for cell in ("1.25", "-1,5e-10", "12", "word", "1.e5")] == [
         (2, 0), (1, 2), (0, 0), (0, 0), (0, 1),
     ]  # fmt: skip

@@ -355,7 +355,7 @@ def test_numbers_written_in_full_come_back_to_the_last_bit(tmp_path_factory, row
         segment(TWO, part, start, step) for part, start in zip(parts, starts, strict=True)
     )
     path.write_bytes(content.encode())
-    record = lvm.read(path)
+    record = lvm.read_lvm(path)
     got = np.array([channel.values for channel in record.channels]).T
     assert got.tobytes() == np.array(rows).tobytes()
     assert not math.isnan(record.channels[0].step)
@@ -371,4 +371,4 @@ def test_files_with_bytes_changed_give_a_record_or_an_input_error(tmp_path_facto
     path = tmp_path_factory.mktemp("fuzz") / "a"
     path.write_bytes(content)
     with contextlib.suppress(InputError):
-        assert isinstance(lvm.read(path), Record)
+        assert isinstance(lvm.read_lvm(path), Record)

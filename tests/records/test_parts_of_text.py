@@ -9,7 +9,7 @@ import pytest
 from strikewave.base.errors import InputError
 from strikewave.records.readers import Options, text
 from strikewave.records.readers.columns import ParsedColumns
-from strikewave.records.readers.layout import lay_out, look_at
+from strikewave.records.readers.text import lay_out, look_at
 from strikewave.records.record import Channel, Record
 
 ROWS = "".join(f"{3 + 0.5 * k},{k * k},{-7 * k}\n" for k in range(30))
@@ -22,7 +22,7 @@ def read(tmp_path):
     def call(content, options=Options()):  # noqa: B008
         path = tmp_path / f"{next(numbered)}.csv"
         path.write_bytes(content if isinstance(content, bytes) else content.encode())
-        return text.read(path, options)
+        return text.read_text(path, options)
 
     return call
 

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
 from strikewave.records.readers import Options, read_measurements, text
-from strikewave.records.readers.clock import step_of
 from strikewave.records.readers.columns import cells_of
+from strikewave.records.readers.headings import step_of
 from strikewave.records.record import Record
 
 LINES = "0.00,1.5,-2\n0.01,2.5,-3\n0.02,4.5,-5\n0.03,8.5,-9\n"
@@ -28,7 +28,7 @@ def read(tmp_path):
     def call(content, options=Options(), encoding="utf-8"):  # noqa: B008
         path = tmp_path / f"{next(numbered)}.csv"
         path.write_bytes(content if isinstance(content, bytes) else content.encode(encoding))
-        return text.read(path, options)
+        return text.read_text(path, options)
 
     return call
 
@@ -474,7 +474,7 @@ def test_a_line_without_end_takes_bounded_memory(tmp_path):
     path.write_bytes(path.read_bytes().replace(b"\0", b"7"))
     tracemalloc.start()
     with pytest.raises(InputError, match="lines of at most"):
-        text.read(path)
+        text.read_text(path)
     assert tracemalloc.get_traced_memory()[1] < 100e6  # of which 2 columns for 60 MB in lines like the first
     tracemalloc.stop()
 
@@ -512,7 +512,7 @@ def test_numbers_written_in_full_come_back_to_the_last_bit(tmp_path_factory, row
     path = tmp_path_factory.mktemp("trip") / "a.csv"
     path.write_bytes("".join(delimiter.join(row) + "\n" for row in head + cells).encode(encoding))
     options = Options(time="1") if timed else Options(rate=1e5)
-    record = text.read(path, options)
+    record = text.read_text(path, options)
     expected = np.array(rows)
     got = np.array([channel.values for channel in record.channels]).T
     assert got.tobytes() == expected.tobytes()
@@ -528,7 +528,7 @@ def test_numbers_written_in_full_come_back_to_the_last_bit(tmp_path_factory, row
 
 def outcome(path, options=Options()):  # noqa: B008
     try:
-        return text.read(path, options)
+        return text.read_text(path, options)
     except InputError as error:
         return error
 
@@ -563,7 +563,7 @@ def test_files_with_bytes_changed_give_a_record_or_an_input_error(tmp_path_facto
 
 
 def test_shocks_of_a_circuit_board_have_two_channels_at_200_khz(measured):
-    record = text.read(measured("smd-5kg-impacts") / "impact_05.lvm")
+    record = text.read_text(measured("smd-5kg-impacts") / "impact_05.lvm")
     assert [channel.values.size for channel in record.channels] == [20_000, 20_000]
     assert record.channels[0].step == pytest.approx(5e-6, rel=1e-9)
     assert record.channels[0].values[0] == 146.646210
@@ -572,7 +572,7 @@ def test_shocks_of_a_circuit_board_have_two_channels_at_200_khz(measured):
 
 
 def test_a_split_hopkinson_record_of_an_oscilloscope_is_read_with_its_settings_beside_it(measured):
-    record = text.read(measured("lanl-kolsky") / "lanl_PMMA13_Ch1.csv")
+    record = text.read_text(measured("lanl-kolsky") / "lanl_PMMA13_Ch1.csv")
     (channel,) = record.channels
     assert channel.values.size == 50_000
     assert (channel.step, channel.start) == (pytest.approx(8e-9, rel=1e-9), -8e-5)
@@ -580,7 +580,7 @@ def test_a_split_hopkinson_record_of_an_oscilloscope_is_read_with_its_settings_b
 
 
 def test_a_split_hopkinson_record_with_start_and_step_on_top_is_read_at_10_mhz(measured):
-    record = text.read(measured("lanl-kolsky") / "lanl_Cu_20061201_1148HE.raw")
+    record = text.read_text(measured("lanl-kolsky") / "lanl_Cu_20061201_1148HE.raw")
     assert [channel.name for channel in record.channels] == ["Incident/Reflected Waveform", "Transmitted Waveform"]
     assert record.channels[0].values.tolist()[:2] == [-0.011292, -0.012207]
     assert (record.channels[0].step, record.channels[0].start) == (1e-7, -5e-5)
@@ -592,6 +592,6 @@ def test_a_comment_above_thousands_of_columns_costs_no_more_than_a_header(tmp_pa
     (tmp_path / "a.csv").write_text(f"# {names}\n" + f"{row}\n" * 40)
     cut = []
     monkeypatch.setattr(text, "cells_of", lambda line, marks: cut.append(line) or cells_of(line, marks))
-    record = text.read(tmp_path / "a.csv")
+    record = text.read_text(tmp_path / "a.csv")
     assert len(record.channels) == 2000
     assert len(cut) < 1000  # once for each line that is looked at, whatever the number of columns

@@ -24,7 +24,7 @@ from strikewave.records.health import examine, limits
 from strikewave.records.health.blow_shape import BlowShape
 from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.pulses import Baseline, find_boxes
-from strikewave.records.readers import Options, common, read_record, tdms
+from strikewave.records.readers import Options, common, read_record, recorders
 from strikewave.records.readers.common import ArrayColumn, assemble, one_each
 
 from ..counted_work import lines_run
@@ -77,7 +77,7 @@ def test_names_that_come_again_get_the_first_number_that_is_free():
 
 def test_parquet_of_too_many_columns_is_refused_before_one_is_looked_at(tmp_path, monkeypatch):
     monkeypatch.setattr(common, "MOST_ARRAYS", 5)
-    monkeypatch.setattr("strikewave.records.readers.parquet._numeric", None)
+    monkeypatch.setattr("strikewave.records.readers.tables._numeric", None)
     write_parquet(tmp_path / "wide", 6)
     with pytest.raises(InputError, match="a file with at most 5 arrays"):
         read_record(tmp_path / "wide")
@@ -91,10 +91,12 @@ def test_tdms_of_many_segments_is_read_within_limits(tmp_path, monkeypatch):
             file.write_segment([nptdms.ChannelObject("g", "b", np.arange(5.0) + k, {"wf_increment": 1e-6})])
     whole = read_record(tmp_path / "many").channels[0].values
     asked = []
-    monkeypatch.setattr(tdms, "isolated", lambda *words: asked.append(words[0]) or tdms.parse(*words[1:]))
+    monkeypatch.setattr(
+        recorders, "isolated", lambda *words: asked.append(words[0]) or recorders.parse_tdms(*words[1:])
+    )
     for most, in_child in ((13, []), (12, []), (11, ["tdms"]), (1, ["tdms"])):
         asked.clear()
-        monkeypatch.setattr(tdms, "MANY_SEGMENTS", most)
+        monkeypatch.setattr(recorders, "MANY_SEGMENTS", most)
         assert np.array_equal(read_record(tmp_path / "many").channels[0].values, whole)
         assert asked == in_child
 

@@ -67,7 +67,7 @@ def read_time_unit(word: str, field: str) -> float:
     >>> read_time_unit("ms", "--time-unit"), read_time_unit("10 us", "--time-unit")
     (0.001, 1e-05)
     """
-    from strikewave.records.readers.clock import UNITS_OF_TIME, seconds_in
+    from strikewave.records.readers.headings import UNITS_OF_TIME, seconds_in
 
     seconds = seconds_in(word)
     if seconds is not None:

@@ -22,7 +22,7 @@ import numpy as np
 from strikewave.base.child_process import ONE_THREAD, environment, python_command
 from strikewave.base.errors import InputError
 from strikewave.records.health_notice import HealthNotice
-from strikewave.records.readers import LARGEST_ARRAY, Options
+from strikewave.records.readers import FORMATS, LARGEST_ARRAY, Options
 from strikewave.records.record import Channel, Record
 
 MEMORY = 2**29
@@ -40,12 +40,12 @@ LONGEST_HINT = 200
 
 
 def isolated(reader: str, path: Path, options: Options) -> Record:
-    """Let a child process call ``parse`` of a reader, and return its record.
+    """Let a child process call ``parse_FORMAT`` of a format, and return its record.
 
     Parameters
     ----------
     reader : str
-        Name of the reader's module; it has ``parse`` with the arguments and result of ``read``.
+        Name of the format; its module has ``parse_FORMAT`` with the arguments and result of ``read_FORMAT``.
     path : Path
         The file.
     options : Options
@@ -105,7 +105,8 @@ def work() -> None:
     stated = task["options"]
     options = Options(**{**stated, "channels": tuple(stated["channels"])})
     try:
-        record = importlib.import_module(f"{__package__}.{task['reader']}").parse(Path(task["path"]), options)
+        module = importlib.import_module(f"{__package__}.{FORMATS[task['reader']]}")
+        record = getattr(module, f"parse_{task['reader']}")(Path(task["path"]), options)
         answer = _written(record, folder)
     except InputError as error:
         answer = _failed(str(error.got), error.allowed, error.hint)

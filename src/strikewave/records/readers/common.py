@@ -18,10 +18,8 @@ from strikewave.base.first_few import first_few
 from strikewave.base.percents import plain
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
-from strikewave.records.readers.clock import seconds_in, step_of, to_seconds
-from strikewave.records.readers.headings import is_time, name_and_unit
+from strikewave.records.readers.headings import PICO, is_time, name_and_unit, seconds_in, step_of, to_seconds
 from strikewave.records.readers.long_table import Labels, as_asked, as_long_table, labels_of, may_count
-from strikewave.records.readers.settings import PICO
 from strikewave.records.record import Channel, Record
 
 Array = NDArray[np.float64]

@@ -1,11 +1,14 @@
 """HDF5: plain files, NetCDF-4, MATLAB 7.3 and tables of pandas; links that leave the file are not followed.
 
 The file is read in a child process with limits, as damaged ones can keep the HDF5 library busy for ever.
+
+NetCDF-4 is HDF5; its classic form (CDF-1 and CDF-2) is read here too.
 """
 
 from __future__ import annotations
 
 import importlib
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -39,17 +42,17 @@ _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 """First bytes of HDF5, at the beginning or after a user block of 512 bytes or twice as many and so on."""
 
 
-def sniff(head: bytes) -> bool:
+def sniff_hdf(head: bytes) -> bool:
     """Return whether a file begins like HDF5, perhaps behind a user block."""
     return any(head[at : at + 8] == _SIGNATURE for at in (0, 512, 1024, 2048, 4096))
 
 
-def read(path: Path, options: Options) -> Record:
+def read_hdf(path: Path, options: Options) -> Record:
     """Read the 1-D arrays, narrow tables and numeric fields of an HDF5 file."""
     return isolated("hdf", path, options)
 
 
-def parse(path: Path, options: Options) -> Record:
+def parse_hdf(path: Path, options: Options) -> Record:
     """Read an HDF5 file in this process."""
     h5py = importlib.import_module("h5py")
     columns: list[ArrayColumn] = []
@@ -171,3 +174,39 @@ def _attributes(node: Any) -> list[tuple[str, Any]]:
 
 def _unit(named: dict[str, Any]) -> str:
     return next((text(named[name]) for name in ("units", "unit", "Units", "Unit") if name in named), "")
+
+
+def sniff_netcdf(head: bytes) -> bool:
+    """Return whether a file begins like classic NetCDF."""
+    return head[:4] in (b"CDF\x01", b"CDF\x02")
+
+
+def read_netcdf(path: Path, options: Options) -> Record:
+    """Read the 1-D variables and narrow tables of a classic NetCDF file."""
+    from scipy.io import netcdf_file
+
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", category=RuntimeWarning, module=r"scipy\.io")
+        with netcdf_file(path, "r", mmap=True) as file:
+            columns: list[ArrayColumn] = []
+            skipped, scalars = [], list(vars(file).get("_attributes", {}).items())
+            for name, variable in file.variables.items():
+                numeric = variable.data.dtype.kind in "iuf"
+                if numeric and not variable.data.shape:
+                    scalars.append((name, variable.data[()]))
+                    continue
+                own = variable._attributes
+                step, start = grid_of(own.items())
+                unit = text(own.get("units", own.get("unit")))
+                variable_columns = (
+                    array_columns(name, _scaled(variable.data, own), unit, step=step, start=start) if numeric else []
+                )
+                columns += variable_columns
+                skipped += [name] * (not variable_columns)
+            record = assemble(path, "netcdf", columns, options, grid_of(scalars), left_out(skipped))
+            del variable, columns, variable_columns
+            return record
+
+
+def _scaled(data: Any, attributes: dict[str, Any]) -> Scaled:
+    return Scaled(lambda key: np.array(data[key], np.float64), attributes.get, data.shape)

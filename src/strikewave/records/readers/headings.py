@@ -1,13 +1,222 @@
-"""Names and units from the lines above columns of numbers."""
+"""What stands above columns of numbers: names and units, time and its step, settings of channels, counts of samples."""
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import date
+from itertools import pairwise
 from typing import NamedTuple
 
-from strikewave.records.readers.clock import names_a_step, seconds_in
+import numpy as np
+
 from strikewave.records.readers.columns import Marks, cells_of, is_comment, number
+from strikewave.records.record import Array
+
+_SECONDS = {
+    "s": 1.0, "sec": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "sekunde": 1.0, "sekunden": 1.0,
+    "ms": 1e-3, "msec": 1e-3, "millisecond": 1e-3, "milliseconds": 1e-3,
+    "us": 1e-6, "usec": 1e-6, "mus": 1e-6, "microsecond": 1e-6, "microseconds": 1e-6,
+    "ns": 1e-9, "nsec": 1e-9, "nanosecond": 1e-9, "nanoseconds": 1e-9,
+    "ps": 1e-12, "min": 60.0, "minute": 60.0, "minutes": 60.0, "h": 3600.0, "hour": 3600.0, "hours": 3600.0,
+    "millisekunden": 1e-3, "mikrosekunden": 1e-6, "nanosekunden": 1e-9,
+}  # fmt: skip
+"""Seconds of a unit of time as instruments write it, in English and German."""
+UNITS_OF_TIME = ("s", "ms", "us", "ns", "ps", "min", "h")
+"""Units that are offered for one that is none."""
+_HERTZ = {"": 1.0, "k": 1e3, "m": 1e6, "g": 1e9}
+"""Factors before Hz; ``m`` is mega, as no instrument samples in millihertz."""
+_DIGITS = re.compile(r"[+-]?(\d*)(?:[.,](\d*))?(?:[eE]([+-]?\d{1,4}))?")
+"""A printed number: whole digits, decimals, power of ten."""
+_NUMBER = r"([+-]?(?:\d{1,25}(?:[.,]\d{0,25})?|[.,]\d{1,25})(?:[eE][+-]?\d{1,3})?)"
+"""A number in a line; its parts are bounded, so that hostile lines take no time."""
+_LINK = r"\"?\s{0,5}(?:[\[(]([^\])]{1,12})[\])])?\"?\s{0,5}[:=,;\t ]\s{0,5}\"?(?:[A-Za-z]\w{0,9}:)?\s{0,5}"
+"""What stands between a name and its number: a unit in brackets, a mark, blanks, the letters of a drive or channel."""
+_NO_DATE = r"(?!\d|[-/:.]\d)"
+"""What follows a number that is not the first one of a date or a time of day."""
+_AFTER = r"\"?[\s,;]{0,5}\"?([A-Za-zµμ/]{0,14})"
+"""A unit after the number."""
+_RATE = r"sampl(?:e|ing)[ _-]?(?:rate|frequency|freq\.?)|fs|f_s|abtastrate|abtastfrequenz|samples per second"
+"""Names of a sampling rate, in English and German."""
+_INTERVAL = (
+    r"sampl(?:e|ing)[ _-]?(?:interval|period|time)|abtast(?:intervall|zeit|periode)|dt|delta[ _-]?[tx]|tinc|"
+    r"xincr|x[ _-]?increment|(?:horizontal|time)[ _-](?:interval|step|increment)|time ?step|increment"
+)
+"""Names of a step in time."""
+_NAMES_OF_START = r"t0|x0|t_0|xzero|start"
+"""Names of the time of the first sample."""
+_STATED = {
+    kind: re.compile(rf"(?<![A-Za-z0-9_])(?:{names}){_LINK}{_NUMBER}{_NO_DATE}{_AFTER}", re.IGNORECASE)
+    for kind, names in (("rate", _RATE), ("interval", _INTERVAL), ("start", _NAMES_OF_START))
+}
+"""Patterns of a rate, a step and a start in the lines above the data."""
+_CHUNK = 2**20
+"""Time stamps compared at once: keeps the memory beside them small."""
+_LONGEST_SETTING = 500
+"""Characters of a line in which a rate or step is looked for: bounds the time of patterns on hostile lines."""
+_WITHIN_DIGIT = 1.01
+"""Times the last printed digit that stamps may stray by: rounding by half a digit at both ends, and floating point."""
+_WITHIN_STEP = 0.01
+"""Share of a step by which stamps may stray whose digits are finer than it."""
+_EVEN = 0.1
+"""Share of a step by which stamps may stray and still have the mean step: jitter, not gaps."""
+_ROUNDING = 8.0
+"""Units in the last place by which computed stamps may stray."""
+_ALIKE, _FAR_LARGER = 0.95, 1.5
+"""Share of differences that must be the usual one, and how many times it the others must be, where there are gaps
+alone."""
+_COARSE = 4.0
+"""Printed digits within a step below which the step is taken over a lag, where rounding counts less."""
+
+
+def seconds_in(unit: str) -> float | None:
+    """Return how many seconds a unit of time has; None for what is no unit of time.
+
+    Examples
+    --------
+    >>> seconds_in("µs"), seconds_in("V")
+    (1e-06, None)
+    """
+    return _SECONDS.get(unit.strip().lower().replace("µ", "u").replace("μ", "u"))
+
+
+def to_seconds(values: Array, unit: str, stated: float | None = None) -> Array:
+    """Bring times to seconds, in place; by a whole divisor, so that 20 us are 2e-05 s and not a digit less.
+
+    Seconds of the unit that are stated overrule the unit; a divisor that is not whole, such as that of 3 ms, is none.
+    """
+    factor = stated or seconds_in(unit) or 1.0
+    parts = round(1.0 / factor)
+    if parts and 1.0 / parts == factor:
+        values /= parts
+    else:
+        values *= factor
+    return values
+
+
+def last_digit(cells: Iterable[str]) -> float:
+    """Return the worth of the last printed digit of the largest number; zero where nothing is a number.
+
+    Digits are counted where most are printed, as trailing zeros may be left out elsewhere.
+
+    Examples
+    --------
+    >>> last_digit(["0.1", "0.125"]), last_digit(["1.25e-6", "2.5e-5"])
+    (0.001, 1e-07)
+    """
+    finest, most, largest = math.inf, 0, -math.inf
+    for cell in cells:
+        match = _DIGITS.fullmatch(cell.strip())
+        if match is None or not (match[1] or match[2]):
+            continue
+        whole, decimals, power = match[1], match[2] or "", int(match[3] or 0)
+        finest = min(finest, power - len(decimals))
+        figures = (whole + decimals).lstrip("0")
+        if figures:
+            most = max(most, len(figures))
+            largest = max(largest, len(figures) - 1 - len(decimals) + power)
+    if math.isinf(finest):
+        return 0.0
+    return float(f"1e{int(max(finest, largest - most + 1))}")
+
+
+def rises_evenly(values: Array, digit: float) -> bool:
+    """Tell whether values rise by the same step within the rounding of their digits."""
+    if values.size < 3 or not np.all(np.isfinite(values)) or np.any(np.diff(values) < 0.0):
+        return False
+    step = (values[-1] - values[0]) / (values.size - 1)
+    room = _WITHIN_DIGIT * digit if np.unique(values).size < values.size or digit < step else _WITHIN_STEP * step
+    return bool(step > 0.0 and _strays(values, step) <= room + 1e-9 * np.abs(values).max())
+
+
+def step_of(stamps: Array, digit: float) -> float:
+    """Return the step of time stamps: from end to end where they are even within rounding, else the median.
+
+    Parameters
+    ----------
+    stamps : ndarray
+        Times, s.
+    digit : float
+        Worth of the last digit they are printed with, s.
+
+    Examples
+    --------
+    >>> step_of(np.array([0.0, 0.33, 0.67, 1.0]), digit=0.01)
+    0.3333333333333333
+    """
+    if stamps.size < 2:
+        return math.nan
+    step = float(stamps[-1] - stamps[0]) / (stamps.size - 1)
+    strays = _strays(stamps, step)
+    noise = _ROUNDING * np.finfo(float).eps * max(abs(float(stamps[0])), abs(float(stamps[-1])))
+    if step > 0.0 and strays <= _EVEN * step + noise:
+        return step
+    typical, gaps = _typical(stamps)
+    if step > 0.0 and strays <= _WITHIN_DIGIT * digit + noise and not gaps:
+        return step
+    if typical <= _COARSE * digit and not gaps:
+        lag = max(1, stamps.size // 8)
+        typical = float(np.nanmedian(stamps[lag:] - stamps[:-lag])) / lag
+    return typical if typical > 0.0 else math.nan
+
+
+def _strays(stamps: Array, step: float) -> float:
+    """Return the largest distance from a straight line through the first stamp, s; missing stamps have none."""
+    worst = 0.0
+    for k in range(0, stamps.size, _CHUNK):
+        part = stamps[k : k + _CHUNK]
+        line = stamps[0] + step * np.arange(k, k + part.size)
+        worst = float(np.fmax.reduce(np.abs(part - line), initial=worst))
+    return worst
+
+
+def _typical(stamps: Array) -> tuple[float, bool]:
+    """Return the median difference, and whether nearly all others are that or far larger, as gaps make them."""
+    differences = np.diff(stamps[: 4 * _CHUNK])
+    differences = differences[np.isfinite(differences)]
+    if not differences.size:
+        return math.nan, False
+    middle = float(np.median(differences))
+    same = np.abs(differences - middle) <= _EVEN * abs(middle)
+    rest = differences[~same]
+    return middle, bool(middle > 0.0 and same.mean() >= _ALIKE and np.all(np.abs(rest) >= _FAR_LARGER * middle))
+
+
+def said_step(lines: Sequence[str]) -> tuple[float, float]:
+    """Return the step and the start, s, that lines above the data name; NaN for a step they do not name.
+
+    Examples
+    --------
+    >>> said_step(["Sampling rate: 200 kHz", "t0 = -1 ms"])
+    (5e-06, -0.001)
+    """
+    interval = _stated(lines, "interval")
+    rate = _stated(lines, "rate")
+    step = interval if interval > 0.0 else 1.0 / rate if rate > 0.0 else math.nan
+    start = _stated(lines, "start")
+    return (step if math.isfinite(step) else math.nan), (start if math.isfinite(start) else 0.0)
+
+
+def names_a_step(line: str) -> bool:
+    """Tell whether a line names a rate, an interval or a start."""
+    return any(pattern.search(line[:_LONGEST_SETTING]) for pattern in _STATED.values())
+
+
+def _stated(lines: Iterable[str], kind: str) -> float:
+    for line in lines:
+        for match in _STATED[kind].finditer(line[:_LONGEST_SETTING]):
+            factor = _hertz(match[1] or match[3]) if kind == "rate" else seconds_in(match[1] or match[3] or "s")
+            if factor is not None:
+                value = float(match[2].replace(",", "."))
+                return value * factor if factor >= 1.0 else value / round(1.0 / factor)
+    return math.nan
+
+
+def _hertz(unit: str) -> float | None:
+    match = re.fullmatch(r"([kmg]?)(?:hz|sa?(?:mples?)?/s(?:ec)?|sps|1/s)?", unit.lower())
+    return None if match is None else _HERTZ[match[1]]
+
 
 LONGEST_NAME = 200
 """Characters of a heading that are looked at: bounds the time of patterns on hostile lines."""
@@ -268,3 +477,162 @@ def _commented(lines: Sequence[str], marks: Marks, width: int, filled: Sequence[
 def _comments(line: str) -> bool:
     """Tell whether a line above the data is a comment, of any kind."""
     return line.lstrip().startswith(tuple(_BEFORE_COMMENTS.strip()))
+
+
+PICO = 10**12
+"""Picoseconds of a second: clock times are whole ones, as a double of seconds since 1904 holds no microsecond."""
+_STEP = re.compile(
+    r"dt|delta[ _-]?[tx]|x[ _-]?incr(?:ement)?|tinc|(?:sampl(?:e|ing)|time|horizontal)[ _-]?(?:interval|period|step|"
+    r"increment)|abtast(?:intervall|zeit)|increment|wf_increment",
+    re.IGNORECASE,
+)
+_START = re.compile(
+    r"t_?0|x_?0|xzero|start(?:[ _-]?time)?|wf_start_(?:time|offset)|startzeit|trigger[ _-]?time", re.IGNORECASE
+)
+_COUNT = re.compile(
+    r"[#%/;!* \"]{0,5}(?:(?:number|no\.?|num|anzahl)[ _-]?(?:of|der)?[ _-]?)?(?:samples|points|data[ _-]?points|"
+    r"messwerte|werte|record[ _-]?length|block[ _-]?(?:size|length)|sample[ _-]?count|npts|blockl(?:ä|ae)nge)[\"]?"
+    r"(?:[ _-]?(?:points|samples))?[\"]?\s{0,5}[:=,;\t ][\s:=,;\"]{0,5}(\d{1,12})\"?\s{0,5}(?:[,;\t].{0,200})?",
+    re.IGNORECASE,
+)
+"""Names of a step, of a start, and a line that counts the samples, in English and German."""
+_LONGEST = 500
+"""Characters of a line that are looked at: bounds the time of patterns on hostile lines."""
+_CLOCK = re.compile(
+    r"(?:(\S{6,12})[ T]{1,3})?(\d{1,2}):(\d{2}):(\d{2})(?:[.,](\d{1,40}))?\s{0,2}([AaPp][Mm])?", re.ASCII
+)
+"""A time of day, perhaps behind a date."""
+_ISO = re.compile(r"(\d{4})[-/](\d{1,2})[-/](\d{1,2})")
+"""A date that can be read in one way only."""
+
+
+class PerChannel(NamedTuple):
+    """Settings by the column of each channel: step and start, s, clock time, ps, name, unit; empty where none is."""
+
+    steps: Mapping[int, float]
+    starts: Mapping[int, float]
+    origins: Mapping[int, int]
+    names: Mapping[int, str]
+    units: Mapping[int, str]
+
+
+def names_a_setting(cell: str) -> bool:
+    """Tell whether a cell is the name of a step or a start.
+
+    Examples
+    --------
+    >>> names_a_setting("delta t [ms]"), names_a_setting("board")
+    (True, False)
+    """
+    name = name_and_unit(cell)[0]
+    return bool(_STEP.fullmatch(name) or _START.fullmatch(name))
+
+
+def settings_of(lines: Sequence[str], marks: Marks, width: int, columns: Sequence[int]) -> PerChannel:
+    """Return what lines above the data say of each channel: a name, and a cell in the column of each.
+
+    Examples
+    --------
+    >>> lines = ["waveform;bar [g];[1]", "t0;10:00:00,000;10:00:00,003", "delta t [ms];0,02;0,04"]
+    >>> found = settings_of(lines, Marks(";", ","), 3, [1, 2])
+    >>> found.steps, found.origins[2] - found.origins[1], found.names, found.units
+    ({1: 2e-05, 2: 4e-05}, 3000000000, {1: 'bar'}, {1: 'g'})
+    """
+    steps: dict[int, float] = {}
+    starts: dict[int, float] = {}
+    origins: dict[int, int] = {}
+    names: dict[int, str] = {}
+    units: dict[int, str] = {}
+    for line in lines:
+        cells = cells_of(line[:_LONGEST], marks)
+        name, unit = name_and_unit(cells[0].strip("#%/;!* :="))
+        if len(cells) == width + 1:
+            cells = cells[1:]  # the lines of data have no column for the names of settings
+        own = {k: cells[k] for k in columns if k < len(cells) and cells[k]}
+        values = {k: number(cell, marks.decimal) for k, cell in own.items()}
+        plain = {k: value for k, value in values.items() if value is not None and math.isfinite(value)}
+        seconds = seconds_in(unit) or 1.0
+        if _STEP.fullmatch(name) and len(plain) == len(columns) and min(plain.values()) > 0.0:
+            steps = {k: _in_seconds(value, seconds) for k, value in plain.items()}
+        elif _START.fullmatch(name) and len(plain) == len(columns):
+            starts = {k: _in_seconds(value, seconds) for k, value in plain.items()}
+        elif _START.fullmatch(name) and own:
+            origins = clock_times(own) or origins
+        elif name.casefold() == "waveform":
+            stated = {k: name_and_unit(cell) for k, cell in own.items() if not re.fullmatch(r"\[\d{1,9}\]", cell)}
+            names = {k: called for k, (called, _) in stated.items() if called}
+            units = {k: in_unit for k, (_, in_unit) in stated.items() if in_unit}
+    return PerChannel(steps, starts, origins, names, units)
+
+
+def _in_seconds(value: float, factor: float) -> float:
+    return value / round(1.0 / factor) if factor < 1.0 else value * factor
+
+
+def clock_times(cells: Mapping[int, str]) -> dict[int, int]:
+    """Return times of day as one number each, ps, of the same day or of days that can be read; empty for others.
+
+    Examples
+    --------
+    >>> clock_times({1: "1/5/2026 10:00:00.5 PM", 2: "1/5/2026 10:00:01 PM"})
+    {1: 79200500000000000, 2: 79201000000000000}
+    >>> clock_times({1: "1/5/2026 10:00:00", 2: "1/6/2026 10:00:00"})
+    {}
+    """
+    found = {k: _CLOCK.fullmatch(" ".join(cell.split())) for k, cell in cells.items()}
+    days = {match[1] or "" for match in found.values() if match}
+    times = {}
+    for k, match in found.items():
+        if match is None:
+            return {}
+        day = _day(match[1] or "") if len(days) > 1 else 0
+        hour = int(match[2]) % 12 + 12 * (match[6].lower() == "pm") if match[6] else int(match[2])
+        if day is None:
+            return {}
+        seconds = ((24 * day + hour) * 60 + int(match[3])) * 60 + int(match[4])
+        times[k] = seconds * PICO + int((match[5] or "0").ljust(12, "0")[:12])
+    return times
+
+
+def _day(text: str) -> int | None:
+    """Return the number of a day whose year comes first; None for another one."""
+    match = _ISO.fullmatch(text)
+    try:
+        return None if match is None else date(int(match[1]), int(match[2]), int(match[3])).toordinal()
+    except ValueError:
+        return None
+
+
+def below_start_and_increment(lines: Sequence[str], marks: Marks) -> tuple[float, float]:
+    """Return step and start, s, that stand below these words in a head of two lines; NaN for what does not.
+
+    Examples
+    --------
+    >>> below_start_and_increment(["X,CH1,Start,Increment,", "Sequence,Volt,-8e-03,2e-05,"], Marks(","))
+    (2e-05, -0.008)
+    """
+    step = start = math.nan
+    for names, values in pairwise(cells_of(line[:_LONGEST], marks) for line in lines):
+        for name, cell in zip(names, values, strict=False):
+            value = number(cell, marks.decimal)
+            if value is None or not math.isfinite(value):
+                continue
+            if name.casefold().startswith("incr") and value > 0.0:
+                step = value
+            elif name.casefold() == "start":
+                start = value
+    return step, start
+
+
+def counted_samples(lines: Sequence[str]) -> int:
+    """Return how many samples lines above the data count; 0 where they do not, or say different numbers.
+
+    Examples
+    --------
+    >>> counted_samples(["Sampling rate: 50 kHz", "Record Length,2500,Points"])
+    2500
+    >>> counted_samples(["Samples per second: 9"]), counted_samples(["Points: 9", "Samples: 8"])
+    (0, 0)
+    """
+    counts = {int(match[1]) for line in lines if (match := _COUNT.fullmatch(line.strip()[:_LONGEST]))}
+    return counts.pop() if len(counts) == 1 else 0

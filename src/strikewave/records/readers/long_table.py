@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from strikewave.base.errors import InputError
 from strikewave.base.first_few import first_few
 from strikewave.records.health_notice import HealthNotice
-from strikewave.records.readers import Options
-from strikewave.records.readers.clock import step_of
-from strikewave.records.readers.measurements import FEWEST_SAMPLES, joined_pieces
+from strikewave.records.readers import FEWEST_SAMPLES, Options, joined_pieces
+from strikewave.records.readers.headings import step_of
 from strikewave.records.record import Array, Channel, Record
 
 Lines = NDArray[Any]

@@ -16,8 +16,7 @@ import numpy as np
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.records.health_notice import HealthNotice
-from strikewave.records.readers import Options
-from strikewave.records.readers.clock import last_digit, seconds_in, step_of
+from strikewave.records.readers import FEWEST_SAMPLES, Options, joined_pieces, parted
 from strikewave.records.readers.columns import (
     MOST_COLUMNS,
     CellLayout,
@@ -33,9 +32,7 @@ from strikewave.records.readers.columns import (
     refuse,
 )
 from strikewave.records.readers.common import begin_together, one_each
-from strikewave.records.readers.headings import name_and_unit
-from strikewave.records.readers.measurements import FEWEST_SAMPLES, joined_pieces, parted
-from strikewave.records.readers.settings import PICO
+from strikewave.records.readers.headings import PICO, last_digit, name_and_unit, seconds_in, step_of
 from strikewave.records.readers.text import odd_cells
 from strikewave.records.record import Array, Channel, Record
 
@@ -111,12 +108,12 @@ class Read(NamedTuple):
     every: int = 0
 
 
-def sniff(head: bytes) -> bool:
+def sniff_lvm(head: bytes) -> bool:
     """Tell whether a file that begins so is a LabVIEW measurement file with a header."""
     return head.lstrip(b"\xef\xbb\xbf \t\r\n").startswith(_BEGIN)
 
 
-def read(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
+def read_lvm(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
     r"""Read a LabVIEW measurement file.
 
     Segments are joined where their clock goes on; each of the others begins a measurement of its own.

@@ -45,14 +45,14 @@ class _Variable(NamedTuple):
     array: Any
 
 
-def sniff(head: bytes) -> bool:
+def sniff_mat(head: bytes) -> bool:
     """Return whether a file begins like a MATLAB file of version 4 to 7."""
     if len(head) >= 128 and head[124:128] in (b"\x00\x01IM", b"\x01\x00MI"):
         return True
     return _old_head(head, 0) is not None
 
 
-def read(path: Path, options: Options) -> Record:
+def read_mat(path: Path, options: Options) -> Record:
     """Read the numeric arrays of a MATLAB file, those in structs too."""
     content = memoryview(np.memmap(path, np.uint8, "r"))  # type: ignore[arg-type]
     skipped: list[str] = []
