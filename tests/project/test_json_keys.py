@@ -1,8 +1,11 @@
 """Every key of the JSON documents is declared, with its meaning, by the class of the result that prints it."""
 
+import re
 from pathlib import Path
 
 import pytest
+
+from strikewave.cli.group import entries, whole_command
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -26,6 +29,22 @@ def test_every_key_of_a_document_is_declared(meanings, commands):
     documents = meanings.check_documents(commands)
     assert {one.title for one in commands} >= {"run", "wave", "fem", "record", "fit", "map"}
     assert documents["wave li-ma-2019-fig13-bar"]["units"]["force"] == "N"
+
+
+NOT_DESCRIBED = {"doctor", "examples", "new"}
+"""Commands without a result: their documents say what is installed, and what was written."""
+
+
+def test_every_command_that_prints_a_document_has_a_table(commands):
+    described = {re.split("[, ]", one.title)[0] for one in commands}
+    printing = {
+        name
+        for name, entry in entries().items()
+        if any("--json" in option.opts for option in whole_command(name, entry.module).params)
+    }
+    assert printing - described == NOT_DESCRIBED
+    kinds = {one.kind.__name__ for one in commands}
+    assert kinds >= {"SensorSolution", "EchoSolution", "LsDynaResult", "Reproduction"}
 
 
 def test_a_key_that_is_not_declared_is_found(meanings, commands):
