@@ -14,7 +14,7 @@ from strikewave.reporting.run_and_write import NOT_DRAWN
 
 from .test_pdf import IMPACT
 
-SHEET = "strikewave.analyses.impact.figures.contact.impact_sheet"
+SHEET = "strikewave.analyses.impact.figures.impact_sheet"
 PAGE = "strikewave.analyses.impact.report.impact_report"
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from strikewave import load_case, run_case
 from strikewave.analyses.machine.build import build_machine
-from strikewave.analyses.wave import band as bar_band
+from strikewave.analyses.wave import run as bar_band
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.quantities import Range, Value
 from strikewave.cases.case_files import read_case_text

@@ -14,7 +14,7 @@ from scipy.stats import norm, truncnorm
 from strikewave import load_case, load_solution, run_case
 from strikewave.analyses.machine.band import FULL_TOLERANCE, machine_bands
 from strikewave.analyses.machine.build import build_machine
-from strikewave.analyses.wave import band as bar_band
+from strikewave.analyses.wave import run as bar_band
 from strikewave.analyses.wave.run import bar_figures, run_wave
 from strikewave.base.quantities import Provenance, Range, ToleranceBand, Value
 from strikewave.base.result import BandMethod

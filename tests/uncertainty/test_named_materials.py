@@ -7,8 +7,7 @@ import pytest
 
 from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
-from strikewave.analyses.wave.band import with_bands
-from strikewave.analyses.wave.run import bar_figures, run_wave
+from strikewave.analyses.wave.run import bar_figures, run_wave, with_bands
 from strikewave.base.materials import MATERIAL, material, materials
 from strikewave.cases.case import parse_case
 from strikewave.cases.named_materials import named_numbers

@@ -50,7 +50,7 @@ def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) ->
     Examples
     --------
     >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.field import field_of_solution
+    >>> from strikewave.analyses.wave.report import field_of_solution
     >>> solution = run_wave(load_case("li-ma-2019-fig13-bar"))
     >>> figure = staircase_diagram(field_of_solution(solution), 1, solution.run.time, solution.run.face_force)
     >>> [axes.get_title(loc="left") for axes in figure.axes]

@@ -200,7 +200,7 @@ def xt_diagram(field: WaveField, quantity: str = "stress") -> Figure:
     Examples
     --------
     >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.field import field_of_solution
+    >>> from strikewave.analyses.wave.report import field_of_solution
     >>> figure = xt_diagram(field_of_solution(run_wave(load_case("li-ma-2019-fig13-bar"))))
     >>> figure.axes[1].get_ylabel()
     'stress (MPa), compression above 0'
@@ -395,7 +395,7 @@ def snapshots(field: WaveField, quantity: str = "stress") -> Figure:
     Examples
     --------
     >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.field import field_of_solution
+    >>> from strikewave.analyses.wave.report import field_of_solution
     >>> len(snapshots(field_of_solution(run_wave(load_case("li-ma-2019-fig13-bar")))).axes)
     6
     """

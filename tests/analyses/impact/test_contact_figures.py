@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.analyses.impact.figures.contact import (
+from strikewave.analyses.impact.figures import (
     asked_given,
     impact_sheet,
     stiffness_over_load,

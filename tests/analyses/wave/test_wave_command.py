@@ -153,9 +153,9 @@ def test_an_unknown_field_names_the_nearest_and_nothing_runs(strikewave, bar, tm
 def test_an_animation_comes_as_a_page_and_a_gif_and_may_be_replaced(strikewave, bar, monkeypatch):
     from PIL import Image
 
-    from strikewave.analyses.wave.figures import animation
+    from strikewave.analyses.wave import report
 
-    monkeypatch.setattr(animation, "GIF_FRAMES", 4)
+    monkeypatch.setattr(report, "GIF_FRAMES", 4)
     for more in ((), ("--force", "--set", "load.peak=10 kN")):
         code, _, err = strikewave("wave", "--no-band", bar, "--animate", "--out", "w", *more)
         assert code == 0

@@ -15,10 +15,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.report import struck_field
-from strikewave.analyses.wave.field import field_of_solution
-from strikewave.analyses.wave.figures import animation
-from strikewave.analyses.wave.figures.animation import wave_animation, wave_page, write_wave_gif
-from strikewave.analyses.wave.report import wave_report
+from strikewave.analyses.wave import report
+from strikewave.analyses.wave.report import field_of_solution, wave_animation, wave_page, wave_report, write_wave_gif
 from strikewave.reporting.curves import spread
 from strikewave.reporting.inline import inline_svg
 from strikewave.reporting.wave_curves import staircase_diagram
@@ -395,7 +393,7 @@ def test_hostile_names_stay_text_in_the_animation(hostile_page):
 def test_the_animation_holds_the_field_to_half_a_count(jump):
     """16 bits: each value lies within 1/65534 of the peak of what the field holds, rounding of the peak aside."""
     document = wave_animation(jump).document()
-    rows = animation.even_rows(len(jump.time), animation.MOST_FRAMES)
+    rows = report.even_rows(len(jump.time), report.MOST_FRAMES)
     (view,), (chart,), places = document["views"], document["canvases"], document["places"]
     assert np.array(view["time"]) == pytest.approx(jump.time[rows], rel=1e-6)
     assert view["time"][-1] == pytest.approx(jump.time[-1], rel=1e-6)
@@ -455,7 +453,7 @@ def test_a_large_field_makes_a_page_of_bounded_size():
 def test_the_gif_has_its_frames_and_moves(jump, tmp_path, monkeypatch):
     from PIL import Image
 
-    monkeypatch.setattr(animation, "GIF_FRAMES", 8)
+    monkeypatch.setattr(report, "GIF_FRAMES", 8)
     shares = []
     write_wave_gif(jump, HOSTILE, tmp_path / "a.gif", shares.append)
     assert shares == pytest.approx(np.arange(1, 9) / 8)

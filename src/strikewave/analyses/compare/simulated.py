@@ -230,8 +230,7 @@ def _run(place: str, band: bool) -> tuple[str, list[SimulatedPart], CheckedRun]:
 
         solution = run_fem(case)
     elif case.command == "wave":
-        from strikewave.analyses.wave.band import with_bands
-        from strikewave.analyses.wave.run import run_wave
+        from strikewave.analyses.wave.run import run_wave, with_bands
 
         solution = run_wave(case)
         solution = with_bands(solution) if band else solution

@@ -85,7 +85,7 @@ def command(
     with a frame, a sensor, another law, or several records.
     """
     from strikewave.analyses.impact.identified import Given
-    from strikewave.analyses.impact.identified_screen import identify_contact
+    from strikewave.analyses.impact.screen import identify_contact
 
     known = {"speed": speed, "stiffness": stiffness, "exponent": exponent, "restitution": restitution}
     given = Given(

@@ -221,8 +221,7 @@ class LawsCommand(Command[LawsResult]):
 
     def draw(self, result: LawsResult, folder: Path) -> list[str]:
         """Write what the laws give, the stiffness laws over load, and the cushion laws with their pulses."""
-        from strikewave.analyses.impact.figures.contact import asked_given, stiffness_over_load
-        from strikewave.analyses.impact.figures.cushions import cushion_curves
+        from strikewave.analyses.impact.figures import asked_given, cushion_curves, stiffness_over_load
         from strikewave.reporting.style import save
 
         steel, loads = material("65Mn"), np.geomspace(*LOADS, 61)

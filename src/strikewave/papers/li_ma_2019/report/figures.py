@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.fem.report import fields_section
-from strikewave.analyses.wave.field import field_of_solution
+from strikewave.analyses.wave.report import field_of_solution
 from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import ACCELERATION, IMPULSE
 from strikewave.papers.li_ma_2019 import answers as known

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from strikewave.analyses.wave.field import field_of_solution
+from strikewave.analyses.wave.report import field_of_solution
 from strikewave.analyses.wave.result import WaveSolution
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.shock_quantities import ACCELERATION, STRESS, VELOCITY

@@ -1,4 +1,4 @@
-"""Pictures of contacts: blows in the force-indentation and the phase plane, and the laws beside each other."""
+"""Pictures of an impact: blows, laws of contact and of cushions, a contact identified from a pulse."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.percents import percent
 from strikewave.contact import (
     DampingLaw,
     Geometry,
@@ -20,15 +21,31 @@ from strikewave.contact import (
     damping_laws,
     impact_history,
     restitution,
+    slow_force,
+    solve_impact,
     stiffness_laws,
     stiffness_of,
 )
-from strikewave.contact.law import indentation_under
+from strikewave.contact.cushions import Cushion, Pad
+from strikewave.contact.identification import Identified
+from strikewave.contact.law import AnyContact, HardeningContact, indentation_under
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.contact.stiffness import ElasticBody
 from strikewave.reporting.curves import COLOURS, DASHES
 from strikewave.reporting.numbers import axis_unit, headed, with_unit
-from strikewave.reporting.style import BLUE, GREEN, ORANGE, RED, put_below, quiet, sheet_title
+from strikewave.reporting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    WHOLE,
+    legend_below,
+    new_figure,
+    put_below,
+    quiet,
+    sheet_title,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -288,3 +305,141 @@ def _symmetric_log(axes: Any) -> None:
     axes.yaxis.set_major_locator(FixedLocator(ticks))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:+,.0f}".replace(",", " ") if value else "0"))
     axes.set_ylim(low, high)
+
+
+FIT_POINTS = 800
+"""Points of the fitted line: about the pixels of its width."""
+FIT_SIZE = (9.0, 5.0)
+"""Inches."""
+
+
+def identified_figure(found: Identified) -> Figure:
+    """Draw measured and fitted force from first touch on, and measured minus fitted below; N and microseconds.
+
+    Parameters
+    ----------
+    found : Identified
+        As `strikewave.contact.identification.identify` gives it.
+
+    Examples
+    --------
+    >>> from strikewave.contact.force_pulse import ForcePulse
+    >>> from strikewave.contact.identification import identify
+    >>> t = np.arange(300) * 1e-6
+    >>> figure = identified_figure(identify(t, ForcePulse(50e-6, 2e4, 60e-6, 1.5, 0.6).force(t)))
+    >>> [axes.get_ylabel() for axes in figure.axes]
+    ['force (N)', 'residual (N)']
+    """
+    figure = new_figure(FIT_SIZE)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3.0, 1.2))
+    _draw_force(above, found)
+    _draw_residual(below, found)
+    below.set_xlim(*((found.time[[0, -1]] - found.pulse.begin) / axis_unit("s", "us")[0]))
+    return legend_below(figure)
+
+
+def _draw_force(axes: Any, found: Identified) -> None:
+    pulse = found.pulse
+    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "N")
+    line = np.linspace(found.time[0], found.time[-1], FIT_POINTS)
+    axes.plot((line - pulse.begin) / second, pulse.force(line) / newton, color=ORANGE, linewidth=2.0, label="fitted")
+    axes.plot(
+        (found.time - pulse.begin) / second,
+        found.measured / newton,
+        "o",
+        color=BLUE,
+        markersize=2.6,
+        label="measured",
+        zorder=3,
+    )
+    contact = (0.0, pulse.duration / second)
+    axes.axvline(contact[0], color=GREY, linestyle=":", linewidth=1.1, label="first touch and release")
+    axes.axvline(contact[1], color=GREY, linestyle=":", linewidth=1.1)
+    title = f"n = {pulse.exponent:.3g}, e = {pulse.restitution:.3g}, misfit {percent(found.residual, 2)} of the peak"
+    quiet(axes, title, "", headed("force", "N", "N"))
+    axes.margins(y=0.08)
+
+
+def _draw_residual(axes: Any, found: Identified) -> None:
+    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "N")
+    time, noise = (found.time - found.pulse.begin) / second, found.noise / newton
+    axes.axhspan(-noise, noise, color=GREY, alpha=0.18, linewidth=0.0, label="± one standard deviation of a sample")
+    axes.axhline(0.0, color=ORANGE, linewidth=1.2)
+    axes.plot(time, (found.measured - found.fitted) / newton, "o-", color=BLUE, markersize=2.2, linewidth=0.6)
+    quiet(axes, "", headed("time after first touch", "s", "us"), headed("residual", "N", "N"))
+    axes.margins(y=0.12)
+
+
+SHOWN_PAD, SHOWN_MASS, SHOWN_SPEED = Pad(area=2e-3, thickness=20e-3), 2.0, 2.0
+"""The pad of the picture, the mass (kg) and the speed (m/s) that it stops: 4 J."""
+SHOWN_CUSHIONS = {
+    "linear": {"modulus": 0.8e6},
+    "power": {"stress": 1.8e6, "exponent": 2.5},
+    "tangent": {"modulus": 0.5e6, "limit_strain": 0.8},
+    "elastomer": {"modulus": 0.25e6, "compression_factor": 0.54},
+    "foam": {"modulus": 4e6, "plateau": 0.2e6, "densification": 0.8},
+    "crush": {"modulus": 4e6, "plateau": 0.2e6, "densification": 0.8},
+}
+"""Properties of the pads of the picture: made up, each so that the blow presses it to about half its thickness."""
+CUSHION_DASHES = ("-", "--", "-.", ":", (0, (6, 1)), (0, (1, 1)))
+"""Dashes of the laws, in their order: foam and crush lie on each other on the way in."""
+_CURVE_POINTS = 301
+
+
+class DrawnLaw(NamedTuple):
+    """A law to draw: name, contact, and how its line looks."""
+
+    name: str
+    contact: AnyContact
+    style: dict[str, object]
+
+
+def cushion_curves() -> Figure:
+    """Draw force over compression of the laws on equal pads, and the pulse of the same mass on each without other loss.
+
+    A thin line is the way back of the one that crushes.
+
+    Examples
+    --------
+    >>> [axes.get_xlabel() for axes in cushion_curves().axes]
+    ['compression (mm)', 'time (ms)']
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=WHOLE, layout="constrained")
+    left, right = figure.subplots(1, 2)
+    (metre, _), (newton, _) = axis_unit("m", "mm"), axis_unit("N", "kN")
+    (second, _), (size, _) = axis_unit("s", "ms"), axis_unit("m/s^2", "g")
+    for law in _cushions_shown():
+        blow = solve_impact(law.contact, SHOWN_MASS, math.inf, SHOWN_SPEED)
+        deepest = float(blow.max_indentation)
+        end = 0.75 * SHOWN_PAD.thickness
+        if isinstance(law.contact, HardeningContact):
+            end = min(end, float(law.contact.end_depth))
+        d = np.linspace(0.0, end, _CURVE_POINTS)
+        left.plot(d / metre, slow_force(law.contact, d) / newton, label=law.name, **law.style)
+        if law.contact.cap is not None:
+            back = np.linspace(float(blow.residual_indentation), deepest, 2)
+            left.plot(back / metre, slow_force(law.contact, back, deepest) / newton, **{**law.style, "linewidth": 0.8})
+        history = impact_history(blow)
+        right.plot(history.time / second, history.force / (SHOWN_MASS * size), **law.style)
+    sizes = f"{with_unit(SHOWN_PAD.area, 'm^2', 'cm^2')} and {with_unit(SHOWN_PAD.thickness, 'm', 'mm')}"
+    quiet(left, f"Pads of {sizes}", headed("compression", "m", "mm"), headed("force", "N", "kN"))
+    struck = f"{with_unit(SHOWN_MASS, 'kg', 'kg')} at {with_unit(SHOWN_SPEED, 'm/s', 'm/s')}"
+    quiet(right, f"{struck} on them", headed("time", "s", "ms"), headed("acceleration", "m/s^2", "g"))
+    left.set_ylim(0.0, 2e3 / newton)
+    right.set_ylim(bottom=0.0)
+    right.margins(x=0.03)
+    right.set_xlim(left=0.0)
+    return legend_below(figure)
+
+
+def _cushions_shown() -> list[DrawnLaw]:
+    return [
+        DrawnLaw(
+            name,
+            Cushion(name, SHOWN_PAD, properties).contact(),
+            {"color": MANY_COLOURS[k], "linestyle": CUSHION_DASHES[k], "linewidth": 1.5},
+        )
+        for k, (name, properties) in enumerate(SHOWN_CUSHIONS.items())
+    ]

@@ -1,1 +1,0 @@
-"""Pictures of contact laws and impacts."""

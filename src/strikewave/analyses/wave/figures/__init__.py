@@ -1,1 +1,0 @@
-"""Pictures of waves in a layered bar: histories, x-t diagram, motion."""
