@@ -8,7 +8,7 @@ from timing import best, table, write
 
 from strikewave import load_case
 from strikewave.machines import run_machine
-from strikewave.machines.fast_train import fast_train
+from strikewave.machines.fast_run import fast_train
 from strikewave.studies.axes import axis_of
 from strikewave.studies.map.cells import machine_of
 from strikewave.studies.map.study import make_map, plan_of

@@ -12,7 +12,7 @@ from multiprocessing import get_context
 
 def fast_train() -> None:
     """Compile the fast run of a machine; the integrator that it shares with the full run is taken from there."""
-    from strikewave.machines.compile_ahead import compile_fast_run
+    from strikewave.machines.fast_run import compile_fast_run
 
     compile_fast_run()
 

@@ -29,7 +29,7 @@ from strikewave.analyses.machine.run import with_bands
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.machines import blows, run_machine
-from strikewave.machines.fast_train import fast_train
+from strikewave.machines.fast_run import fast_train
 from strikewave.studies.engine.pools import Workers
 from strikewave.uncertainty.bands import Sample, find_band, latin_hypercube
 from strikewave.uncertainty.draws import FELT, drawn, drawn_case

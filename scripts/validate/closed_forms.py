@@ -30,7 +30,7 @@ from strikewave.base.materials import material
 from strikewave.contact import Contact, exact, hertz, palmgren, point_cap, solve_impact
 from strikewave.fem.solve import solve
 from strikewave.hopkinson import stress_difference
-from strikewave.machines.launch.pendulum import RigidPendulum, pendulum_speed
+from strikewave.machines.launch import RigidPendulum, pendulum_speed
 from strikewave.signal.srs import srs
 from strikewave.specifications.reading import load_specification, read_built_in
 from strikewave.waves import BONDED, End, Impactor, Layer, LoadPulse, Stack, Tap, WantedError, run_bar

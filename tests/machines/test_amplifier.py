@@ -14,6 +14,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact import Contact
 from strikewave.machines.amplifier import (
     BodyLine,
+    SoftCollisions,
     chain_speed,
     collide,
     collide_softly,
@@ -23,7 +24,6 @@ from strikewave.machines.amplifier import (
     next_speed,
     resting_ratio,
 )
-from strikewave.machines.amplifier.soft_collisions import SoftCollisions
 from strikewave.machines.launch import fall_speed
 
 INF = math.inf

@@ -12,17 +12,27 @@ from strikewave.contact._chain_kernels import OPEN, PUSHING
 from strikewave.contact.law import elastic_indentation
 from strikewave.contact.motion import MotionState
 from strikewave.machines import _stack_kernels as column
-from strikewave.machines import rebounds as follow
 from strikewave.machines import run as machine_runs
+from strikewave.machines import spans as follow
 from strikewave.machines import spans as of_spans
 from strikewave.machines._kernels import HELD, RETRACTING
 from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, layout_of
+from strikewave.machines.drive import braking_time, spin_up_time
 from strikewave.machines.launch import linear_shaper
 from strikewave.machines.machine import Arm, Launch, Machine, Striker, Strikers, energy, machine_system, start_state
-from strikewave.machines.rebounds import Rebounds, blow_numbers, end_at_touch, is_flight, top_of_flight
 from strikewave.machines.run import MachineRun, run_machine
-from strikewave.machines.spans import ChainSpan, Impulses, Moments, StackSpan, TapHistories
-from strikewave.machines.turntable import braking_time, spin_up_time
+from strikewave.machines.spans import (
+    ChainSpan,
+    Impulses,
+    Moments,
+    Rebounds,
+    StackSpan,
+    TapHistories,
+    blow_numbers,
+    end_at_touch,
+    is_flight,
+    top_of_flight,
+)
 
 from .uneven import OBJECT, uneven
 

@@ -10,8 +10,8 @@ import pytest
 from strikewave import load_case
 from strikewave.analyses.machine.run import run_case
 from strikewave.base.compiled import cache_folder
-from strikewave.machines import compile_ahead
-from strikewave.machines.compile_ahead import compile_fast_run, fast_run_beside
+from strikewave.machines import fast_run
+from strikewave.machines.fast_run import compile_fast_run, fast_run_beside
 
 COLD = """
 import strikewave
@@ -59,7 +59,7 @@ def test_only_a_band_by_the_fast_run_has_it_compiled(monkeypatch, case, band, be
         asked.append(case)
         return fast_run_beside()
 
-    monkeypatch.setattr(compile_ahead, "fast_run_beside", noted)
+    monkeypatch.setattr(fast_run, "fast_run_beside", noted)
     run_case(load_case(case), band=band)
     assert len(asked) == begun
 

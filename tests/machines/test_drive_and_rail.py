@@ -12,7 +12,7 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputErrors
 from strikewave.machines import blows, run_machine
 from strikewave.machines._kernels import stroke_profile
-from strikewave.machines.turntable import spin_up_time
+from strikewave.machines.drive import spin_up_time
 
 
 def machine_of(*changes):

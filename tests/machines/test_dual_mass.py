@@ -12,8 +12,7 @@ from strikewave.analyses.machine.launched import release
 from strikewave.base.errors import InputErrors
 from strikewave.contact import Contact
 from strikewave.contact.dampers import cut_off_damping_ratio
-from strikewave.machines.amplifier import next_speed
-from strikewave.machines.dual_mass import DualMass, second_impact
+from strikewave.machines.amplifier import DualMass, next_speed, second_impact
 from strikewave.machines.launch import linear_shaper
 
 CASE = "dual-mass-amplifier"

@@ -62,7 +62,7 @@ from strikewave.machines._kernels import (
     wanted_torque,
 )
 from strikewave.machines._layout import APEX_SWITCH, FEED_SWITCH, FULL_TORQUE_SWITCH, NO_TORQUE_SWITCH, layout_of
-from strikewave.machines.fast_train import train_tables
+from strikewave.machines.fast_run import train_tables
 from strikewave.machines.machine import energy, machine_system
 
 from .uneven import THETA, TURNING, circle, uneven

@@ -11,11 +11,11 @@ from strikewave.contact._chain_kernels import AHEAD, BEHIND, KIND, MASS
 from strikewave.contact._law_kernels import STIFFNESS
 from strikewave.contact.law import elastic_indentation
 from strikewave.machines import _pass_kernels as column
-from strikewave.machines import compile_ahead
-from strikewave.machines import fast_train as fast
+from strikewave.machines import fast_run
+from strikewave.machines import fast_run as fast
 from strikewave.machines._kernels import STOP_AT_TOUCH
 from strikewave.machines._layout import layout_of
-from strikewave.machines.fast_train import controls, empty_passes, fast_train, train_tables, why_not
+from strikewave.machines.fast_run import controls, empty_passes, fast_train, train_tables, why_not
 from strikewave.machines.machine import machine_system, start_state
 
 from .uneven import STRIKERS, uneven
@@ -243,9 +243,9 @@ def test_object_counts_as_one_body_to_a_hundredth_of_the_square_of_its_frequency
 def test_what_is_compiled_ahead_is_of_the_smallest_tables(monkeypatch):
     """Nothing of a machine is in them: one row, one column, and zeros."""
     seen = []
-    monkeypatch.setattr(compile_ahead, "_compile", lambda kernel, arguments: seen.append(arguments))
-    monkeypatch.setattr(compile_ahead, "await_kernel", seen.append)
-    compile_ahead.compile_fast_run()
+    monkeypatch.setattr(fast_run, "_compile", lambda kernel, arguments: seen.append(arguments))
+    monkeypatch.setattr(fast_run, "await_kernel", seen.append)
+    fast_run.compile_fast_run()
 
     def flat(value):
         return [one for part in value for one in flat(part)] if isinstance(value, tuple) else [value]

@@ -11,7 +11,7 @@ from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import IntegrationError
 from strikewave.machines import Blow, blows, run_machine
-from strikewave.machines.fast_train import TrainBlow, fast_train, why_not
+from strikewave.machines.fast_run import TrainBlow, fast_train, why_not
 from strikewave.studies.settings.candidate import supply
 
 

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.machines import blows, run_machine
-from strikewave.machines.fast_train import fast_train
+from strikewave.machines.fast_run import fast_train
 
 from ..random_cases import KINDS
 

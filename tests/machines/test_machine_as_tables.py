@@ -12,7 +12,7 @@ from strikewave.contact._chain_kernels import AHEAD, BEHIND, GRAVITY, MASS, OPEN
 from strikewave.contact._law_kernels import DAMPING, EXPONENT, OFFSET, PRELOAD, SLOWEST, SPOT, STIFFNESS
 from strikewave.machines._kernels import CARRIED, FEEDING, HELD, SETTINGS, WAITING, place_bases
 from strikewave.machines._layout import layout, layout_of
-from strikewave.machines.feed import Feed, angle_at_valve_signal, expected_time
+from strikewave.machines.drive import Feed, angle_at_valve_signal, expected_time, speed_after_wait
 from strikewave.machines.machine import (
     BEFORE_TOUCH,
     Arm,
@@ -26,8 +26,7 @@ from strikewave.machines.machine import (
     modes_at,
     start_state,
 )
-from strikewave.machines.rebounds import Rebounds
-from strikewave.machines.turntable import speed_after_wait
+from strikewave.machines.spans import Rebounds
 
 from .uneven import DISC, FEED, OBJECT, STRIKERS, circle, uneven
 

@@ -55,7 +55,7 @@ from strikewave.machines._train_kernels import (
     ringing,
     run_train,
 )
-from strikewave.machines.fast_train import controls, empty_passes, train_tables
+from strikewave.machines.fast_run import controls, empty_passes, train_tables
 from strikewave.machines.machine import energy
 
 from .uneven import THETA, TURNING, parts, uneven

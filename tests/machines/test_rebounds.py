@@ -10,7 +10,7 @@ from strikewave.analyses.check import check
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputErrors
 from strikewave.machines import blows, run_machine
-from strikewave.machines.rebounds import REST_SHARE
+from strikewave.machines.spans import REST_SHARE
 
 G = 9.80665
 BALL, TABLE, ARM = "iso-16063-22-dropball", "jesd22-b111-b", "mil-s-901d-hammer"

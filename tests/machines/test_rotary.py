@@ -15,7 +15,7 @@ from strikewave.analyses.machine.notices import notices
 from strikewave.base.result import balance_notices
 from strikewave.machines import blows, run_machine
 from strikewave.machines.blows import contact_table
-from strikewave.machines.feed import angle_at_valve_signal
+from strikewave.machines.drive import angle_at_valve_signal
 
 TURN = 60 / 730
 

@@ -39,9 +39,9 @@ from strikewave.machines._stack_kernels import (
     slip_off,
     switch_machine,
 )
-from strikewave.machines.layered import LayeredObject, machine_grid
 from strikewave.machines.machine import energy, machine_system
 from strikewave.machines.strike import _ease, _end_force, _settle_in, _Strike, _supports, strike
+from strikewave.machines.struck_object import LayeredObject, machine_grid
 from strikewave.waves import Branch, Joint, Layer, Stack
 from strikewave.waves._kernels import (
     END_BETA,

@@ -19,9 +19,8 @@ from strikewave.machines import blows, run_machine
 from strikewave.machines import run as machine_runs
 from strikewave.machines import strike as one_blow
 from strikewave.machines._layout import layout_of
-from strikewave.machines.layered import LayeredObject, machine_grid
 from strikewave.machines.spans import StackSpan
-from strikewave.machines.struck_object import StruckObject
+from strikewave.machines.struck_object import LayeredObject, StruckObject, machine_grid
 from strikewave.waves import BONDED, Branch, Joint, Layer, Stack
 
 CASE = "li-ma-2019-fig5"

@@ -11,8 +11,7 @@ from strikewave.contact.elastoplastic import spot_after
 from strikewave.machines._layout import APEX_SWITCH
 from strikewave.machines.blows import _kind, _work, blows, contact_table, counted_passes, pulse_window, window_ends
 from strikewave.machines.machine import Launch, Machine, Striker, Strikers
-from strikewave.machines.rebounds import Rebounds
-from strikewave.machines.spans import Impulses, Moments
+from strikewave.machines.spans import Impulses, Moments, Rebounds
 
 from .uneven import OBJECT, uneven
 

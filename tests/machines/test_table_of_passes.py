@@ -23,7 +23,7 @@ from strikewave.machines._pass_kernels import (
     open_row,
     repeats,
 )
-from strikewave.machines.fast_train import empty_passes
+from strikewave.machines.fast_run import empty_passes
 from strikewave.machines.machine import machine_system
 
 from .uneven import OBJECT, TURNING, parts, uneven

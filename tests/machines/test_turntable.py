@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from strikewave.machines import Turntable
-from strikewave.machines.turntable import braking_time, speed_after_wait, spin_up_time
+from strikewave.machines.drive import braking_time, speed_after_wait, spin_up_time
 
 DISC = {"inertia": 4.0, "radius": 0.2, "speed": 76.4}
 

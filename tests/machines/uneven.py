@@ -9,11 +9,10 @@ from strikewave.contact import Contact
 from strikewave.contact._chain_kernels import PUSHING, SLIDING
 from strikewave.machines._kernels import HELD, LEFT
 from strikewave.machines._layout import layout_of
-from strikewave.machines.fast_train import train_tables
-from strikewave.machines.feed import Feed
+from strikewave.machines.drive import Feed, Turntable
+from strikewave.machines.fast_run import train_tables
 from strikewave.machines.machine import Machine, RotaryDrive, Striker, Strikers
 from strikewave.machines.struck_object import StruckObject
-from strikewave.machines.turntable import Turntable
 
 STRIKERS = (
     Striker(0.9, 2.0e6, 70.0, Contact(3.0e9, 1.5, 0.4), angle_error=0.01, reach_error=0.4e-3),

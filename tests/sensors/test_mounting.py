@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from strikewave.sensors import Gasket, Mounting, Sensor, insertion_loss, output, transmission
 from strikewave.sensors.mounting import mounting_system
-from strikewave.waves.loss import fit_loss
+from strikewave.waves.spectral import fit_loss
 
 RUBBER = Gasket(1100.0, 10e6, 1e-4, 2e-3, 0.3)
 PTFE = Gasket(2200.0, 0.5e9, 1e-4, 1e-3, 0.08)

@@ -21,7 +21,7 @@ from strikewave.waves import (
     bar,
     run_bar,
 )
-from strikewave.waves.bar_run import BarRun, faces_of_hung, hung_acceleration
+from strikewave.waves.bar import BarRun, faces_of_hung, hung_acceleration
 from strikewave.waves.transit import ErrorBound, TimeGrid
 
 

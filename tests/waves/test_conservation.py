@@ -30,8 +30,7 @@ from strikewave.waves import (
     run_bar,
 )
 from strikewave.waves._kernels import Extremes, Recording
-from strikewave.waves.averages import empty_averages
-from strikewave.waves.transit import state_at_rest, tables_of
+from strikewave.waves.transit import empty_averages, state_at_rest, tables_of
 
 STEP = 1e-7
 

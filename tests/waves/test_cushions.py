@@ -13,8 +13,7 @@ from strikewave.cases.stack_of_case import build_stack
 from strikewave.contact import HardeningContact
 from strikewave.contact.cushions import Pad, crush, elastomer, foam, retarded, tangent
 from strikewave.waves import End, Impactor, Joint, Layer, LoadPulse, Stack, Tap, WantedError, _kernels, run_bar
-from strikewave.waves.averages import empty_averages
-from strikewave.waves.transit import grid_of, nearest_nodes, state_at_rest, tables_of
+from strikewave.waves.transit import empty_averages, grid_of, nearest_nodes, state_at_rest, tables_of
 
 STEP, Z1, Z2 = 1e-7, 8e3, 5e3
 PULSE = LoadPulse("sine-squared", 2e4, 60e-6, kind="incident")

@@ -35,7 +35,7 @@ from strikewave.waves import (
     run_bar,
     transit,
 )
-from strikewave.waves.averages import empty_averages
+from strikewave.waves.transit import empty_averages
 
 FINE = 1e-9
 

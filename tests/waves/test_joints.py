@@ -27,8 +27,7 @@ from strikewave.waves import (
     _kernels,
     run_bar,
 )
-from strikewave.waves.averages import empty_averages
-from strikewave.waves.transit import grid_of, state_at_rest, tables_of
+from strikewave.waves.transit import empty_averages, grid_of, state_at_rest, tables_of
 
 STEP = 1e-7
 Z1, Z2 = 8e3, 5e3

@@ -22,7 +22,7 @@ from strikewave.waves.limits import (
     rise_in_diameters,
     rise_notices,
 )
-from strikewave.waves.setup import LayerUsed, wave_setup
+from strikewave.waves.transit import LayerUsed, wave_setup
 
 
 def layer(name, length, diameter=1.0, modulus=4.0, **more):

@@ -8,8 +8,8 @@ from scipy import integrate, optimize
 
 from strikewave.contact import Contact
 from strikewave.waves import BONDED, End, Impactor, Joint, Layer, LoadPulse, Sampled, Stack
-from strikewave.waves.averages import from_within
-from strikewave.waves.times import load_time, refuse_coarse, refuse_few_steps, resolved_period, shortest_time
+from strikewave.waves.load import load_time, refuse_coarse, refuse_few_steps, resolved_period, shortest_time
+from strikewave.waves.transit import from_within
 
 PULSES = [
     LoadPulse("half-sine", 300.0, 2e-4),

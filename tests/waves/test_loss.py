@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from strikewave.waves import loss
+from strikewave.waves import spectral
 from strikewave.waves.layers import Branch
-from strikewave.waves.loss import dynamic_stiffness, fit_loss
+from strikewave.waves.spectral import dynamic_stiffness, fit_loss
 
 
 def test_a_single_branch_is_the_standard_linear_solid():
@@ -34,9 +34,9 @@ def test_few_branches_hold_five_percent(loss_factor, low, high, branches):
     wt = 2.0 * np.pi * f[:, None] * np.array([b.relaxation for b in fit.branches])
     shares = np.array([b.stiffness for b in fit.branches])
     storage = fit.stiffness + (wt**2 / (1 + wt**2)) @ shares
-    loss = (wt / (1 + wt**2)) @ shares
+    spectral = (wt / (1 + wt**2)) @ shares
     # the fit looks at 121 frequencies; between them the deviation is flat to the square of their distance
-    assert np.max(np.abs(loss / storage / loss_factor - 1.0)) == pytest.approx(fit.error, rel=2e-3)
+    assert np.max(np.abs(spectral / storage / loss_factor - 1.0)) == pytest.approx(fit.error, rel=2e-3)
     assert fit.error <= 0.05
     assert fit.band == (low, high)
 
@@ -139,7 +139,7 @@ def test_a_fit_is_the_best_one_that_is_not_negative(eta, low, high, count, width
     The slope along every share that is above zero is that of the scale, and no smaller along one that is zero. Six rounds
     of weights leave 1e-5 of them.
     """
-    deviation, shares, times = loss._least_squares(eta, low, high, count, width)
+    deviation, shares, times = spectral._least_squares(eta, low, high, count, width)
     middle = math.sqrt(low * high)
     if count > 1:
         assert times[0] / times[-1] == pytest.approx((high / low) ** width, rel=1e-12)
@@ -174,13 +174,13 @@ def test_the_fewest_branches_at_the_best_width_are_taken(monkeypatch):
         rest = 9e-4 if count == 3 and width < 0.5 else 1.1e-3
         return off, np.array([rest, *([0.4] * (count - 1)), 0.0]), np.array([3.0, 2.0, 1.0])[:count]
 
-    monkeypatch.setattr(loss, "_least_squares", fitted)
-    share, branches, error = loss._shares.__wrapped__(0.2, 1e3, 1e5)
-    best = min(width for width in loss.WIDTHS if width >= 0.5)
+    monkeypatch.setattr(spectral, "_least_squares", fitted)
+    share, branches, error = spectral._shares.__wrapped__(0.2, 1e3, 1e5)
+    best = min(width for width in spectral.WIDTHS if width >= 0.5)
     assert (share, error) == (1.1e-3, pytest.approx(0.01 + 0.001 * (best - 0.5), rel=1e-12))
     assert branches == (Branch(0.4, 3.0), Branch(0.4, 2.0))  # a branch of no stiffness is none
-    assert asked == [(1, 1.0), *((count, width) for count in (2, 3) for width in loss.WIDTHS)]
-    assert loss.WIDTHS[[0, -1]] == pytest.approx([0.3, 2.0])
+    assert asked == [(1, 1.0), *((count, width) for count in (2, 3) for width in spectral.WIDTHS)]
+    assert spectral.WIDTHS[[0, -1]] == pytest.approx([0.3, 2.0])
 
 
 @pytest.mark.parametrize(("off", "taken"), [(0.249, True), (0.251, False), (None, False)])
@@ -191,14 +191,14 @@ def test_the_loss_of_another_material_is_refused_with_how_close_it_came(monkeypa
         counts.add(count)
         return off or 0.0, np.array([rest, 0.5]), np.array([1.0])
 
-    monkeypatch.setattr(loss, "_least_squares", fitted)
+    monkeypatch.setattr(spectral, "_least_squares", fitted)
     if taken:
-        assert loss._shares.__wrapped__(0.2, 1e3, 1e5)[2] == off
+        assert spectral._shares.__wrapped__(0.2, 1e3, 1e5)[2] == off
         assert counts == {1, 2, 3, 4}
         return
     words = r"branches \(the closest is 25 % off\): take" if off else "branches: take"
     with pytest.raises(ValueError, match=words):
-        loss._shares.__wrapped__(0.2, 1e3, 1e5)
+        spectral._shares.__wrapped__(0.2, 1e3, 1e5)
 
 
 @pytest.mark.parametrize("values", [(5e-3, 5e-3, 5e-3, 9e-3), (7.0, 5e-3, 1e3, 1e5)])

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from strikewave.contact import Contact
 from strikewave.waves import BONDED, End, Joint, Layer, Sampled, Stack, Tap, WantedError, run_bar
-from strikewave.waves.loss import fit_loss
-from strikewave.waves.spectral import SpectralStack
+from strikewave.waves.spectral import SpectralStack, fit_loss
 
 STEP = 1e-7
 LINEAR = ("bonded", "compliant", "damped", "gasket", "mass", "hung mass")

@@ -6,8 +6,16 @@ import numpy as np
 import pytest
 
 from strikewave.waves import BONDED, Layer, LoadPulse, Stack, Tap, WantedError, li_ma, run_bar
-from strikewave.waves.li_ma import Sandwich, mean_acceleration, strain, too_many, waves_that_count
-from strikewave.waves.routes import route_history, specimen_of, too_thin
+from strikewave.waves.li_ma import (
+    Sandwich,
+    mean_acceleration,
+    route_history,
+    specimen_of,
+    strain,
+    too_many,
+    too_thin,
+    waves_that_count,
+)
 
 STEP = 0.125
 

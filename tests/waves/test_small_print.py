@@ -25,15 +25,14 @@ from strikewave.waves import (
     Tap,
     WantedError,
     _kernels,
+    bar,
     round_bar,
     run_bar,
-    spectral_bar,
 )
-from strikewave.waves.averages import empty_averages
 from strikewave.waves.limits import bar_extremes
+from strikewave.waves.load import shortest_time
 from strikewave.waves.spectral import SpectralStack
-from strikewave.waves.times import shortest_time
-from strikewave.waves.transit import grid_of, state_at_rest, tables_of
+from strikewave.waves.transit import empty_averages, grid_of, state_at_rest, tables_of
 
 STEP, Z1, Z2 = 1e-7, 8e3, 5e3
 PULSE = LoadPulse("sine-squared", 2e4, 60e-6, kind="incident")
@@ -241,7 +240,7 @@ def test_the_chosen_step_resolves_contacts_and_the_end():
 
 
 def test_steps_are_not_halved_beyond_the_work(monkeypatch):
-    monkeypatch.setattr(spectral_bar, "MOST_WORK", 1.0)
+    monkeypatch.setattr(bar, "MOST_WORK", 1.0)
     load = LoadPulse("rectangle", 1.0, 50e-6)
     run = run_bar(Stack((timed("a", Z1),)), load, [Tap(0, 1.0)], 1e-4, WantedError(method="spectral"))
     assert run.grid.step == pytest.approx(50e-6 / 50 / 2)

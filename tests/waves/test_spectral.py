@@ -26,8 +26,7 @@ from strikewave.waves import (
 )
 from strikewave.waves.dispersion import Rod, group_speed, phase_speed
 from strikewave.waves.layers import LossFit
-from strikewave.waves.loss import fit_loss
-from strikewave.waves.spectral import SpectralStack
+from strikewave.waves.spectral import SpectralStack, fit_loss
 
 STEP = 1e-7
 STEEL = material("65Mn")
@@ -254,7 +253,7 @@ def test_the_field_of_many_steps_is_looked_at_at_fewer_places(monkeypatch):
         )
 
     whole = run()
-    monkeypatch.setattr("strikewave.waves.spectral_bar._FIELD_VALUES", 20 * len(whole.time))
+    monkeypatch.setattr("strikewave.waves.bar._FIELD_VALUES", 20 * len(whole.time))
     sparse = run()
     assert 20 <= len(sparse.field_position) <= 20 + len(STACKS["bonded"].layers) < len(whole.field_position)
     ends = [0, -1]

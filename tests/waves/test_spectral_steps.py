@@ -18,9 +18,9 @@ from strikewave.waves import (
     Stack,
     Tap,
     WantedError,
+    bar,
     run_bar,
     spectral,
-    spectral_bar,
 )
 from strikewave.waves.dispersion import Rod, wave_number
 from strikewave.waves.layers import Branch, LossFit
@@ -49,17 +49,15 @@ def made_up(monkeypatch):
         full = [np.full((2, 3), value) for value in (velocity, acceleration)]
         return SimpleNamespace(steps=noted.count * 2**k, step=step), Histories(full[0], *full)
 
-    monkeypatch.setattr(spectral_bar, "_look", look)
-    monkeypatch.setattr(
-        spectral_bar, "_bar_run", lambda spectrum, histories, places, duration, bound: (spectrum, bound)
-    )
+    monkeypatch.setattr(bar, "_look", look)
+    monkeypatch.setattr(bar, "_bar_run", lambda spectrum, histories, places, duration, bound: (spectrum, bound))
     return noted
 
 
 def followed(noted, velocity, acceleration=(5.0,), stack=TWO, taps=1, **wanted):
     """Return the step at the end over the first, and the bound."""
     noted.velocity, noted.acceleration = velocity, acceleration
-    spectrum, bound = spectral_bar.spectral_bar(stack, LOAD, [(0, 0.5)] * taps, 60.0, WantedError(**wanted))
+    spectrum, bound = bar.spectral_bar(stack, LOAD, [(0, 0.5)] * taps, 60.0, WantedError(**wanted))
     return spectrum.step / noted.steps[0], (bound.velocity, bound.acceleration)
 
 
@@ -118,10 +116,10 @@ def test_a_step_is_halved_as_far_as_work_steps_and_samples_go(made_up, count, la
     ],
 )
 def test_the_first_step_is_a_fiftieth_of_what_changes_first(made_up, monkeypatch, load, duration, period, step):
-    monkeypatch.setattr(spectral_bar, "refuse_samples", lambda *_: None)
-    monkeypatch.setattr(spectral_bar, "_refuse_steps", lambda *_: None)
+    monkeypatch.setattr(bar, "refuse_samples", lambda *_: None)
+    monkeypatch.setattr(bar, "_refuse_steps", lambda *_: None)
     made_up.velocity = made_up.acceleration = [1.0]
-    spectral_bar.spectral_bar(TWO, load, [(0, 0.5)] * 3, duration, WantedError(period=period))
+    bar.spectral_bar(TWO, load, [(0, 0.5)] * 3, duration, WantedError(period=period))
     assert made_up.steps[0] == pytest.approx(step, rel=1e-12)
 
 
@@ -134,10 +132,10 @@ def test_a_million_steps_and_four_million_samples_are_followed_at_most(made_up, 
     made_up.velocity = made_up.acceleration = [1.0]
     asked = TWO, LOAD, [(0, 0.5)] * taps, 60.0, WantedError(step=step)
     if words is None:
-        spectral_bar.spectral_bar(*asked)
+        bar.spectral_bar(*asked)
         return
     with pytest.raises(ValueError, match=words):
-        spectral_bar.spectral_bar(*asked)
+        bar.spectral_bar(*asked)
 
 
 def test_a_change_is_taken_where_both_have_a_sample_and_in_both_directions():
@@ -150,12 +148,12 @@ def test_a_change_is_taken_where_both_have_a_sample_and_in_both_directions():
             [[1.5, 50.0, 2.0, 50.0, -1.0, *more], [0.0, 50.0, 3.0, 50.0, 0.0, *more]],
             [[0.0, 50.0, 3.0, 50.0, 0.0, *more], [1.0, 50.0, 2.0, 50.0, 1.0, *more]],
         )
-        found = spectral_bar._change(coarse, fine)
+        found = bar._change(coarse, fine)
         assert (found.velocity, found.acceleration) == (4.0, 6.0)
     shorter = histories([[1.5, 50.0, 2.25], [0.0, 50.0, 0.0]], [[0.0, 50.0, 9.0], [1.0, 50.0, 1.0]])
-    assert spectral_bar._change(coarse, shorter).velocity == 0.5
+    assert bar._change(coarse, shorter).velocity == 0.5
     longer = histories(*(np.pad(x, ((0, 0), (0, 4))) for x in (fine.velocity, fine.acceleration)))
-    assert spectral_bar._change(coarse, longer).velocity == 4.0
+    assert bar._change(coarse, longer).velocity == 4.0
 
 
 @pytest.mark.parametrize(
@@ -173,21 +171,21 @@ def test_a_spectrum_pays_as_far_as_work_steps_and_samples_go(duration, layers, t
     """At half the first step, a hundredth of what changes first: here 1 s."""
     stack = Stack((layer("a", 1.0),) * layers, (BONDED,) * (layers - 1))
     load = dataclasses.replace(LOAD, duration=LOAD.duration / RISE)
-    assert spectral_bar.spectrum_pays(stack, load, duration, taps) is pays
-    assert not spectral_bar.spectrum_pays(stack, LoadPulse("rectangle", 7.0, 4.0), 1.0, 1)
-    assert not spectral_bar.spectrum_pays(stack, Impactor(1.0, 1.0), 1.0, 1)
+    assert bar.spectrum_pays(stack, load, duration, taps) is pays
+    assert not bar.spectrum_pays(stack, LoadPulse("rectangle", 7.0, 4.0), 1.0, 1)
+    assert not bar.spectrum_pays(stack, Impactor(1.0, 1.0), 1.0, 1)
 
 
 def test_only_layers_with_loss_or_dispersion_need_a_spectrum():
     lossy = layer("lossy", 1.0, loss=LossFit(1.0, (), 0.0, (1.0, 2.0)))
     slow = layer("slow", 1.0, dispersion="love-rayleigh", poissons_ratio=0.3)
-    assert not spectral_bar.needs_spectrum(TWO)
+    assert not bar.needs_spectrum(TWO)
     for one, word in ((lossy, "loses energy"), (slow, "disperses")):
         stack = Stack((TWO.layers[0], one), (BONDED,))
-        assert spectral_bar.needs_spectrum(stack)
+        assert bar.needs_spectrum(stack)
         with pytest.raises(ValueError, match=f"layer {one.name} {word}"):
-            spectral_bar.refuse_spectral_layers(stack)
-    spectral_bar.refuse_spectral_layers(TWO)
+            bar.refuse_spectral_layers(stack)
+    bar.refuse_spectral_layers(TWO)
 
 
 @pytest.mark.parametrize(
@@ -203,7 +201,7 @@ def test_only_layers_with_loss_or_dispersion_need_a_spectrum():
     ],
 )
 def test_samples_reach_the_end_of_a_run(duration, step, steps):
-    assert spectral_bar._look(TWO, LOAD, [(0, 0.0)], duration, step)[0].steps == steps
+    assert bar._look(TWO, LOAD, [(0, 0.0)], duration, step)[0].steps == steps
 
 
 @pytest.mark.parametrize("batch", [1, 2, 4, 6])
@@ -219,14 +217,14 @@ def test_extremes_of_faces_are_looked_at_some_at_once_and_begin_at_zero(batch, m
         return SimpleNamespace(force=forces[[2 * at + round(end) for at, end in places]])
 
     spectrum = SimpleNamespace(stack=SimpleNamespace(layers=(None,) * 3), steps=100, look=look)
-    least, greatest = spectral_bar._face_extremes(spectrum, batch)
+    least, greatest = bar._face_extremes(spectrum, batch)
     assert least.tolist() == [[0.0, -0.5], [-1.0, -4.0], [-2.0, -2.5]]
     assert greatest.tolist() == [[1.5, 2.0], [3.0, 0.0], [5.0, 6.0]]
     assert looked == [min(batch, 6 - begin) for begin in range(0, 6, batch)]
-    monkeypatch.setattr(spectral_bar, "MOST_WORK", 900.0 / batch)  # 3 x 3 layers of 100 steps
-    assert all(np.isnan(x).all() for x in spectral_bar._face_extremes(spectrum, batch))
-    monkeypatch.setattr(spectral_bar, "MOST_WORK", 901.0 / batch)
-    assert not any(np.isnan(x).any() for x in spectral_bar._face_extremes(spectrum, batch))
+    monkeypatch.setattr(bar, "MOST_WORK", 900.0 / batch)  # 3 x 3 layers of 100 steps
+    assert all(np.isnan(x).all() for x in bar._face_extremes(spectrum, batch))
+    monkeypatch.setattr(bar, "MOST_WORK", 901.0 / batch)
+    assert not any(np.isnan(x).any() for x in bar._face_extremes(spectrum, batch))
 
 
 HUNG = Stack(
@@ -263,7 +261,7 @@ def test_a_run_keeps_each_step_at_taps_and_some_in_its_field(steps, coarse, monk
     assert (run.energy_lost, run.events.shape, run.touches.shape) == (0.0, (0, 3), (0, 3))
     assert (run.grid.counts, run.grid.mismatch, run.grid.lengths(HUNG)) == ((0, 0), 0.0, (0.4, 1.5))
     if steps == 998:  # a few places at a time do the same
-        for module in (spectral, spectral_bar):
+        for module in (spectral, bar):
             monkeypatch.setattr(module, "MOST_VALUES", 120.5 * (steps + 1))
         few = run_bar(HUNG, load, [Tap(0, 1.0)], 0.01 * steps, WantedError(step=0.01, method="spectral"))
         for name in ("field_force", "field_velocity", "field_least", "field_greatest", "face_least", "face_greatest"):
@@ -291,15 +289,15 @@ def test_a_field_has_200_places_in_a_hundred_layers_at_most_or_as_many_as_its_st
     monkeypatch.setattr(
         SpectralStack, "look", lambda self, *more, **how: looks.append(self) or look(self, *more, **how)
     )
-    spectral_bar_nodes = spectral_bar.field_nodes
-    monkeypatch.setattr(spectral_bar, "field_nodes", nodes)
+    spectral_bar_nodes = bar.field_nodes
+    monkeypatch.setattr(bar, "field_nodes", nodes)
     for values in (2e7, 30.5 * 5, 2.0 * 5):
-        monkeypatch.setattr(spectral_bar, "_FIELD_VALUES", values)
+        monkeypatch.setattr(bar, "_FIELD_VALUES", values)
         run_bar(TWO, LOAD, [Tap(0, 1.0)], 0.4, WantedError(step=0.1, method="spectral"))
     assert len(looks) == 3 * 5  # at taps with two steps; at the field, at faces and at masses, at once
     assert asked == [(100, 200, (1000, 1000)), (15, 30, (1000, 1000)), (1, 2, (1000, 1000))]
     monkeypatch.undo()
-    assert int(spectral_bar._FIELD_VALUES / 99_000) == 202
+    assert int(bar._FIELD_VALUES / 99_000) == 202
 
 
 # the transform itself

@@ -6,8 +6,7 @@ import pytest
 from strikewave.base.materials import material
 from strikewave.waves import BONDED, End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 from strikewave.waves.layers import round_bar
-from strikewave.waves.li_ma import Sandwich
-from strikewave.waves.staircase import endless_force, first_echoes, staircase
+from strikewave.waves.li_ma import Sandwich, endless_force, first_echoes, staircase
 
 
 def steel(length):

@@ -23,8 +23,7 @@ from strikewave.waves import (
     transit,
 )
 from strikewave.waves import bar as bar_module
-from strikewave.waves.averages import empty_averages
-from strikewave.waves.transit import TimeGrid, state_at_rest, tables_of
+from strikewave.waves.transit import TimeGrid, empty_averages, state_at_rest, tables_of
 
 Z, STEP = 5.0, 2e-3
 

@@ -24,8 +24,8 @@ from strikewave.sensors.channel import SensorChannel
 from strikewave.waves import BONDED, End, Joint, Layer, Stack, Tap
 from strikewave.waves.dispersion import Theory
 from strikewave.waves.layers import LossFit
-from strikewave.waves.loss import USUAL_BAND, fit_loss
-from strikewave.waves.routes import EXACT
+from strikewave.waves.li_ma import EXACT
+from strikewave.waves.spectral import USUAL_BAND, fit_loss
 
 T = TypeVar("T")
 

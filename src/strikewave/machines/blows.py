@@ -26,9 +26,8 @@ from strikewave.base.shock_quantities import (
 from strikewave.contact.elastoplastic import spot_after
 from strikewave.contact.law import check_end
 from strikewave.machines._layout import APEX_SWITCH
-from strikewave.machines.rebounds import blow_numbers
 from strikewave.machines.run import MachineRun
-from strikewave.machines.spans import Moments
+from strikewave.machines.spans import Moments, blow_numbers
 from strikewave.signal.pulse import foot_to_foot, measure_pulse
 
 Array = NDArray[np.float64]

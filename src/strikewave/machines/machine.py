@@ -41,11 +41,9 @@ from strikewave.machines._kernels import (
     place_bases,
 )
 from strikewave.machines._layout import layout_of
-from strikewave.machines.feed import Feed, angle_at_valve_signal
-from strikewave.machines.layered import LayeredObject
-from strikewave.machines.rebounds import Rebounds
-from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, StruckObject
-from strikewave.machines.turntable import Turntable, speed_after_wait
+from strikewave.machines.drive import Feed, Turntable, angle_at_valve_signal, speed_after_wait
+from strikewave.machines.spans import Rebounds
+from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, LayeredObject, StruckObject
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from strikewave.contact.law import elastic_indentation, striking_law
 from strikewave.contact.motion import MotionState, integrate
 from strikewave.machines._kernels import RETRACTING, MachineSystem
 from strikewave.machines._layout import FEED_SWITCH, StateLayout, layout_of
-from strikewave.machines.feed import expected_time
+from strikewave.machines.drive import braking_time, expected_time, spin_up_time
 from strikewave.machines.machine import (
     BEFORE_TOUCH,
     Launch,
@@ -28,10 +28,8 @@ from strikewave.machines.machine import (
     machine_system,
     start_state,
 )
-from strikewave.machines.rebounds import end_at_touch, top_of_flight
-from strikewave.machines.spans import ChainSpan, Impulses, Moments, Span, StackSpan
+from strikewave.machines.spans import ChainSpan, Impulses, Moments, Span, StackSpan, end_at_touch, top_of_flight
 from strikewave.machines.strike import strike
-from strikewave.machines.turntable import braking_time, spin_up_time
 
 Array = NDArray[np.float64]
 

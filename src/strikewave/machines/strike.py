@@ -34,16 +34,23 @@ from strikewave.machines import _stack_kernels as column
 from strikewave.machines._kernels import ACROSS, HALF_FACE, MachineSystem, place_bases
 from strikewave.machines._layout import layout_of
 from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, StackBlow, Supports, follow
-from strikewave.machines.layered import LayeredObject
 from strikewave.machines.machine import modes_at, nodes_at
 from strikewave.machines.spans import StackSpan, TapHistories
-from strikewave.machines.struck_object import StruckObject
+from strikewave.machines.struck_object import LayeredObject, StruckObject
 from strikewave.waves import _kernels as waves
 from strikewave.waves._kernels import ELASTIC, LOST, RESISTANCE, Averages, Recording, Tables
 from strikewave.waves._kernels import MASS as POINT_MASS
 from strikewave.waves._kernels import WaveState as Waves
-from strikewave.waves.averages import empty_averages, from_within, mean_acceleration
-from strikewave.waves.transit import TimeGrid, field_nodes, nearest_nodes, state_at_rest, tables_of
+from strikewave.waves.transit import (
+    TimeGrid,
+    empty_averages,
+    field_nodes,
+    from_within,
+    mean_acceleration,
+    nearest_nodes,
+    state_at_rest,
+    tables_of,
+)
 
 Array = NDArray[np.float64]
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from strikewave.cases.losses_of_case import FittedLoss
     from strikewave.sensors.channel import SensorChannel
-    from strikewave.waves.setup import WaveSetup
+    from strikewave.waves.transit import WaveSetup
 
 
 MOST_LAYERS = 50

@@ -12,8 +12,7 @@ from strikewave.reporting.curves import COLOURS, DASHES, put_legend, shortened
 from strikewave.reporting.numbers import axis_unit, headed, with_unit
 from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, new_figure, put_below, quiet
 from strikewave.reporting.wave_field import WaveField
-from strikewave.waves.li_ma import Sandwich
-from strikewave.waves.staircase import endless_force, first_echoes, staircase
+from strikewave.waves.li_ma import Sandwich, endless_force, first_echoes, staircase
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -14,7 +14,7 @@ from strikewave.reporting.curves import shortened, spread
 from strikewave.reporting.numbers import ShownQuantity, axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, new_figure
 from strikewave.waves import Stack, Tap
-from strikewave.waves.staircase import first_echoes
+from strikewave.waves.li_ma import first_echoes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.sensors.response import IDENTITY, LinearSystem
-from strikewave.waves.loss import USUAL_BAND, LossFit, dynamic_stiffness, fit_loss
+from strikewave.waves.spectral import USUAL_BAND, LossFit, dynamic_stiffness, fit_loss
 
 RESOLVED = 200e3
 """Frequency up to which the elements follow the wave in a gasket, Hz: buffers let nothing through far below, and

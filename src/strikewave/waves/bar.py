@@ -1,11 +1,11 @@
-"""A bar alone: a stack under a load, followed to the wanted error."""
+"""A stack under a load, followed by delay lines or by its spectrum to the wanted error."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,33 +15,419 @@ from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
 from strikewave.contact.law import Contact, check_end, striking_law
 from strikewave.waves import _impact_kernels, _kernels
 from strikewave.waves._kernels import Extremes, Recording
-from strikewave.waves.averages import empty_averages, from_within, mean_acceleration
-from strikewave.waves.bar_run import BarRun, Tap, WantedError, faces_of_hung, hung_acceleration
 from strikewave.waves.layers import Stack
-from strikewave.waves.load import PRESCRIBED, Impactor, Load
-from strikewave.waves.spectral import is_linear
-from strikewave.waves.spectral_bar import needs_spectrum, refuse_spectral_layers, spectral_bar, spectrum_pays
-from strikewave.waves.times import (
+from strikewave.waves.load import (
     MOST_SAMPLES,
+    PRESCRIBED,
+    Impactor,
+    Load,
+    LoadPulse,
+    Sampled,
+    load_time,
     refuse_coarse,
     refuse_few_steps,
     refuse_samples,
     resolved_period,
     shortest_time,
 )
+from strikewave.waves.spectral import MOST_VALUES, Histories, SpectralStack, is_linear, refuse_nonlinear
 from strikewave.waves.transit import (
+    FIELD_PLACES,
     FIELD_ROWS,
     MOST_EVENTS,
     ErrorBound,
     TimeGrid,
     choose_grid,
+    empty_averages,
     error_bound,
     field_nodes,
+    from_within,
     grid_of,
+    mean_acceleration,
     nearest_nodes,
     state_at_rest,
     tables_of,
 )
+
+Array = NDArray[np.float64]
+STILL = 1e-9
+"""Share of F/Z below which a tap stands still: a thousand times the rounding of waves that cancel."""
+_TINY = 1e-300
+"""Stands for zero below a fraction: where nothing flowed nothing is missing."""
+Method = Literal["auto", "delay lines", "spectral"]
+
+
+@dataclass(frozen=True)
+class Tap:
+    """Where a stack is watched: layer index and fraction of the layer from its loaded side."""
+
+    layer: int
+    position: float
+
+
+@dataclass(frozen=True)
+class WantedError:
+    """How exact a run shall be: largest error over the largest value at the taps; or a step, s, that is kept.
+
+    The method is "auto": delay lines, but the spectral solver where a layer loses energy or disperses. ``period`` is
+    the shortest period of what listens, as of a sensor, s: what is kept resolves it.
+    """
+
+    velocity: float = 1e-3
+    acceleration: float = 1e-2
+    step: float | None = None
+    method: Method = "auto"
+    period: float = math.inf
+
+
+@dataclass(frozen=True)
+class BarRun:
+    """What a stack did under its load.
+
+    Attributes
+    ----------
+    stack : Stack
+        What ran.
+    load : LoadPulse, Sampled or Impactor
+        By what it was loaded.
+    grid : TimeGrid
+        Time step, and the steps of each layer; by the spectral solver no layer is cut into steps.
+    time : ndarray
+        Times of the samples, s, shape (N,).
+    face_force : ndarray
+        Force on the first face, N, shape (N,).
+    end_force : ndarray
+        Force of the stack on its end, N, shape (N,).
+    force : ndarray
+        At the taps, N, shape (N, taps).
+    velocity : ndarray
+        At the taps, m/s, shape (N, taps).
+    acceleration : ndarray
+        At the taps, m/s^2, shape (N, taps). By delay lines it is the average about each sample, as
+        `strikewave.waves.transit` says: its integral, from one sample before the first, is the change of velocity.
+    mean_push : ndarray
+        Force on the first face less that on the end, average about each sample, N, shape (N,).
+    hung_acceleration : ndarray
+        Of the masses on springs in the order of `Stack.hung`, m/s^2, shape (N, masses): the average force on each
+        over it.
+    bound : ErrorBound
+        Largest error: from rounding the transits, and what half the step changes where springs or masses take
+        part; infinite where joints open or a striker comes. By the spectral solver what half the step changes.
+        Where all is bonded, that of an acceleration is the error of the average, not what an average takes off a peak.
+    places : tuple of (int, float)
+        Layer and fraction of each tap.
+    duration : float
+        How long it was followed, s.
+    field_time : ndarray
+        Times of the x-t field, s.
+    field_position : ndarray
+        Its places, m from the first face.
+    field_force : ndarray
+        Force there, N, shape (times, places).
+    field_velocity : ndarray
+        Velocity there, m/s, shape (times, places).
+    field_layer : ndarray
+        Index of the layer of each place.
+    field_least : ndarray
+        Least force at the places of the field over all steps, N.
+    field_greatest : ndarray
+        Greatest force there, N.
+    face_least : ndarray
+        Least force at both faces of each layer, N, shape (layers, 2); NaN where a spectrum of many layers was not
+        looked at.
+    face_greatest : ndarray
+        Greatest force there, N, alike.
+    events : ndarray
+        Openings and closings of joints: index of the joint, time (s), 1 where it opened; shape (n, 3).
+    touches : ndarray
+        Contacts with an impactor: begin, end, approach speed; shape (n, 3).
+    impulse : float
+        Of the load, N s.
+    end_impulse : float
+        Of the stack on its end, N s.
+    momentum : float
+        Gained by the stack, N s.
+    energy_lost : float
+        In the contact with an impactor, J.
+    striker_speed : float
+        Speed of the impactor at the end, m/s.
+    deepest : float
+        Its deepest indentation, m.
+    """
+
+    stack: Stack
+    load: Load
+    grid: TimeGrid
+    time: Array = field(repr=False)
+    face_force: Array = field(repr=False)
+    end_force: Array = field(repr=False)
+    force: Array = field(repr=False)
+    velocity: Array = field(repr=False)
+    acceleration: Array = field(repr=False)
+    mean_push: Array = field(repr=False)
+    hung_acceleration: Array = field(repr=False)
+    bound: ErrorBound
+    places: tuple[tuple[int, float], ...]
+    duration: float
+    field_time: Array = field(repr=False)
+    field_position: Array = field(repr=False)
+    field_force: Array = field(repr=False)
+    field_velocity: Array = field(repr=False)
+    field_layer: NDArray[np.int64] = field(repr=False)
+    field_least: Array = field(repr=False)
+    field_greatest: Array = field(repr=False)
+    face_least: Array = field(repr=False)
+    face_greatest: Array = field(repr=False)
+    events: Array = field(repr=False)
+    touches: Array = field(repr=False)
+    impulse: float
+    end_impulse: float
+    momentum: float
+    energy_lost: float
+    striker_speed: float = math.nan
+    deepest: float = math.nan
+
+    @property
+    def momentum_error(self) -> float:
+        """Impulses less momentum, over the impulse of the load or the momentum that the layers came with."""
+        moving = sum(abs(layer.mass * layer.speed) for layer in self.stack.layers)
+        flowed = max(abs(self.impulse), abs(self.end_impulse), moving, _TINY)
+        return abs(self.impulse - self.end_impulse - self.momentum) / flowed
+
+    @property
+    def relative_bound(self) -> tuple[float, float]:
+        """Bounds of velocity and acceleration over their largest values at the taps.
+
+        Where all taps stand still, as at a rigid end, over those that their forces would give in one wave, F/Z.
+        """
+        velocity, acceleration = self.velocity, self.acceleration
+        if self.force.size and not np.abs(velocity).max() > STILL * np.abs(self.waves).max():
+            velocity, acceleration = self.waves, np.gradient(self.waves, self.time, axis=0)
+        pairs = ((self.bound.velocity, velocity), (self.bound.acceleration, acceleration))
+        largest = [(bound, float(np.abs(values).max(initial=0.0))) for bound, values in pairs]
+        over_velocity, over_acceleration = (bound / most if most > 0.0 else math.inf for bound, most in largest)
+        return over_velocity, over_acceleration
+
+    @property
+    def waves(self) -> Array:
+        """F/Z at the taps, m/s, shape (N, taps)."""
+        return self.force / np.array([self.stack.layers[layer].impedance for layer, _ in self.places])
+
+
+def faces_of_hung(stack: Stack) -> list[tuple[int, float]]:
+    """Return the places before and behind each mass on a spring between layers: layer, fraction of the layer."""
+    return [place for k, _ in stack.hung if k < len(stack.joints) for place in ((k, 1.0), (k + 1, 0.0))]
+
+
+def hung_acceleration(stack: Stack, faces: Array, end_force: Array) -> Array:
+    """Return the accelerations of masses on springs, m/s^2, shape (N, masses).
+
+    ``faces`` are the forces at `faces_of_hung`, shape (N, 2 per mass between layers): what is lost from face to face
+    pushes the mass.
+    """
+    pushes = [faces[:, 2 * k] - faces[:, 2 * k + 1] for k in range(faces.shape[1] // 2)]
+    if stack.end.kind == "oscillator":
+        pushes.append(end_force)
+    columns = [push / mass for push, (_, mass) in zip(pushes, stack.hung, strict=True)]
+    return np.column_stack(columns) if columns else np.empty((len(end_force), 0))
+
+
+STEPS_OF_CHANGE = 50.0
+"""Steps of the first try in the shortest time in which the load changes: rounding the load over a step then changes it
+by 0.1 % or so, and the step is halved from there."""
+MOST_STEPS = 1_000_000
+"""A run of more time steps is refused: each history would take 8 MB, and each spectrum of a place 16 MB."""
+MOST_WORK = 3e7
+"""Layers times steps up to which the step is refined for the wanted error: a few seconds."""
+_TRIES = 4
+"""Halvings of the step for the wanted error: 16 times the cost of the first try."""
+_FIELD_LAYERS = 100
+"""Layers of an x-t field; each place costs a spectrum here, so that they are fewer than by delay lines."""
+_FIELD_VALUES = 2e7
+"""Places times steps of an x-t field, ten seconds: of more than 100 000 steps fewer places are looked at."""
+_CELLS = 1000
+"""Parts of a layer among which the places of a field are chosen: it is cut into no steps that could serve."""
+_ROUNDING = 1e-12
+"""Share of a step by which a duration may miss a whole number of steps and still be one."""
+"""Stands for zero below a fraction: where nothing moves every change is too large."""
+
+
+def needs_spectrum(stack: Stack) -> bool:
+    """Tell whether a layer loses energy or disperses."""
+    return any(layer.loss is not None or layer.dispersion != "none" for layer in stack.layers)
+
+
+def spectrum_pays(stack: Stack, load: Load, duration: float, taps: int) -> bool:
+    """Tell whether the spectral solver follows a smooth load in seconds."""
+    if isinstance(load, Impactor) or load.rise_time == 0.0:
+        return False
+    steps = 2.0 * STEPS_OF_CHANGE * duration / load_time(load)
+    return steps * len(stack.layers) < 2.0 * MOST_WORK and steps < MOST_STEPS and steps * taps < MOST_SAMPLES
+
+
+def refuse_spectral_layers(stack: Stack) -> None:
+    """Refuse layers that delay lines cannot follow.
+
+    Raises
+    ------
+    ValueError
+        If a layer loses energy or disperses.
+    """
+    for layer in stack.layers:
+        if layer.loss is not None or layer.dispersion != "none":
+            what = "loses energy" if layer.loss is not None else "disperses"
+            raise ValueError(f"layer {layer.name} {what}, which delay lines cannot follow: take the spectral solver")
+
+
+def spectral_bar(
+    stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, wanted: WantedError
+) -> BarRun:
+    """Follow a linear stack under its load from rest by its spectrum.
+
+    Where no step is asked for, it is halved until halving it once more changes velocity and acceleration at the
+    places by less than what is wanted, as far as `MOST_WORK` allows. The error bound of the run is that change: an
+    estimate, since the error of the finer step is of second order for smooth loads, a third of it, and of first
+    order, all of it, behind corners.
+
+    Raises
+    ------
+    ValueError
+        If the stack or the load is not linear, or the run would take too much time or memory.
+    """
+    refuse_nonlinear(stack, load)
+    assert not isinstance(load, Impactor)
+    resolved = resolved_period(wanted.period, duration, len(places), STEPS_OF_CHANGE)
+    step = wanted.step or min(load_time(load), duration, resolved) / STEPS_OF_CHANGE
+    refuse_few_steps(step, duration)
+    refuse_coarse(load, step)
+    refuse_samples(duration, 0.5 * step, len(places), "take a longer step, follow a shorter time, or take fewer taps")
+    _refuse_steps(duration, 0.5 * step)
+    fine, histories = _look(stack, load, places, duration, step)
+    for _ in range(_TRIES):
+        coarse, before = fine, histories
+        step *= 0.5
+        fine, histories = _look(stack, load, places, duration, step)
+        change = _change(before, histories)
+        over = [
+            change.velocity / (wanted.velocity * _largest(histories.velocity)),
+            change.acceleration / (wanted.acceleration * _largest(histories.acceleration)),
+        ]
+        steps = 2.0 * fine.steps
+        if wanted.step or max(over) <= 1.0 or steps * len(stack.layers) > MOST_WORK or steps > MOST_STEPS:
+            break
+        if steps * len(places) > MOST_SAMPLES:
+            break
+    if wanted.step:
+        bound = ErrorBound(2.0 * change.velocity, 2.0 * change.acceleration)
+        return _bar_run(coarse, before, places, duration, bound)
+    return _bar_run(fine, histories, places, duration, change)
+
+
+def _refuse_steps(duration: float, step: float) -> None:
+    """Refuse too many steps.
+
+    Raises
+    ------
+    ValueError
+        If there are.
+    """
+    if duration / step > MOST_STEPS:
+        raise ValueError(
+            f"{duration:.3g} s at a step of {2.0 * step:.3g} s, and once more at half of it for the error, is more "
+            f"than {MOST_STEPS:.0e} steps: follow a shorter time, or take a longer step"
+        )
+
+
+def _look(
+    stack: Stack, load: LoadPulse | Sampled, places: Sequence[tuple[int, float]], duration: float, step: float
+) -> tuple[SpectralStack, Histories]:
+    """Return a spectrum and what happens at places."""
+    spectrum = SpectralStack(stack, load, step, math.ceil(duration / step * (1.0 - _ROUNDING)) + 1)
+    return spectrum, spectrum.look(places)
+
+
+def _change(coarse: Histories, fine: Histories) -> ErrorBound:
+    """Return by how much half the step changed velocities and accelerations."""
+    rows = min(coarse.velocity.shape[1], (fine.velocity.shape[1] + 1) // 2)
+    velocity = fine.velocity[:, : 2 * rows : 2] - coarse.velocity[:, :rows]
+    acceleration = fine.acceleration[:, : 2 * rows : 2] - coarse.acceleration[:, :rows]
+    return ErrorBound(float(np.abs(velocity).max()), float(np.abs(acceleration).max()))
+
+
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0)) or _TINY
+
+
+def _bar_run(
+    spectrum: SpectralStack,
+    histories: Histories,
+    places: Sequence[tuple[int, float]],
+    duration: float,
+    bound: ErrorBound,
+) -> BarRun:
+    """Return the run with its x-t field."""
+    stack, step = spectrum.stack, spectrum.step
+    number = min(FIELD_PLACES, int(_FIELD_VALUES / spectrum.steps))
+    cells = TimeGrid(step, (_CELLS,) * len(stack.layers), 0.0)
+    nodes, position = field_nodes(stack, cells, min(_FIELD_LAYERS, number // 2), number)
+    coarse = max(1, spectrum.steps // FIELD_ROWS)
+    rows = (spectrum.steps - 1) // coarse + 1
+    force, velocity = np.empty((rows, len(nodes))), np.empty((rows, len(nodes)))
+    least, greatest = np.empty(len(nodes)), np.empty(len(nodes))
+    batch = max(1, int(MOST_VALUES / spectrum.steps))
+    for begin in range(0, len(nodes), batch):
+        part = slice(begin, begin + batch)
+        field = spectrum.look([(int(layer), node / _CELLS) for layer, node in nodes[part]], accelerated=False)
+        force[:, part], velocity[:, part] = field.force.T[::coarse], field.velocity.T[::coarse]
+        least[part], greatest[part] = field.force.min(axis=1), field.force.max(axis=1)
+    face_least, face_greatest = _face_extremes(spectrum, batch)
+    face, end, (entered, through, moved) = spectrum.ends()
+    faces = faces_of_hung(stack)
+    return BarRun(
+        stack=stack,
+        load=spectrum.load,
+        grid=TimeGrid(step, (0,) * len(stack.layers), 0.0),
+        time=step * np.arange(spectrum.steps, dtype=float),
+        face_force=face,
+        end_force=end,
+        force=histories.force.T,
+        velocity=histories.velocity.T,
+        acceleration=histories.acceleration.T,
+        mean_push=face - end,
+        hung_acceleration=hung_acceleration(stack, spectrum.look(faces).force.T, end),
+        bound=bound,
+        places=tuple(places),
+        duration=duration,
+        field_time=step * coarse * np.arange(rows, dtype=float),
+        field_position=position,
+        field_force=force,
+        field_velocity=velocity,
+        field_layer=nodes[:, 0],
+        field_least=np.minimum(least, 0.0),
+        field_greatest=np.maximum(greatest, 0.0),
+        face_least=face_least,
+        face_greatest=face_greatest,
+        events=np.empty((0, 3)),
+        touches=np.empty((0, 3)),
+        impulse=entered,
+        end_impulse=through,
+        momentum=moved,
+        energy_lost=0.0,
+    )
+
+
+def _face_extremes(spectrum: SpectralStack, batch: int) -> tuple[Array, Array]:
+    """Return least and greatest force at both faces of each layer, N; NaN where that would take long."""
+    layers = len(spectrum.stack.layers)
+    least, greatest = np.full(2 * layers, np.nan), np.full(2 * layers, np.nan)
+    faces = [(layer, end) for layer in range(layers) for end in (0.0, 1.0)]
+    if layers * layers * spectrum.steps / batch < MOST_WORK:
+        for begin in range(0, len(faces), batch):
+            part = slice(begin, begin + batch)
+            force = spectrum.look(faces[part], accelerated=False).force
+            least[part], greatest[part] = np.minimum(force.min(axis=1), 0.0), np.maximum(force.max(axis=1), 0.0)
+    return least.reshape(-1, 2), greatest.reshape(-1, 2)
+
 
 MOST_LAYER_STEPS = 1e7
 """Layer steps of one try that the choice of a step may cost: about half a second."""
@@ -78,11 +464,9 @@ EXTREME_STEPS = 20.0
 HAT_MOMENT = 1.0 / 6.0
 """Half the second moment of what an acceleration is averaged with, in kept steps: of a box of two where every step is
 kept, down to that of a hat, 1/12, where few are."""
-_TRIES = 4
 """Tries of a step: each is aimed from the one before, so that what the third does not reach no step in reach does."""
 _MOST_TOUCHES = 1000
 """Contacts of an impactor that are kept: one blow has some ten; more chatter, which the run follows all the same."""
-_ROUNDING = 1e-12
 """Share of a step by which a duration may miss a whole number of steps and still be one."""
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -19,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.signal.monotone_cubic import monotone_cubic
-from strikewave.waves.layers import Layer
+from strikewave.waves.layers import Layer, Stack
 
 Floats = NDArray[np.float64]
 History = Callable[[Floats], Floats]
@@ -342,3 +343,173 @@ def _added(sandwich: Sandwich, history: History, times: ArrayLike, waves: list[t
             come = later > 0.0
             total[come] += factor * history(later[come])
     return total
+
+
+Array = NDArray[np.float64]
+
+EXACT = "exact"
+"""The finite stack itself, as the delay lines solve it."""
+
+
+class RouteHistory(NamedTuple):
+    """Force (N), velocity (m/s) and acceleration (m/s^2) of the stress wave at a tap by one route."""
+
+    force: Array
+    velocity: Array
+    acceleration: Array
+
+
+def specimen_of(stack: Stack, layer: int) -> Sandwich | None:
+    """Return a layer between its neighbours; None for the first and the last one, which have but one."""
+    if not 0 < layer < len(stack.layers) - 1:
+        return None
+    return Sandwich(*stack.layers[layer - 1 : layer + 2])
+
+
+def too_thin(stack: Stack, times: Array) -> list[str]:
+    """Return the layers that no route follows to these times: their waves would be too many."""
+    specimens = (specimen_of(stack, layer) for layer in range(len(stack.layers)))
+    return [one.specimen.name for one in specimens if one is not None and too_many(one, times)]
+
+
+def route_history(
+    stack: Stack, layer: int, position: float, times: Array, face_force: Array, route: str
+) -> RouteHistory:
+    """Return what a route of Li & Ma 2019 says of a tap, driven by the force on the first face of the stack.
+
+    The force is taken to travel forward unchanged to the specimen, whose neighbours count as endless fixtures;
+    everything else in the stack, and every echo from beyond the neighbours, is left out, as in the paper.
+
+    Parameters
+    ----------
+    layer, position : int and float
+        The tap: index of its layer, the specimen, and fraction from its loaded side.
+    times, face_force : ndarray
+        Times from the start of the load, s, and the force on the first face, N.
+    route : str
+        "as printed" or "corrected".
+
+    Raises
+    ------
+    ValueError
+        If the layer has no neighbour on one side, or the route is unknown.
+    """
+    sandwich = specimen_of(stack, layer)
+    if sandwich is None:
+        raise ValueError(f"the route {route!r} needs a specimen between two fixtures; layer {layer} has one neighbour")
+    specimen = stack.layers[layer]
+    arrival = sum(x.transit for x in stack.layers[:layer]) + position * specimen.transit
+    incident = incident_strain(times, face_force, sandwich.upper)
+    since = times - arrival
+    return RouteHistory(
+        specimen.modulus * specimen.area * strain(sandwich, incident, position, since, route),
+        velocity(sandwich, incident, position, since, route),
+        acceleration(sandwich, incident, position, since, route),
+    )
+
+
+class Staircase(NamedTuple):
+    """What interface I and interface II see: shares of the jump that comes in, step by step, or forces, N."""
+
+    first: Floats
+    second: Floats
+
+
+def staircase(sandwich: Sandwich, steps: int) -> Staircase:
+    """Return the closed-form steps of force at both interfaces of a bonded layer between endless neighbours.
+
+    With t_0 the transit of the layer, t counted from when the jump reaches interface I, and n = 0, 1, ..:
+
+        f_II(n) = T_1 T_2 sum_{m=0..n} q^m                   from t = (2 n + 1) t_0
+        f_I(n)  = T_1 [1 + F_II T_i sum_{m=0..n-1} q^m]      from t = 2 n t_0,    T_i = 1 - F_I
+
+    Both end at 2 Z_2/(Z_1 + Z_2), what passes where the layer is left out. They hold until the first echo from
+    beyond the neighbours: `Sandwich.valid_until` later than the first arrival.
+
+    Parameters
+    ----------
+    sandwich : Sandwich
+        The layer and its neighbours.
+    steps : int
+        How many, at least 1.
+
+    Raises
+    ------
+    ValueError
+        If no step is asked for.
+
+    Notes
+    -----
+    The geometric series of repeated reflections in a bar of finite length: Kolsky, Stress Waves in Solids
+    (1963), ch. 2; with the coefficients of Li & Ma 2019, eqs (29)-(33).
+
+    Examples
+    --------
+    >>> from strikewave.base.materials import material
+    >>> from strikewave.waves.layers import round_bar
+    >>> steel, alloy = (round_bar(name, material(name), 0.05, 0.03) for name in ("65Mn", "2A12"))
+    >>> print(staircase(Sandwich(steel, alloy, steel), 4).second.round(3))
+    [0.766 0.945 0.987 0.997]
+    """
+    if steps < 1:
+        raise ValueError(f"at least one step is needed, got {steps!r}")
+    first, second = sandwich.first_reflection, sandwich.second_reflection
+    powers = (-first * second) ** np.arange(steps)
+    sums = np.cumsum(powers)
+    before = np.concatenate([[0.0], sums[:-1]])
+    entered = 1.0 + first
+    return Staircase(entered * (1.0 + second * (1.0 - first) * before), entered * (1.0 + second) * sums)
+
+
+def endless_force(stack: Stack, layer: int, times: Floats, load_times: Floats, load: Floats) -> Staircase:
+    """Return the force at both interfaces under any load, N, as if joints were bonded and neighbours endless.
+
+    The steps of `staircase`, each with the history of the load: the corrected route of Li & Ma 2019 at x = 0 and
+    x = l. What comes down is the load times 2 Z_b/(Z_a + Z_b) for each joint a|b above the first neighbour. Up to
+    `first_echoes` this is what a bonded stack does.
+
+    Parameters
+    ----------
+    layer : int
+        Index of the layer, between two others.
+    times : ndarray
+        When, s from the start of the load.
+    load_times, load : ndarray
+        Force on the first face, s and N; at least two samples.
+
+    Raises
+    ------
+    ValueError
+        If the layer has one neighbour only.
+    """
+    sandwich = specimen_of(stack, layer)
+    if sandwich is None:
+        raise ValueError(f"a staircase needs a layer between two others; layer {layer} has one neighbour")
+    above = stack.layers[:layer]
+    passed = math.prod(2.0 * b.impedance / (a.impedance + b.impedance) for a, b in pairwise(above))
+    incident = incident_strain(load_times, passed * np.asarray(load), sandwich.upper)
+    since = times - sum(part.transit for part in above)
+    first = strain(sandwich, incident, 0.0, since, "corrected")
+    second = strain(sandwich, incident, 1.0, since - sandwich.transit, "corrected")
+    stiffness = sandwich.specimen.modulus * sandwich.specimen.area
+    return Staircase(stiffness * first, stiffness * second)
+
+
+def first_echoes(stack: Stack, layer: int) -> tuple[float, float]:
+    """Return when interface I and II hear the first echo from beyond the neighbours, s after the front reaches I.
+
+    From above the earliest comes 2 min t_k behind the front, over the transits t_k of the layers above. From below it
+    has gone through the lower neighbour and back, and for interface I once more through the layer itself; a matched
+    end behind the neighbour sends none.
+
+    Examples
+    --------
+    >>> from strikewave.waves.layers import BONDED, Layer
+    >>> bars = [Layer("bar", 1.0, 1.0, 1.0, length) for length in (3.0, 1.0, 2.5)]
+    >>> first_echoes(Stack(tuple(bars), (BONDED, BONDED)), 1)
+    (6.0, 6.0)
+    """
+    transits = [part.transit for part in stack.layers]
+    ends_here = layer + 2 == len(transits) and stack.end.kind == "matched"
+    above, below = 2.0 * min(transits[:layer]), math.inf if ends_here else 2.0 * transits[layer + 1]
+    return min(above, 2.0 * transits[layer] + below), transits[layer] + min(above, below)

@@ -17,7 +17,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.first_few import first_few
 from strikewave.base.percents import percent, plain
 from strikewave.base.result import Notice
-from strikewave.waves.bar_run import BarRun, Tap
+from strikewave.waves.bar import BarRun, Tap
 from strikewave.waves.layers import Layer, Stack
 from strikewave.waves.transit import TimeGrid
 

@@ -14,6 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN
+from strikewave.base.shock_quantities import EXACT_LENGTH, RATIO, STEP
 from strikewave.contact._law_kernels import COLUMNS, depth_at_yield
 from strikewave.contact.law import indentation_under, striking_law
 from strikewave.waves._kernels import (
@@ -37,6 +40,7 @@ from strikewave.waves._kernels import (
     SEEN,
     STIFFNESS,
     UNILATERAL,
+    Averages,
     Tables,
     WaveState,
 )
@@ -351,3 +355,72 @@ def error_bound(stack: Stack, grid: TimeGrid, integrals: Array, places: Sequence
         velocity = max(velocity, here + away * slope)
         acceleration = max(acceleration, rate + away * bend)
     return ErrorBound(velocity, acceleration)
+
+
+def empty_averages(taps: NDArray[np.int64], faces: NDArray[np.int64], every: int, rows: int) -> Averages:
+    """Return averages about rows of kept steps before anything ran."""
+    return Averages(taps, faces, every, np.zeros((rows, len(taps))), np.zeros((rows, len(faces))))
+
+
+def mean_acceleration(mean_velocity: Array, before: Array, step: float) -> Array:
+    """Return the average acceleration about each kept step, m/s^2, shape (N, taps).
+
+    The first one holds the jump with which a load begins: its integral counts from one kept step before.
+
+    Parameters
+    ----------
+    mean_velocity : ndarray
+        From each kept step to the next, m/s, shape (N, taps).
+    before : ndarray
+        Velocity before the first kept step, m/s, shape (taps,).
+    step : float
+        Kept step h, s.
+
+    Examples
+    --------
+    A jump of 2 m/s a quarter of the way between two kept steps 1 s apart:
+
+    >>> mean_acceleration(np.array([[0.0], [1.5], [2.0]]), np.zeros(1), 1.0).ravel().tolist()
+    [0.0, 1.5, 0.5]
+    """
+    return np.asarray(np.diff(np.vstack([before, mean_velocity]), axis=0) / step)
+
+
+def from_within(average: Array, value: Array, every: int) -> Array:
+    """Return the average of a force about the first or the last kept step, over what of its hat lies within the run.
+
+    ``average`` is the one that counts zero outside, N; ``value`` the force at that step. Then the trapezoidal rule over
+    the kept steps gives the impulse of all steps.
+    """
+    return 2.0 * average - value / every
+
+
+@declare.dataclass
+class LayerUsed:
+    """A layer as asked for and as the time step made it."""
+
+    name: str = declare.word("what the layer is called", label="layer", column=KEY, tables="lengths stress")
+    length_asked: float = declare.number(
+        EXACT_LENGTH, "its length in the case", label="asked", column=MAIN, tables="lengths"
+    )
+    length_used: float = declare.number(
+        EXACT_LENGTH, "its length by whole steps", label="used", column=MAIN, tables="lengths"
+    )
+    steps: int = declare.count("steps of its transit", column=MAIN, tables="lengths")
+
+
+@declare.dataclass
+class WaveSetup:
+    """How the waves of a stack were followed."""
+
+    step: float = declare.number(STEP, "time step of the waves")
+    mismatch: float = declare.number(RATIO, "largest relative error of a transit time by whole steps")
+    layers: tuple[LayerUsed, ...] = declare.rows(LayerUsed, "the layers as the time step makes them")
+
+
+def wave_setup(stack: Stack, grid: TimeGrid) -> WaveSetup:
+    """Return how a stack was followed on a grid."""
+    rows = zip(stack.layers, grid.lengths(stack), grid.counts, strict=True)
+    return WaveSetup(
+        grid.step, grid.mismatch, tuple(LayerUsed(layer.name, layer.length, used, n) for layer, used, n in rows)
+    )

@@ -15,7 +15,7 @@ from strikewave.base.quantities import Range
 from strikewave.cases.case import load_case, parse_case
 from strikewave.cases.written_case import dump_case
 from strikewave.machines import blows, run_machine
-from strikewave.machines.fast_train import fast_train
+from strikewave.machines.fast_run import fast_train
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result

@@ -1,6 +1,6 @@
 """The bands of a machine's run: the same machine with its inputs moved within what is known of them.
 
-A rotary machine runs by the fast engine (`strikewave.machines.fast_train`), a stack as two bodies on its frame; the
+A rotary machine runs by the fast engine (`strikewave.machines.fast_run`), a stack as two bodies on its frame; the
 first blow has further runs, since two passes are cheap. A machine that strikes once, or that the fast engine does not
 hold for, runs as it is. Sensors need the whole history of a blow, on a stack with its waves: few such runs are made.
 """
@@ -25,7 +25,7 @@ from strikewave.base.result import RUN_BROKEN, Band, BandMethod
 from strikewave.cases.case import Case
 from strikewave.cases.sensors_of_case import build_channels
 from strikewave.machines import Blow, MachineRun, blows, run_machine
-from strikewave.machines.fast_train import fast_train, why_not
+from strikewave.machines.fast_run import fast_train, why_not
 from strikewave.uncertainty.allowed import allowed_inputs
 from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube, moved
 from strikewave.uncertainty.draws import FELT, UncertainInput, drawn, drawn_case

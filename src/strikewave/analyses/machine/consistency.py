@@ -10,7 +10,7 @@ from strikewave.base.percents import percent
 from strikewave.cases.case import Case
 from strikewave.cases.tables.machine import RotaryTable
 from strikewave.machines import Machine, Striker
-from strikewave.machines.feed import expected_time
+from strikewave.machines.drive import expected_time
 
 MOST_SAMPLES = 2e6
 """Samples of the whole train beyond which a solution is refused."""

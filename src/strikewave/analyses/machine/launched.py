@@ -17,7 +17,7 @@ from strikewave.cases.contact_of_case import face_contact, or_else, refuse_slidi
 from strikewave.cases.tables.machine import AnyObject, LaunchedTable
 from strikewave.machines import Arm, Launch, Machine, Striker, Strikers, StruckObject
 from strikewave.machines.machine import BEFORE_TOUCH
-from strikewave.machines.rebounds import Rebounds
+from strikewave.machines.spans import Rebounds
 
 LONGEST_FOLLOWED = 10.0
 """How long rebounds are followed where the case does not say, s: chosen; a ball let go at 1 m that keeps 0.8 of its

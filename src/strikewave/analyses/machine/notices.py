@@ -38,9 +38,8 @@ from strikewave.cases.material_notices import material_notices
 from strikewave.cases.stack_of_case import build_taps
 from strikewave.cases.yield_pressure import ELASTIC, YIELDING
 from strikewave.machines import Blow
-from strikewave.machines.rebounds import REST_SHARE
 from strikewave.machines.run import MachineRun
-from strikewave.machines.spans import StackSpan
+from strikewave.machines.spans import REST_SHARE, StackSpan
 from strikewave.reporting.faces import amount, text_of
 from strikewave.reporting.numbers import percent
 from strikewave.signal.pulse import FEWEST_INTERVALS, measure_pulse
@@ -54,7 +53,7 @@ from strikewave.waves.limits import (
 )
 
 if TYPE_CHECKING:
-    from strikewave.machines.fast_train import FastTrain
+    from strikewave.machines.fast_run import FastTrain
 
 HEAVY_ANVIL = 10.0
 """Mass of a free anvil over that of what meets it from which on it counts as fixed: it then costs less than a tenth of

@@ -17,8 +17,8 @@ from strikewave.cases.stack_of_case import build_taps, check_route
 from strikewave.machines import blows, run_machine
 from strikewave.machines.strike import kept_step
 from strikewave.waves import Stack
+from strikewave.waves.li_ma import EXACT
 from strikewave.waves.limits import honest_bandwidth
-from strikewave.waves.routes import EXACT
 
 LOWEST_BANDWIDTH = 1e3
 """Lowest bandwidth of the acceleration of a blow, which lasts a millisecond, Hz."""

@@ -20,7 +20,7 @@ from strikewave.analyses.machine.result import SHOWN_WIDTHS
 from strikewave.cases.case import Case
 from strikewave.machines import Blow, MachineRun, blows, run_machine
 from strikewave.machines.blows import pulse_window
-from strikewave.machines.fast_train import TrainBlow, fast_train, why_not
+from strikewave.machines.fast_run import TrainBlow, fast_train, why_not
 
 Array = NDArray[np.float64]
 

@@ -49,7 +49,7 @@ from strikewave.reporting.parts import written
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.reporting.shown_units import shown_unit
 from strikewave.sensors.channel import SensorPulse
-from strikewave.waves.setup import LayerUsed, WaveSetup
+from strikewave.waves.transit import LayerUsed, WaveSetup
 
 if TYPE_CHECKING:
     import xarray

@@ -35,8 +35,8 @@ from strikewave.contact import damping_law, solve_impact
 from strikewave.machines import Blow, Machine
 from strikewave.reporting.bands import lacking_notices
 from strikewave.sensors.channel import channel_notices, sensor_sources
-from strikewave.waves.routes import EXACT
-from strikewave.waves.setup import wave_setup
+from strikewave.waves.li_ma import EXACT
+from strikewave.waves.transit import wave_setup
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.band import FastRuns
@@ -126,7 +126,7 @@ def band_compiled_beside(case: Case) -> AbstractContextManager[None]:
 
     The run goes on within; a machine that strikes once needs no fast engine.
     """
-    from strikewave.machines.compile_ahead import fast_run_beside
+    from strikewave.machines.fast_run import fast_run_beside
 
     return nullcontext() if case.launched() else fast_run_beside()
 

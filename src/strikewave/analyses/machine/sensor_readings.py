@@ -33,8 +33,7 @@ from strikewave.sensors.channel import (
 )
 from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest
-from strikewave.waves.li_ma import ROUTES, superposed
-from strikewave.waves.routes import EXACT, route_history, specimen_of
+from strikewave.waves.li_ma import EXACT, ROUTES, route_history, specimen_of, superposed
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from strikewave.base.errors import MISSING, InputError, InputErrors, checked, nearest
 from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import build_stack, build_taps
-from strikewave.machines.layered import LayeredObject, machine_grid
+from strikewave.machines.struck_object import LayeredObject, machine_grid
 from strikewave.waves import Stack
 
 FINEST_STEP, COARSEST_STEP = 1e-9, 1e-6

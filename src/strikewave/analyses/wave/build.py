@@ -12,8 +12,8 @@ from strikewave.cases.stack_of_case import need, typed
 from strikewave.cases.tables.stack import LoadTable
 from strikewave.sensors.channel import SensorChannel, shortest_period
 from strikewave.waves import Impactor, Load, LoadPulse, Sampled, Stack, WantedError
+from strikewave.waves.li_ma import EXACT
 from strikewave.waves.load import Prescribed
-from strikewave.waves.routes import EXACT
 
 NO_LOAD = 1e-6
 """Duration of the load of zero of a bar that a moving layer strikes, s: any time does, as the force is zero."""

@@ -32,6 +32,7 @@ from strikewave.cases.sensors_of_case import sensor_notices
 from strikewave.reporting.numbers import percent
 from strikewave.sensors.channel import SensorChannel, channel_notices, shortest_period
 from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Stack
+from strikewave.waves.li_ma import too_thin
 from strikewave.waves.limits import (
     MOST_NAMES,
     arrival_time,
@@ -43,7 +44,6 @@ from strikewave.waves.limits import (
     not_reached_notices,
     rise_notices,
 )
-from strikewave.waves.routes import too_thin
 
 Array = NDArray[np.float64]
 

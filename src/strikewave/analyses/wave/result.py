@@ -40,8 +40,8 @@ from strikewave.sensors import Reading
 from strikewave.sensors.channel import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest
 from strikewave.waves import BarRun, Impactor, Tap
-from strikewave.waves.routes import EXACT, RouteHistory
-from strikewave.waves.setup import LayerUsed, WaveSetup
+from strikewave.waves.li_ma import EXACT, RouteHistory
+from strikewave.waves.transit import LayerUsed, WaveSetup
 
 Array = NDArray[np.float64]
 

@@ -31,10 +31,9 @@ from strikewave.uncertainty.draws import drawn, drawn_case
 from strikewave.uncertainty.known import known_inputs
 from strikewave.uncertainty.runs import on_threads, why_failed
 from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Stack, Tap, run_bar
-from strikewave.waves.li_ma import ROUTES
+from strikewave.waves.li_ma import EXACT, ROUTES, RouteHistory, route_history, specimen_of, too_thin
 from strikewave.waves.limits import bar_extremes, rise_in_diameters, rise_limits
-from strikewave.waves.routes import EXACT, RouteHistory, route_history, specimen_of, too_thin
-from strikewave.waves.setup import wave_setup
+from strikewave.waves.transit import wave_setup
 
 Array = NDArray[np.float64]
 Noticed = tuple[Front, tuple[Array, Array, Array], float]

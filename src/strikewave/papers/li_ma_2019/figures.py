@@ -15,8 +15,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.papers.li_ma_2019.values import EQUAL
 from strikewave.reporting.curves import Trace, put_legend, thin
 from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, quiet
-from strikewave.waves.li_ma import arrivals
-from strikewave.waves.routes import EXACT, specimen_of
+from strikewave.waves.li_ma import EXACT, arrivals, specimen_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -32,7 +32,7 @@ from strikewave.studies.simulation import Simulation, checked_owner, name_and_ow
 from strikewave.uncertainty.statistics import variation
 
 if TYPE_CHECKING:
-    from strikewave.machines.fast_train import FastTrain
+    from strikewave.machines.fast_run import FastTrain
 
 ANALYSES = {
     "run": "a full run of the machine",
@@ -250,7 +250,7 @@ def _machine(wanted: CaseEvaluation, case: Case) -> Evaluated:
 
 def _fast(wanted: CaseEvaluation, case: Case) -> Evaluated:
     from strikewave.analyses.machine.build import build_machine
-    from strikewave.machines.fast_train import fast_train
+    from strikewave.machines.fast_run import fast_train
 
     run: FastTrain = fast_train(dataclasses.replace(build_machine(case), layered=None))
     found = run.blows

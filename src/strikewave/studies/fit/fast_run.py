@@ -13,7 +13,7 @@ from strikewave.studies.simulation import Simulation
 
 
 class FastRun(Simulation):
-    """A run whose numbers are those of `strikewave.machines.fast_train`: a tenth of the time, and within 1e-3."""
+    """A run whose numbers are those of `strikewave.machines.fast_run`: a tenth of the time, and within 1e-3."""
 
     @functools.cached_property
     def _found(self) -> tuple[Mapping[str, float | None], Verdict]:

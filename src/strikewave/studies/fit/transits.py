@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from strikewave.cases.case import Case
 from strikewave.studies.fit.free_fields import changed_case
 from strikewave.studies.simulation import Simulation
-from strikewave.waves.setup import WaveSetup, wave_setup
+from strikewave.waves.transit import WaveSetup, wave_setup
 
 OF_TRANSIT = re.compile(r"stack\.layer\.(.+)\.(length|density|modulus)")
 """Fields that change a transit, and the layer that each is of."""

@@ -23,7 +23,7 @@ from strikewave.base.result import RUN_FAILED, Verdict
 from strikewave.base.shock_quantities import LENGTH, RATIO, TOTAL_PEAK, VARIATION
 from strikewave.cases.case import Case, parse_case
 from strikewave.machines import Machine, StruckObject
-from strikewave.machines.fast_train import FastTrain, fast_train, why_not
+from strikewave.machines.fast_run import FastTrain, fast_train, why_not
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.evaluation import Job, Row, RunOutcome
 from strikewave.studies.engine.plan import AxisVariation, grid

@@ -53,7 +53,7 @@ class DualMassAmplifier(LaunchedKind):
         from strikewave.base.errors import checked
         from strikewave.base.materials import material
         from strikewave.cases.contact_of_case import face_contact, or_else
-        from strikewave.machines.dual_mass import DualMass, second_impact
+        from strikewave.machines.amplifier import DualMass, second_impact
 
         striker, struck, contact, _ = case.impact()
         speed, travel, energy = fall(self.height, self.friction, striker.mass.si + mass)

@@ -8,15 +8,19 @@ ride on their steady circles until the next touch; see `_train_kernels`.
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.compile_beside import await_kernel, compiled_beside
 from strikewave.base.errors import IntegrationError
 from strikewave.contact._chain_kernels import AHEAD, BEHIND, MASS, ChainTables
 from strikewave.contact._integrator import Control, empty_record
 from strikewave.contact.law import elastic_indentation
+from strikewave.machines import _kernels, _pass_kernels, _train_kernels
 from strikewave.machines import _pass_kernels as column
 from strikewave.machines import _train_kernels as kernels
 from strikewave.machines._kernels import BASE_ROWS, STOP_AT_TOUCH, MachineSystem
@@ -24,7 +28,7 @@ from strikewave.machines._layout import OBJECT, layout_of
 from strikewave.machines._pass_kernels import PassTable
 from strikewave.machines._train_kernels import MountedStrikers, Part, Train, TrainTables
 from strikewave.machines.blows import DOUBLE_SHARE, GLANCING_SHARE
-from strikewave.machines.feed import expected_time
+from strikewave.machines.drive import expected_time
 from strikewave.machines.machine import Machine, machine_system, start_state
 
 Array = NDArray[np.float64]
@@ -346,3 +350,49 @@ def _at_rest(system: MachineSystem) -> Part:
     memory[at.growths] = 1.0
     record = empty_record(kernels.RECORD_ROWS, at.states, at.modes, at.memories)
     return Part(np.zeros(at.states), np.zeros(at.modes, dtype=np.int64), memory, record)
+
+
+def fast_run_beside() -> AbstractContextManager[None]:
+    """Return what compiles the fast run in a second process while a full run goes on within."""
+    return compiled_beside("run_train", f"{__name__}:{compile_fast_run.__name__}")
+
+
+def compile_fast_run() -> None:
+    """Compile the fast run: first the switches, which the full run needs later, then its own kernels, then the whole.
+
+    The whole waits until the full run has compiled the integrator.
+
+    Types are those of the smallest tables; no machine is built. Were one wrong, the kernel would be compiled when it
+    is called; a test holds them against those of the fast run.
+    """
+    table, line, count = np.zeros((1, 1)), np.zeros(1), np.zeros(1, dtype=np.int64)
+    system = MachineSystem(ChainTables(table, table, count.reshape(1, 1), table), table, line)
+    part, passes = Part(line, count, line, empty_record(1, 1, 1, 1)), empty_passes(1)
+    mounted, train = MountedStrikers(table, table, table, line, line, line), Train(0.0, 0.0, 0, 0.0, 0)
+    control = Control(0.0, line, 0.0, 0.0, 0.0)
+    own = (
+        (_kernels.machine_switches, (system, 0.0, line, count, line, line)),
+        (_kernels.machine_switch, (system, 0, 0.0, line, count, line)),
+        (_train_kernels.rigid_energy, (system, 0.0, part)),
+        (_train_kernels.begin_blow, (system, system, mounted, part, part, 0.0)),
+        (_train_kernels.end_blow, (system, system, mounted, part, part, 0.0)),
+        (_train_kernels.ringing, (system, system, part, 0.0)),
+        (_train_kernels.crowded, (system, system, part, 0)),
+        (_pass_kernels.open_row, (system, system, part, part, passes, 0.0)),
+        (_pass_kernels.note_blow, (system, system, part, passes, 0, line)),
+        (_pass_kernels.measure_row, (passes,)),
+        (_pass_kernels.note_flight, (system, part, passes, 0, line)),
+        (_pass_kernels.missed_row, (system, part, passes, 0.0, 0.0)),
+        (_pass_kernels.repeats, (table, 0, 0.0, 0)),
+    )
+    for kernel, arguments in own:
+        _compile(kernel, arguments)
+    await_kernel("_integrator.advance")
+    whole = TrainTables(system, system, mounted), part, part, (control, control), train, passes
+    _compile(_train_kernels.run_train, whole)
+
+
+def _compile(kernel: Any, arguments: tuple[Any, ...]) -> None:
+    from numba import typeof
+
+    kernel.compile(tuple(typeof(argument) for argument in arguments))

@@ -1,18 +1,199 @@
-"""Collisions of a line that take no time: every one in its order, secondary ones included."""
+"""Velocity amplifiers: bodies in a line that hit one another in pairs, each faster than the one before."""
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.contact.law import refuse
-from strikewave.machines.amplifier.line import BodyLine
+from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.contact.chain import Chain, ChainContact, ChainMotion, Link, Spring, simulate
+from strikewave.contact.law import AnyContact, not_negative, positive, refuse
+from strikewave.machines.launch import linear_shaper
+
+__all__ = [
+    "BodyLine",
+    "Collision",
+    "Collisions",
+    "SoftCollisions",
+    "chain_speed",
+    "collide",
+    "collide_softly",
+    "fastest_masses",
+    "gain_limit",
+    "gain_limit_of",
+    "next_speed",
+    "resting_ratio",
+]
+
+
+@dataclass(frozen=True)
+class BodyLine:
+    """Bodies in a line, from the bottom.
+
+    Parameters
+    ----------
+    masses : tuple of float
+        kg; the first and the last may be infinite.
+    restitutions : tuple of float
+        Of each pair of neighbours, 0 to 1.
+    gaps : tuple of float
+        Between neighbours at the start, m.
+    speeds : tuple of float
+        At the start, m/s, upwards.
+    gravity : float, optional
+        Downwards, m/s^2.
+
+    Raises
+    ------
+    ValueError
+        If a number is out of range or their count does not fit.
+    """
+
+    masses: tuple[float, ...]
+    restitutions: tuple[float, ...]
+    gaps: tuple[float, ...]
+    speeds: tuple[float, ...]
+    gravity: float = STANDARD_GRAVITY
+
+    def __post_init__(self) -> None:
+        count = len(self.masses)
+        for name, wanted in (("restitutions", count - 1), ("gaps", count - 1), ("speeds", count)):
+            if count < 2 or len(getattr(self, name)) != wanted:
+                raise ValueError(f"{count} masses take {wanted} {name}, got {len(getattr(self, name))}; two at least")
+        masses, e = np.asarray(self.masses, dtype=float), np.asarray(self.restitutions, dtype=float)
+        refuse("a mass", masses, masses > 0.0, "positive")
+        positive("a mass between the ends", masses[1:-1])
+        if not np.any(np.isfinite(masses)):
+            raise ValueError("one body at least must have a finite mass")
+        refuse("a restitution", e, (e >= 0.0) & (e <= 1.0), "within 0 to 1")
+        not_negative("a gap", self.gaps)
+        not_negative("gravity", self.gravity)
+        refuse("a speed", self.speeds, np.isfinite(self.speeds), "finite")
+
 
 Array = NDArray[np.float64]
+
+
+def next_speed(speed: ArrayLike, mass_ratio: ArrayLike, restitution: ArrayLike, falling: ArrayLike = 0.0) -> Array:
+    """Return the speed of a body that is struck, (1 + e) (v + u)/(1 + mu) - u, m/s.
+
+    Parameters
+    ----------
+    speed : array_like
+        v of the body that strikes, m/s.
+    mass_ratio : array_like
+        mu, mass of the struck body over that of the striking one.
+    restitution : array_like
+        Coefficient of restitution, e.
+    falling : array_like, optional
+        u at which the struck body comes against the blow, m/s; 0 where it rests.
+
+    Returns
+    -------
+    ndarray
+        In the broadcast shape of the input, m/s.
+
+    Notes
+    -----
+    Source: Rodgers et al. 2009; momentum and Newton's restitution. Theory: :eq:`machine-amplifier`.
+
+    Examples
+    --------
+    >>> print(next_speed(10.0, 0.25, 0.8), next_speed(1.0, 0.0, 1.0, falling=1.0))
+    14.4 3.0
+    """
+    v, mu, e, u = (np.asarray(value, dtype=float) for value in (speed, mass_ratio, restitution, falling))
+    return np.asarray((1.0 + e) * (v + u) / (1.0 + mu) - u)
+
+
+def chain_speed(masses: Sequence[float], restitution: ArrayLike, speed: float, falling: float = 0.0) -> float:
+    """Return the speed of the last body of a line where each is struck once, in order, m/s; see `next_speed`.
+
+    Later collisions can push the last body on: `collide` finds them.
+
+    Parameters
+    ----------
+    masses : sequence of float
+        From the body that strikes first, kg.
+    restitution : array_like
+        One, or one for each pair.
+    speed, falling : float
+        v of the first body, and u at which all others come against the blow, m/s.
+
+    Examples
+    --------
+    >>> round(chain_speed([4.0, 2.0, 1.0], 1.0, speed=1.0), 6)
+    1.777778
+    """
+    each = np.broadcast_to(np.asarray(restitution, dtype=float), (len(masses) - 1,))
+    for (first, second), e in zip(itertools.pairwise(masses), each, strict=True):
+        speed = float(next_speed(speed, second / first, e, falling))
+    return speed
+
+
+def gain_limit(restitution: float, collisions: int, falling: bool = False) -> float:
+    """Return the gain of the last body for mass ratios that go to zero, (1 + e)^n, less 1 for a falling line.
+
+    The floor counts as a collision of a falling line: 3 for two elastic bodies, 7 for three,
+    so 9 and 49 times the height (Walker 1988).
+
+    Examples
+    --------
+    >>> gain_limit(1.0, 3, falling=True), gain_limit(0.5, 2)
+    (7.0, 2.25)
+    """
+    return (1.0 + restitution) ** collisions - (1.0 if falling else 0.0)
+
+
+def gain_limit_of(restitutions: Sequence[float]) -> float:
+    """Return the gain of the last body of a falling line for mass ratios that go to zero, each pair with its own e.
+
+    Examples
+    --------
+    >>> gain_limit_of([1.0, 1.0, 1.0]), gain_limit_of([0.5, 1.0])
+    (7.0, 2.0)
+    """
+    return math.prod(1.0 + e for e in restitutions) - 1.0
+
+
+def fastest_masses(first: float, last: float, count: int) -> Array:
+    """Return the masses that make the last body of a line fastest: a geometric row, kg.
+
+    The product of the ratios is given and each enters as 1/(1 + mu), so the best are equal, whatever the restitutions,
+    resting or falling.
+
+    Notes
+    -----
+    Source: Rodgers et al. 2009 (their power law).
+
+    Examples
+    --------
+    >>> print(fastest_masses(8.0, 1.0, 4))
+    [8. 4. 2. 1.]
+    """
+    positive("the masses of the ends", [first, last])
+    return np.asarray(first * (last / first) ** np.linspace(0.0, 1.0, count))
+
+
+def resting_ratio(speed: float, restitution: float, falling: float = 0.0) -> float:
+    """Return the mass ratio that brings the striking body to rest, mu = v/((1 + e) (v + u) - v).
+
+    A line of such ratios hands all its motion to the last body, the second of the two designs of Rodgers et al. 2009.
+    Symbols of `next_speed`.
+
+    Examples
+    --------
+    >>> resting_ratio(1.0, 1.0), round(resting_ratio(1.0, 1.0, falling=1.0), 6)
+    (1.0, 0.333333)
+    """
+    return speed / ((1.0 + restitution) * (speed + falling) - speed)
+
 
 AT_REST = 1e-9
 """Approach speed, over the speed scale of the line, below which bodies that meet stay together."""
@@ -319,3 +500,178 @@ class _State:
             if fixed and math.isfinite(self.line.masses[k]):
                 self.support += self.line.masses[k] * (common - v[k])
             v[k] = common
+
+
+@dataclass(frozen=True)
+class SoftCollisions:
+    """A line whose contacts take time.
+
+    Attributes
+    ----------
+    motion : ChainMotion
+        All of it; bodies are named 1, 2 ... from the bottom, infinite ones are bases.
+    speeds : ndarray
+        At the end, m/s; of an infinite body 0.
+    contacts : tuple of ndarray
+        Begin, end (s) and approach speed (m/s) of the contacts of each pair, shape (N, 3).
+    """
+
+    motion: ChainMotion
+    speeds: Array
+    contacts: tuple[Array, ...]
+
+    @property
+    def overlap(self) -> float:
+        """Longest time that two contacts of one body last together, s: pairwise theory asks for 0."""
+        longest = 0.0
+        for one, other in itertools.pairwise(self.contacts):
+            begin = np.maximum(one[:, None, 0], other[None, :, 0])
+            end = np.minimum(one[:, None, 1], other[None, :, 1])
+            longest = max(longest, float(np.max(end - begin, initial=0.0)))
+        return longest
+
+
+def collide_softly(
+    line: BodyLine, contacts: Sequence[AnyContact], duration: float, tolerance: float = 1e-10
+) -> SoftCollisions:
+    """Follow a line whose bodies meet by contact laws; its restitutions are not asked.
+
+    Parameters
+    ----------
+    line : BodyLine
+        Bodies, gaps, speeds; an infinite one must stand still.
+    contacts : sequence of Contact or LogarithmicContact
+        Law of each pair of neighbours.
+    duration : float
+        How long, s.
+    tolerance : float, optional
+        Of `strikewave.contact.chain.simulate`.
+
+    Raises
+    ------
+    ValueError
+        If there is not one contact for each pair, or an infinite body moves.
+
+    Examples
+    --------
+    >>> from strikewave.contact import Contact
+    >>> pair = BodyLine((1.0, 1.0), (1.0,), gaps=(0.0,), speeds=(1.0, 0.0), gravity=0.0)
+    >>> run = collide_softly(pair, [Contact(1e9, 1.5)], duration=1e-3)
+    >>> print(abs(run.speeds).round(6))
+    [0. 1.]
+    """
+    if len(contacts) != len(line.gaps):
+        raise ValueError(f"{len(line.masses)} bodies take {len(line.gaps)} contacts, got {len(contacts)}")
+    places = np.concatenate([[0.0], np.cumsum(line.gaps)])
+    names = [str(k + 1) for k in range(len(places))]
+    infinite = np.isinf(line.masses)
+    if np.any(np.asarray(line.speeds)[infinite] != 0.0):
+        raise ValueError("a body of infinite mass must stand still among finite contacts")
+    bodies = {name: mass for name, mass, fixed in zip(names, line.masses, infinite, strict=True) if not fixed}
+    bases = {name: float(x) for name, x, fixed in zip(names, places, infinite, strict=True) if fixed}
+    touches = [ChainContact(*pair, contact) for pair, contact in zip(itertools.pairwise(names), contacts, strict=True)]
+    chain = Chain(bodies, touches, bases, -line.gravity)
+    start = dict(zip(names, places, strict=True)), dict(zip(names, line.speeds, strict=True))
+    at, moving = ({name: float(values[name]) for name in bodies} for values in start)
+    motion = simulate(chain, at, moving, duration, tolerance)
+    speeds = np.zeros(len(names))
+    speeds[~infinite] = motion.speeds(duration)
+    return SoftCollisions(motion, speeds, tuple(motion.contacts(k) for k in range(len(touches))))
+
+
+LONGEST_WAY = 1.0
+"""How long the second mass may take to meet the table, s: chosen, ten times what soft cushions of 16 Hz take."""
+
+
+class DualMass(NamedTuple):
+    """Table and second mass, SI.
+
+    Attributes
+    ----------
+    table, second : float
+        Masses, kg.
+    gap : float
+        Way of the second mass to the pad on the table while both fall, its cushions unloaded, m.
+    cushion_stiffness, cushion_damping : float
+        All cushions together, N/m and N s/m.
+    shaper_stiffness, shaper_restitution : float
+        Of the table on the anvil: a linear spring with a damper that never pulls, N/m.
+    pad : Contact
+        Law of the contact between second mass and table.
+    """
+
+    table: float
+    second: float
+    gap: float
+    cushion_stiffness: float
+    cushion_damping: float
+    shaper_stiffness: float
+    shaper_restitution: float
+    pad: AnyContact
+
+
+class SecondImpact(NamedTuple):
+    """How the second mass comes to the table.
+
+    Attributes
+    ----------
+    time : float
+        After the table has met the shaper, s.
+    table, second : float
+        Speeds, upwards, m/s.
+    gain : float
+        Speed with which the second mass leaves, by the law of the pad between rigid masses, over the speed of the fall.
+    cushion_force, shaper_force : float
+        Force of the cushions and of the shaper at that moment, N.
+    """
+
+    time: float
+    table: float
+    second: float
+    gain: float
+    cushion_force: float
+    shaper_force: float
+
+
+def second_impact(masses: DualMass, speed: float, gravity: float = STANDARD_GRAVITY) -> SecondImpact:
+    """Return how the second mass comes to the table after a fall at a speed.
+
+    Raises
+    ------
+    ValueError
+        If it does not come there within `LONGEST_WAY`.
+
+    Notes
+    -----
+    Newton's law for two masses, integrated with located switches (`strikewave.contact.chain.simulate`). How such a
+    machine is built is from memory; of stacked bodies that fall together for high shocks tell Duan et al. 2023.
+
+    Examples
+    --------
+    >>> from strikewave.contact import Contact
+    >>> soft = DualMass(20.0, 2.0, 10e-3, 1.0, 0.0, 5e7, 1.0, Contact(1e9, 1.0))
+    >>> impact = second_impact(soft, speed=3.0, gravity=0.0)
+    >>> round(impact.table, 3), round(impact.second, 3), round(impact.gain, 3)  # v, -v and 2 (1 + 1)/(1.1) - 1
+    (3.0, -3.0, 2.636)
+    """
+    shaper = linear_shaper(masses.shaper_stiffness, masses.table, masses.shaper_restitution)
+    links: list[Link] = [
+        ChainContact("anvil", "table", shaper),
+        Spring("table", "second", masses.cushion_stiffness, masses.cushion_damping, offset=-masses.gap),
+        ChainContact("table", "second", masses.pad),
+    ]
+    chain = Chain({"table": masses.table, "second": masses.second}, links, {"anvil": 0.0}, -gravity)
+    places, speeds = {"table": 0.0, "second": masses.gap}, {"table": -speed, "second": -speed}
+    duration = math.pi * math.sqrt(masses.table / masses.shaper_stiffness) + masses.gap / speed
+    while duration < LONGEST_WAY:
+        duration = min(2.0 * duration, LONGEST_WAY)
+        motion = simulate(chain, places, speeds, duration)
+        contacts = motion.contacts(2)
+        if len(contacts) and contacts[0, 1] < duration:
+            begin, end = float(contacts[0, 0]), float(contacts[0, 1])
+            table, second = (float(v) for v in motion.speeds(begin))
+            shaper_force, cushion_force, _ = (float(force) for force in motion.forces(begin))
+            gain = float(motion.speeds(end)[1]) / speed
+            return SecondImpact(begin, table, second, gain, cushion_force, shaper_force)
+    hint = "take a smaller gap or softer cushions"
+    raise ValueError(f"the second mass does not meet the table within {LONGEST_WAY:g} s: {hint}")
