@@ -15,8 +15,8 @@ SOURCES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob(
 DECLARED_BY = ("Quantity", "history")
 """What declares a quantity: `Quantity`, and the field of a history, `declare.history`."""
 TABLES = (
-    "base/units.py", "base/declare.py", "reporting/shown_units.py", "reporting/numbers.py", "records/readers/clock.py",
-    "records/readers/rigol.py", "studies/settings/search.py",
+    "base/units.py", "base/declare.py", "reporting/shown_units.py", "reporting/numbers.py", "records/readers/headings.py",
+    "records/readers/recorders.py", "studies/settings/search.py",
 )  # fmt: skip
 """Modules that know units themselves: how they convert, what is offered, which one suits a size, which ones files have and
 cases are written in."""
@@ -92,3 +92,19 @@ TABLE_OF_UNITS = re.compile(r"dict\([^\n]*\.units\b|\.si: \w+\.usual|\.units for
 def test_the_usual_unit_of_a_number_that_the_data_decide_stands_in_one_table():
     tables = [path for path in SOURCES if TABLE_OF_UNITS.search((PACKAGE / path).read_text("utf-8"))]
     assert tables == ["base/shock_quantities.py"]
+
+
+FACES = ("screen.py", "screen", "report.py", "report", "chapters.py", "words.py")
+"""Modules and folders that word what is shown: their sentences take units from quantities."""
+TYPED = re.compile(r'f"[^"]*\{[^}]*\} (?:g|kN|N|us|µs|ms|m/s|mm|MPa|GPa|Hz|kHz)\b')
+"""A number of a sentence with its unit typed behind it."""
+FIXED = {
+    "analyses/compare/report.py": 1,  # the sampling that a standard prescribes
+    "studies/buffer/screen.py": 1,  # of a notice, which documents hold too
+}
+
+
+@pytest.mark.parametrize("path", [path for path in SOURCES if any(part in FACES for part in path.split("/"))])
+def test_no_sentence_of_a_face_types_the_unit_of_its_number(path):
+    typed = [line for line in (PACKAGE / path).read_text("utf-8").splitlines() if TYPED.search(line)]
+    assert len(typed) == FIXED.get(path, 0), typed

@@ -450,8 +450,8 @@ def _close_up(film: SnapshotRecorder, pressed: PeakContact | None, mesh: Mesh) -
     (still, zone, when), last = pressed, film.snapshots[-1]
     pictures = [(still, "von_mises")]
     caption = (
-        f"Where bodies touch, straight onto the cut, within about {zone.reach * 1e3:.2g} mm: von Mises stress at "
-        f"{_instant(still)}, {when}"
+        f"Where bodies touch, straight onto the cut, within about {amount(LENGTH, zone.reach, digits=2)}: "
+        f"von Mises stress at {_instant(still)}, {when}"
     )
     spot, elsewhere = film.largest.get("plastic_strain"), ""
     if spot is not None:

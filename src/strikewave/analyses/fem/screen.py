@@ -24,7 +24,7 @@ from strikewave.base.declare import MORE, declarations
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head, plain
 from strikewave.base.percents import percent
-from strikewave.base.shock_quantities import ENERGY, MASS, STEP
+from strikewave.base.shock_quantities import ENERGY, MASS, MICROSECONDS, STEP
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.fem.device.devices import Device, device_named
@@ -212,9 +212,9 @@ def say_model(case: Case, model: Model, quality: Sequence[PartQuality]) -> None:
         else " s"
     )
     say(
-        f"step about {step * 1e9:.3g} ns: {count:.0f} steps for {controls.duration * 1e6:.4g} us{many}, "
-        f"{work / 1e6:.3g} M element-steps, about {brief(seconds * least)}{rest} "
-        "or more: compiling, files and elements that are squeezed come on top"
+        f"step about {amount(STEP, step, digits=3)}: {count:.0f} steps for "
+        f"{amount(MICROSECONDS, controls.duration)}{many}, {work / 1e6:.3g} M element-steps, about "
+        f"{brief(seconds * least)}{rest} or more: compiling, files and elements that are squeezed come on top"
     )
 
 

@@ -18,10 +18,12 @@ from strikewave.analyses.record.tables import (
     status_tag,
     units_of,
 )
+from strikewave.base.shock_quantities import MICROSECONDS, MILLISECONDS
 from strikewave.records.campaign import SUMMED, WITHOUT_RINGING, Campaign
 from strikewave.records.health_notice import STATUSES, worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
+from strikewave.reporting import faces
 from strikewave.reporting.numbers import listed, spelled
 from strikewave.reporting.parts import NONE, Cell, Part, Section, Table, written
 from strikewave.signal.filters import ADVISED_LOSS, Filter, effect_on_half_sine
@@ -157,7 +159,7 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
 def _rebounds(pulse: RecordedPulse) -> str:
     """Write the rebounds of a blow."""
     words = [
-        f"{percent(rebound.peak / pulse.peak, 2)}, {1e3 * (rebound.time - pulse.time):.3g} ms"
+        f"{percent(rebound.peak / pulse.peak, 2)}, {faces.amount(MILLISECONDS, rebound.time - pulse.time, digits=3)}"
         for rebound in pulse.rebounds
     ]
     return "; ".join(words) or NONE
@@ -294,7 +296,8 @@ def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter |
         ]
         for name, one in filters
     ]
-    caption = f"What filters leave of a half-sine of {duration * 1e6:.4g} µs, which is as wide as the median blow"
+    long = faces.amount(MICROSECONDS, duration)
+    caption = f"What filters leave of a half-sine of {long}, which is as wide as the median blow"
     heads = ["filter", "−3 dB in all (kHz)", "peak left", "width left"]
     return Section("Filter", text, [*parts, Table(caption, heads, rows)])
 

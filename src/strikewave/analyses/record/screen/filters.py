@@ -8,9 +8,11 @@ from strikewave.analyses.record.chosen import advised_filter
 from strikewave.analyses.record.rows import FilterRow, filter_effect
 from strikewave.analyses.record.screen.kit import MOST_LINES, mean_of, tell_first
 from strikewave.analyses.record.tables import rows_of, short_names
+from strikewave.base.shock_quantities import BANDWIDTH
 from strikewave.records import FileReading
+from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import percent
-from strikewave.reporting.terminal import significant, tell
+from strikewave.reporting.terminal import tell
 from strikewave.signal.filters import ADVISED_LOSS, Filter
 
 
@@ -39,10 +41,9 @@ def _print_advice(files: Sequence[FileReading]) -> None:
     """Say which cutoff leaves blows as steep as these as they are."""
     advised = advised_filter(files)
     if advised is not None:
-        kilohertz = significant(advised.cutoff / 1e3, 3)
         tell(
-            f"a low-pass of {kilohertz} kHz or more (--filter) changes peak, pulse width and velocity change "
-            f"of a half-sine as steep as these by at most {percent(ADVISED_LOSS, 0)}"
+            f"a low-pass of {amount(BANDWIDTH, advised.cutoff)} or more (--filter) changes peak, pulse width and "
+            f"velocity change of a half-sine as steep as these by at most {percent(ADVISED_LOSS, 0)}"
         )
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from strikewave.analyses.fem.report import fields_section
 from strikewave.analyses.wave.report import field_of_solution
 from strikewave.base.percents import percent
-from strikewave.base.shock_quantities import ACCELERATION, IMPULSE
+from strikewave.base.shock_quantities import ACCELERATION, IMPULSE, LENGTH, MICROSECONDS, STRESS
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
 from strikewave.papers.li_ma_2019 import gaskets
@@ -151,8 +151,8 @@ def _over_gaskets(study: GasketStudy) -> str:
     return (
         f"Over {len(study.cells)} gaskets, each with its own engagement, the direct sensor reads {every}; over the "
         f"{len(study.calm)} with which the buffered sensor rings less than the direct one, as the paper says of its "
-        f"own, {calm}. One of {near.thickness * 1e3:g} mm with a modulus of {near.modulus / 1e6:g} MPa and a loss "
-        f"factor of {near.loss_factor:g} gives {amount(ACCELERATION, abs(near.direct))}; with the engagement of "
+        f"own, {calm}. One of {amount(LENGTH, near.thickness)} with a modulus of {amount(STRESS, near.modulus)} and a "
+        f"loss factor of {near.loss_factor:g} gives {amount(ACCELERATION, abs(near.direct))}; with the engagement of "
         f"li-ma-2019, whatever the gasket, it would be {same}."
     )
 
@@ -180,9 +180,9 @@ def _buffering(result: Reproduction) -> str:
     rms = [amount(ACCELERATION, value) for value in (soft, loud)]
     return (
         f"What the buffer does is {'hardly ' if taken < HARDLY * asked else ''}met: it takes {percent(taken)} off the "
-        f"computed peak, where {percent(asked)} were measured. {verdict}: after {AFTER * 1e6:g} µs the buffered sensor "
-        f"reads {rms[0]} (root mean square), the direct one {rms[1]}. The assumed gaskets are a spring under the "
-        "sensor's mass; those of the experiment are not known."
+        f"computed peak, where {percent(asked)} were measured. {verdict}: after {amount(MICROSECONDS, AFTER)} the "
+        f"buffered sensor reads {rms[0]} (root mean square), the direct one {rms[1]}. The assumed gaskets are a spring "
+        "under the sensor's mass; those of the experiment are not known."
     )
 
 

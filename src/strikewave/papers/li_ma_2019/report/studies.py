@@ -7,12 +7,21 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from strikewave.base.percents import percent
-from strikewave.base.shock_quantities import ACCELERATION, ENERGY, FORCE, IMPULSE, MICROSECONDS
+from strikewave.base.shock_quantities import (
+    ACCELERATION,
+    ENERGY,
+    FORCE,
+    IMPULSE,
+    LENGTH,
+    MICROSECONDS,
+    MODULUS,
+    VELOCITY,
+)
 from strikewave.fem.blow_measures import blow_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE, Answer, MeshRow
 from strikewave.papers.li_ma_2019.body_reasons import Reason
 from strikewave.reporting.columns import Column, page_table
-from strikewave.reporting.faces import columns_of
+from strikewave.reporting.faces import amount, columns_of
 from strikewave.reporting.numbers import headed, shown
 from strikewave.reporting.parts import NONE, Cell, Part, Table, Tag, written
 
@@ -111,7 +120,7 @@ def _percent(share: float) -> str:
 
 
 def _size(path: str, value: float) -> str:
-    """Write a dimension with the unit that its kind is read in."""
+    """Write a dimension with its unit."""
     if path.endswith("tangent_modulus"):
-        return f"{value / 1e9:.4g} GPa"
-    return f"{abs(value):.4g} m/s" if ".velocity." in path else f"{value * 1e3:.5g} mm"
+        return amount(MODULUS, value, digits=4)
+    return amount(VELOCITY, abs(value)) if ".velocity." in path else amount(LENGTH, value, digits=5)
