@@ -25,8 +25,9 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, OF_CHANNEL, RATIO
-from strikewave.records.ringing import LOWEST_RATIO, RINGS_WITHIN, Stretch, spectrum_after, swings_after
+from strikewave.records.ringing import RINGS_WITHIN, Stretch, spectrum_after, swings_after
 from strikewave.records.smooth_pulse import SmoothPulse
+from strikewave.records.thresholds import OfRingingSought
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import HALF_SINE_WIDTH, crossing, measure_pulse
 
@@ -197,7 +198,7 @@ def _lowest_mode(stretch: Stretch, frequency: float) -> float:
     after = stretch.values[stretch.end : round(stretch.end + RINGS_WITHIN * stretch.width)]
     frequencies, height = spectrum_after(after, stretch.step)
     peaks = np.flatnonzero((height[1:-1] > height[:-2]) & (height[1:-1] >= height[2:])) + 1
-    lowest = LOWEST_RATIO / (stretch.width * stretch.step)
+    lowest = OfRingingSought.LOWEST_RATIO / (stretch.width * stretch.step)
     high = [k for k in peaks if frequencies[k] >= lowest]
     noise = NOISES * stretch.noise * math.sqrt(0.375 * after.size)  # a Hann window has the mean square 3/8
     least = max(OTHER_MODES * max((height[k] for k in high), default=0.0), noise)

@@ -26,6 +26,7 @@ from strikewave.records.health_notice import BLOW, HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.record import Array
 from strikewave.records.robust import FEWEST_FOR_OUTLIERS, median_line, outliers, spread_of
+from strikewave.records.thresholds import OfSiblings
 from strikewave.records.trains import mains_period
 
 SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")
@@ -40,37 +41,12 @@ COPY = "copy"
 """Code of the finding of a channel whose samples are those of a file before it."""
 FAR = 100
 """Standard deviations beyond which more tell nothing more."""
-FALSE_ALARM = 0.01
-"""Campaigns of normal scatter, without a fault, in which a value is called an outlier; shared by the figures."""
-LEAST_OUTLIER = 0.02
-"""Share by which an outlier differs from the median at least: sensors and their mounting are no better."""
 FACTORS = {
     "is the gain set otherwise?": (2.0, 5.0, 100.0),
     "is the gain set otherwise, or m/s^2 taken for g?": (10.0,),
     "is it in another unit?": (1000.0,),
 }
 """By what a wrong setting multiplies a record, or divides it, and the question to ask; 10 and 9.80665 lie too close."""
-NEAR_FACTOR, MOST_NEAR = 0.05, 0.15
-"""Share by which a ratio may differ from such a factor: 5 %, or three times the scatter of the others, at most 15 %."""
-AGREE = 0.2
-"""Scatter of the others over their median up to which they agree, so that one file is the odd one."""
-CLEAR = 5.0
-"""Times that scatter by which the odd one differs."""
-SAME_WIDTH = 0.1
-"""Share by which the width of a record at another gain differs from the usual: a softer blow lasts longer."""
-NO_BLOW = 20.0
-"""Times that the usual peak is the largest excursion of a file without a blow: no test scatters so."""
-LOWER, OTHER_WIDTH = 3.0, 3.0
-"""Times that the usual peak is an excursion of a file without a blow if it is also this much wider or narrower, or
-comes in the period of the mains."""
-SHORTER, MOST = 0.9, 0.6
-"""A record that lasts less than this share of the usual one is shorter than its siblings, where most last as long.
-
-Where a recorder stops by hand all last differently, and none is short."""
-AS_LONG = 0.01
-"""Share by which records that last as long may differ: a few samples of a trigger."""
-SAME_RATE = 0.01
-"""Share by which sampling rates may differ without a finding: clocks of recorders are good to 1e-4."""
 
 
 def compare(files: Sequence[FileReading]) -> list[FileReading]:
@@ -135,14 +111,14 @@ def _without_blow(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[
         ratio = usual / _largest(reading)
         wider = max(reading.pulses[0].smooth.width() / width, width / reading.pulses[0].smooth.width())
         mains = _of_mains(reading)
-        if ratio > NO_BLOW or (ratio > LOWER and (wider > OTHER_WIDTH or mains)):
+        if ratio > OfSiblings.NO_BLOW or (ratio > OfSiblings.LOWER and (wider > OfSiblings.OTHER_WIDTH or mains)):
             unit = reading.channel.unit
             message = (
                 f"no blow: its largest excursion, {with_unit(_largest(reading), unit)}, is {plain(ratio)} times "
                 f"below the median {with_unit(usual, unit)} of the other files"
             )
             message += ", and comes again in the period of the mains" if mains else ""
-            if _scaled(1.0 / ratio, 0.0) is None or wider > 1.0 + SAME_WIDTH:
+            if _scaled(1.0 / ratio, 0.0) is None or wider > 1.0 + OfSiblings.SAME_WIDTH:
                 harms = (*BLOW, "interval", "spectrum")
                 yield k, HealthNotice("no-pulse", message, 1.0 / ratio, severity="bad", harms=harms)
 
@@ -155,7 +131,7 @@ def _of_mains(reading: ChannelReading) -> bool:
 
 def _scaled(ratio: float, scatter: float) -> tuple[str, float] | None:
     """Return which setting gives such a ratio of peaks most nearly, and its factor; None where none does."""
-    reach = min(max(NEAR_FACTOR, 3.0 * scatter), MOST_NEAR)
+    reach = min(max(OfSiblings.NEAR_FACTOR, 3.0 * scatter), OfSiblings.MOST_NEAR)
     settings = [(what, exact) for what, factors in FACTORS.items() for f in factors for exact in (f, 1.0 / f)]
     nearest = min(settings, key=lambda one: abs(math.log(ratio / one[1])))
     return nearest if abs(math.log(ratio / nearest[1])) < reach else None
@@ -218,9 +194,9 @@ def _other_gain(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[in
         scatter = abs(spread_of(others) / usual)
         ratio = peak / usual
         same = _scaled(ratio, scatter) if ratio > 0.0 else None
-        if same is None or scatter > AGREE or abs(ratio - 1.0) < CLEAR * scatter:
+        if same is None or scatter > OfSiblings.AGREE or abs(ratio - 1.0) < OfSiblings.CLEAR * scatter:
             continue
-        if abs(_lasting(reading) / usual_width - 1.0) > SAME_WIDTH:
+        if abs(_lasting(reading) / usual_width - 1.0) > OfSiblings.SAME_WIDTH:
             continue
         what, factor = same
         unit = "" if name == "ratio" else reading.channel.unit
@@ -242,11 +218,11 @@ def _outlying(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int,
         places, values = _values(readings, name)
         if len(values) < FEWEST_FOR_OUTLIERS:
             continue
-        found = outliers(values, FALSE_ALARM / len(COMPARED))
+        found = outliers(values, OfSiblings.FALSE_ALARM / len(COMPARED))
         usual = float(np.median(np.delete(values, found)))
         spread = float(np.std(np.delete(values, found), ddof=1))  # above zero: equal values have no outlier
         for k in found:
-            if abs(values[k] - usual) < LEAST_OUTLIER * abs(usual):
+            if abs(values[k] - usual) < OfSiblings.LEAST_OUTLIER * abs(usual):
                 continue
             file, reading = readings[places[k]]
             unit = {"peak": reading.channel.unit, **dict.fromkeys(("velocity_change", "ratio"), ""), "frequency": "Hz"}
@@ -273,7 +249,9 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
     usual_sign = math.copysign(1.0, sum(signs))
     durations = [reading.channel.duration for _, reading in readings]
     usual = float(np.median(durations))
-    fixed = sum(abs(duration - usual) <= AS_LONG * usual for duration in durations) >= MOST * len(durations)
+    fixed = sum(abs(duration - usual) <= OfSiblings.AS_LONG * usual for duration in durations) >= OfSiblings.MOST * len(
+        durations
+    )
     units = [reading.channel.unit for _, reading in readings]
     usual_unit = max(units, key=units.count)
     names = [reading.channel.name for _, reading in readings]
@@ -287,7 +265,7 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
                 file,
                 HealthNotice("polarity-differs", message, sign, severity="suspect", harms=("peak", "velocity_change")),
             )
-        if len(readings) > 2 and fixed and duration < SHORTER * usual:
+        if len(readings) > 2 and fixed and duration < OfSiblings.SHORTER * usual:
             message = (
                 f"it lasts {plain(duration, 4)}\xa0s, the other files {plain(usual, 4)}\xa0s: it may have been cut off"
             )
@@ -298,7 +276,7 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
         if channel.name != usual_name and names.count(usual_name) > 1 - (len(names) == 2):
             message = f"channel {reading.number} is {show(channel.name)}, in the other files {show(usual_name)}"
             yield file, HealthNotice("name-differs", message, severity="suspect", harms=SUMMED)
-        if abs(channel.step / usual_step - 1.0) > SAME_RATE:
+        if abs(channel.step / usual_step - 1.0) > OfSiblings.SAME_RATE:
             rate, usual_rate = 1.0 / channel.step, 1.0 / usual_step
             message = f"sampled at {rate:.6g}\xa0Hz, the other files at {usual_rate:.6g}\xa0Hz"
             yield file, HealthNotice("rate-differs", message, rate, severity="good")

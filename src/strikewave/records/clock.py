@@ -12,32 +12,15 @@ from strikewave.base.errors import InputError
 from strikewave.base.percents import percent
 from strikewave.records.health_notice import FIGURES, HealthNotice
 from strikewave.records.record import Channel
+from strikewave.records.thresholds import OfClock
 
 Array = NDArray[np.float64]
 
-UNEVEN = 0.01
-"""Share of a step by which time stamps may stray, besides the rounding of their digits: a jitter that no figure
-shows."""
-JITTER = 0.1
-"""Share of a step by which stray stamps harm the spectrum: a phase of 36 degrees at the sampling rate."""
-GAP = 1.5
-"""A step longer than this many is a gap: midway between none and one lost sample."""
-MOST_LOST = 0.1
-"""A record that lacks more than this share of its samples is bad: straight lines in their place are no measurement."""
 SENSELESS = 1e30
 """No time, and no sample, is as large: instruments write such numbers for none (9.9e37)."""
-USUAL = 0.5
-"""Share of the usual step by which others may differ and still count into its mean: gaps and repeated stamps do not."""
-MOST_TWICE = 0.4
-"""Share of the kept samples whose stamps stand twice beyond which they are no slips of a recorder: of two channels that
-share a column, all do."""
 BRIDGED, BRIDGED_AT_LEAST = 4, 1000
 """Samples of the uniform grid for each of the record, and as many more, up to which gaps are bridged: bounds the memory
 of stamps that jump by years."""
-ROUNDED_STEPS = 0.1
-"""Share of steps that are not the usual one beyond which they come from rounded stamps, not from gaps."""
-ODD_STEPS = 0.005
-"""Share of steps that are not the usual one up to which stamps are even with a few faults, and not rounded ones."""
 WITHIN_DIGIT = 1.001
 """Times the last digit that rounded stamps may stray by: floating point adds its own."""
 LAST_TENTH, FEWEST_STAMPS = 10, 50
@@ -102,7 +85,7 @@ def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNot
         values = values[order][first]
         if same:
             message = f"{same} time stamps stand twice; the first sample of each is kept"
-            mixed = same >= MOST_TWICE * values.size
+            mixed = same >= OfClock.MOST_TWICE * values.size
             if mixed:
                 message += ": most do, so that samples of several channels may stand in one column"
             findings.append(
@@ -112,16 +95,16 @@ def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNot
     if stamps.size < 2:
         return dataclasses.replace(channel, values=values, stamps=None), findings
     usual = float(np.median(steps))
-    near = steps[np.abs(steps - usual) <= USUAL * usual]
+    near = steps[np.abs(steps - usual) <= OfClock.USUAL * usual]
     step = float(np.mean(near)) if near.size else usual
     grid_size = round(float(stamps[-1] - stamps[0]) / step) + 1
     bridged = grid_size <= BRIDGED * stamps.size + BRIDGED_AT_LEAST
-    rounding = _last_digit(stamps) if _share_odd(steps, usual) > ROUNDED_STEPS else 0.0
+    rounding = _last_digit(stamps) if _share_odd(steps, usual) > OfClock.ROUNDED_STEPS else 0.0
     findings += _gaps(stamps, steps, (step, rounding), bridged)
     stray = 0.0
     if grid_size == stamps.size:
         stray = float(np.max(np.abs(stamps - stamps[0] - step * np.arange(stamps.size))))
-    if bridged and (grid_size != stamps.size or stray > UNEVEN * step + rounding):
+    if bridged and (grid_size != stamps.size or stray > OfClock.UNEVEN * step + rounding):
         if not any(f.code == "gap" for f in findings):
             message = f"time stamps stray by up to {percent(stray / step)} of a step; the record is resampled uniformly"
             findings.append(
@@ -129,7 +112,7 @@ def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNot
                     "time-uneven",
                     message,
                     stray,
-                    severity="suspect" if stray > JITTER * step else "good",
+                    severity="suspect" if stray > OfClock.JITTER * step else "good",
                     harms=("spectrum",),
                 )
             )
@@ -149,16 +132,16 @@ def _rounded(stamps: Array, steps: Array) -> tuple[float, float] | None:
     middle = float(np.mean(stamps))
     step = float(np.sum(places * (stamps - middle)) / np.sum(places**2))  # np.dot would wait for threads of BLAS
     stray = float(np.max(np.abs(stamps - middle - step * places)))
-    if float(np.min(steps)) == 0.0 and step >= (1.0 - UNEVEN) * _last_digit(stamps):
+    if float(np.min(steps)) == 0.0 and step >= (1.0 - OfClock.UNEVEN) * _last_digit(stamps):
         return None  # digits as fine as the step never make neighbours equal: the lines are those of several channels
-    if _share_odd(steps, float(np.median(steps))) <= ODD_STEPS or stray > WITHIN_DIGIT * _last_digit(stamps):
+    if _share_odd(steps, float(np.median(steps))) <= OfClock.ODD_STEPS or stray > WITHIN_DIGIT * _last_digit(stamps):
         return None
     return middle - 0.5 * step * steps.size, step
 
 
 def _share_odd(steps: Array, usual: float) -> float:
     """Return the share of steps that are not the usual one."""
-    return float(np.mean(np.abs(steps - usual) > UNEVEN * usual))
+    return float(np.mean(np.abs(steps - usual) > OfClock.UNEVEN * usual))
 
 
 def _last_digit(stamps: Array) -> float:
@@ -178,7 +161,7 @@ def _last_digit(stamps: Array) -> float:
 
 def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool) -> list[HealthNotice]:
     step, rounding = clock
-    wide = np.flatnonzero(steps > GAP * step + rounding)
+    wide = np.flatnonzero(steps > OfClock.GAP * step + rounding)
     if not wide.size:
         return []
     lost = float(np.sum(steps[wide])) - step * wide.size
@@ -189,7 +172,7 @@ def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool
         f"{steps[longest]:.3g}\xa0s after {stamps[longest]:g}\xa0s; "
         + ("bridged by straight lines" if bridged else "too long to be bridged")
     )
-    severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
+    severity, harms = ("bad", FIGURES) if share > OfClock.MOST_LOST else ("suspect", ("spectrum",))
     return [
         HealthNotice(
             "gap",
@@ -221,7 +204,7 @@ def _filled(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
         f"{count} samples ({percent(share, 2)}) are no finite numbers, the first at {first:g}\xa0s; "
         "bridged by straight lines"
     )
-    severity, harms = ("bad", FIGURES) if share > MOST_LOST else ("suspect", ("spectrum",))
+    severity, harms = ("bad", FIGURES) if share > OfClock.MOST_LOST else ("suspect", ("spectrum",))
     finding = HealthNotice("not-a-number", message, count, severity=severity, harms=harms, start=first)
     return dataclasses.replace(channel, values=filled), [finding]
 

@@ -18,55 +18,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.records._pulse_kernels import strongest_boxes
+from strikewave.records.thresholds import OfBoxes
 
 Array = NDArray[np.float64]
 
 MAD_TO_SIGMA = 1.4826
 """Standard deviation of normal noise over the median of its size, 1 / Phi^-1(3/4): a median ignores the blows."""
-FALSE_ALARM = 0.01
-"""Records of pure noise in which a pulse is found; chosen: one in a hundred, rarer than a record goes wrong
-otherwise."""
 TRIALS = 40
 """Independent chances that noise has for each box side by side, found with pure noise."""
-SMALLEST_AREA = 0.2
-"""A blow has at least this share of the area of the largest one of its record.
-
-The blows of one test are alike, and what rings after a blow swings to both sides: the areas of its lobes are
-smaller."""
-SMALLEST_CONTACT = 0.05
-"""Share of that area from which on a box may be a rebound, or a blow where a train asks for one."""
-SCALES = 3.0
-"""The widths of the blows of one record differ by at most this factor from the largest one: the lobes of a ringing are
-narrower, a drift or a change of level is wider."""
-STANDS_OUT = 2.0
-"""A blow is this much higher than what swings before it: a lobe of a ringing has a deeper one before it.
-
-Chosen: a blow may begin while what was struck before still swings, by less than half of it."""
-APART = 0.3
-"""Share of its width around a blow in which no second one is looked for: the feet of a pulse reach beyond its box."""
-FEWEST_OF_HITS = 12
-"""Samples of a box without which two hits in it cannot be told apart."""
 HUMP_OF_BOX = 16
 """A box that may hold two hits is looked at in means over one in so many of its samples.
 
 They are a fifth of either hit or less."""
-HUMP, VALLEY = 0.5, 0.35
-"""Shares of the higher of two hits that the other reaches, and of the lower that is left between them at most, to
-either side of the baseline.
-
-Half-sines that touch foot to foot leave nothing; those 0.9 lengths apart a third."""
-OTHER_SIDE, OTHER_LOBE = 0.2, 0.45
-"""Shares of the lower of two humps that a ringing reaches to the other side of the baseline around them, and to the
-same side as far away as they lie apart; hits leave their tails there, and less."""
-LOBES = 4.0
-"""Widths between two boxes within which both may be lobes of one ringing."""
-TAIL_WIDTHS = 3.0
-"""Widths after a hit in which its tail may hold a small box."""
-BESIDE = 3
-"""Widths to either side of a box in which a lobe of the other sign makes it one of a ringing: one and a half
-periods."""
-SURE = 3.0
-"""Standard deviations of noise taken off such a lobe: what noise alone may be, one in a thousand times."""
 LINE_BLOCKS = 64
 """Blocks over whose medians the baseline is fitted: enough that blows fill fewer than half of them, and their
 4032 pairs cost nothing."""
@@ -76,8 +39,6 @@ NOISE_SAMPLES = 2**20
 """Differences of neighbours of which the noise is taken: more would not change it by a thousandth."""
 MEAN_SAMPLES = 2**17
 """Samples whose means over boxes give the noise of a width: bounds the time of long records."""
-NARROWEST = 3
-"""Samples of the narrowest box: a single wild sample, or two, is no blow."""
 ROUNDING = 1e-12
 """Share of the largest mean below which a box is rounding, where a record has no noise at all."""
 
@@ -221,13 +182,18 @@ def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[
     top = best[chosen]
     if top is None:
         return 1, [], []
-    alike = [box for box in boxes_by_sign[chosen] if top.width / SCALES <= box.width <= top.width * SCALES]
+    alike = [
+        box for box in boxes_by_sign[chosen] if top.width / OfBoxes.SCALES <= box.width <= top.width * OfBoxes.SCALES
+    ]
     alike.sort(key=_energy, reverse=True)
     large: list[Box] = []
     small: list[Box] = []
-    widest = math.ceil(SCALES * top.width)
+    widest = math.ceil(OfBoxes.SCALES * top.width)
     claimed, kept = BoxGrid(widest), BoxGrid(widest)
-    for found, least, most in ((large, SMALLEST_AREA, math.inf), (small, SMALLEST_CONTACT, SMALLEST_AREA)):
+    for found, least, most in (
+        (large, OfBoxes.SMALLEST_AREA, math.inf),
+        (small, OfBoxes.SMALLEST_CONTACT, OfBoxes.SMALLEST_AREA),
+    ):
         for box in alike:
             if not least <= box.area / top.area < most or _touches(box, claimed):
                 continue
@@ -250,7 +216,7 @@ def _hits_of(values: Array, line: Baseline, sign: int, box: Box, single: float) 
     before and after: a contact pushes only and comes alone, ringing swings to both sides and goes on.
     """
     begin, end = max(box.first - box.width, 0), min(box.last + box.width, values.size)
-    if box.width < FEWEST_OF_HITS:
+    if box.width < OfBoxes.FEWEST_OF_HITS:
         return [box]
     across = max(box.width // HUMP_OF_BOX, 1)
     raw = sign * (values[begin:end] - line.at(np.arange(begin, end)))
@@ -260,13 +226,13 @@ def _hits_of(values: Array, line: Baseline, sign: int, box: Box, single: float) 
     humps = [_second_hump(part, inside, top, side) for side in (1, -1)]
     place, valley = max(humps, key=lambda hump: part[hump[0]] - part[hump[1]])
     height, depth = float(part[place]), float(part[valley])
-    noise = SURE * single / math.sqrt(across)
-    if height < HUMP * part[top] or depth > VALLEY * height + noise or noise > VALLEY * height:
+    noise = OfBoxes.SURE * single / math.sqrt(across)
+    if height < OfBoxes.HUMP * part[top] or depth > OfBoxes.VALLEY * height + noise or noise > OfBoxes.VALLEY * height:
         return [box]
     if _goes_on(part, min(place, top), max(place, top), height, noise):
         return [box]
     hits = sorted(_hump_box(part, raw, at, valley) for at in (place, top))
-    if max(hit.width for hit in hits) > SCALES * min(hit.width for hit in hits):
+    if max(hit.width for hit in hits) > OfBoxes.SCALES * min(hit.width for hit in hits):
         return [box]
     return [Box(hit.first + begin, hit.width, hit.mean) for hit in hits]
 
@@ -277,20 +243,20 @@ def _goes_on(part: Array, low: int, high: int, height: float, noise: float) -> b
     around = part[max(low - apart, 0) : high + 2 * apart]
     before, after = low - apart // 2, high + apart // 2
     beside = np.concatenate([part[max(before - apart, 0) : max(before, 0)], part[after : after + apart]])
-    deep = -float(np.min(around)) > OTHER_SIDE * height + noise
-    return deep or float(np.max(beside, initial=0.0)) > OTHER_LOBE * height + noise
+    deep = -float(np.min(around)) > OfBoxes.OTHER_SIDE * height + noise
+    return deep or float(np.max(beside, initial=0.0)) > OfBoxes.OTHER_LOBE * height + noise
 
 
 def _without_lobes(values: Array, line: Baseline, sign: int, boxes: Sequence[Box], single: float) -> list[Box]:
     """Return boxes without those that are a lobe of one ringing with a higher one beside them."""
     left: list[Box] = []
     for box in boxes:
-        if left and box.first - left[-1].last < LOBES * max(box.width, left[-1].width):
+        if left and box.first - left[-1].last < OfBoxes.LOBES * max(box.width, left[-1].width):
             begin, end = max(2 * left[-1].first - box.last, 0), 3 * box.last - 2 * left[-1].first
             part = sign * (values[begin:end] - line.at(np.arange(begin, min(end, values.size))))
             low, high = (b.first + b.width // 2 - begin for b in (left[-1], box))
             height = min(left[-1].mean, box.mean)
-            noise = SURE * single
+            noise = OfBoxes.SURE * single
             if _goes_on(part, low, high, height, noise):
                 left[-1] = max(left[-1], box, key=lambda b: b.mean)
                 continue
@@ -300,9 +266,9 @@ def _without_lobes(values: Array, line: Baseline, sign: int, boxes: Sequence[Box
 
 def _rises_again(values: Array, line: Baseline, sign: int, box: Box, others: BoxGrid) -> bool:
     """Tell whether a small box stands over what lies between it and the hits beside it, so that it is no tail."""
-    for other in others.near(box, TAIL_WIDTHS * others.widest):
+    for other in others.near(box, OfBoxes.TAIL_WIDTHS * others.widest):
         begin, end = (other.last, box.first) if other.first < box.first else (box.last, other.first)
-        if end - begin < TAIL_WIDTHS * other.width:
+        if end - begin < OfBoxes.TAIL_WIDTHS * other.width:
             between = sign * (values[begin:end] - line.at(np.arange(begin, end)))
             if not between.size or float(np.min(between)) > 0.5 * box.mean:
                 return False
@@ -329,8 +295,10 @@ def _hump_box(part: Array, raw: Array, top: int, valley: int) -> Box:
 
 
 def _touches(box: Box, others: BoxGrid) -> bool:
-    near = others.near(box, APART * others.widest)
-    return any(box.first < o.last + APART * o.width and o.first - APART * o.width < box.last for o in near)
+    near = others.near(box, OfBoxes.APART * others.widest)
+    return any(
+        box.first < o.last + OfBoxes.APART * o.width and o.first - OfBoxes.APART * o.width < box.last for o in near
+    )
 
 
 def _energy(box: Box | None) -> float:
@@ -352,10 +320,10 @@ def _standing_out(values: Array, line: Baseline, sign: int) -> list[Box]:
 
 
 def _widths(size: int) -> list[int]:
-    """Return widths from `NARROWEST` samples to a third of the record, half an octave apart."""
-    last = max(size // 3, NARROWEST)
-    octaves = math.log2(last / NARROWEST)
-    return sorted({round(NARROWEST * math.sqrt(2.0) ** k) for k in range(1 + int(2.0 * octaves))})
+    """Return widths from `OfBoxes.NARROWEST` samples to a third of the record, half an octave apart."""
+    last = max(size // 3, OfBoxes.NARROWEST)
+    octaves = math.log2(last / OfBoxes.NARROWEST)
+    return sorted({round(OfBoxes.NARROWEST * math.sqrt(2.0) ** k) for k in range(1 + int(2.0 * octaves))})
 
 
 def _box_means(values: Array, line: Baseline, width: int) -> Array:
@@ -368,25 +336,25 @@ def _box_means(values: Array, line: Baseline, width: int) -> Array:
 
 
 def _threshold(places: float) -> float:
-    """Return how many standard deviations noise exceeds at one of so many places in `FALSE_ALARM` of records.
+    """Return how many standard deviations noise exceeds at one of so many places in `OfBoxes.FALSE_ALARM` of records.
 
     A box that slides, over all widths and both signs, has about `TRIALS` independent chances a place.
     """
     from scipy.special import ndtri
 
-    return float(-ndtri(FALSE_ALARM / (TRIALS * max(places, 1.0))))
+    return float(-ndtri(OfBoxes.FALSE_ALARM / (TRIALS * max(places, 1.0))))
 
 
 def _swings(values: Array, line: Baseline, sign: int, box: Box, others: BoxGrid, single: float) -> bool:
     """Tell whether a box is one lobe of something that swings: what lies beside it is as deep as it is high."""
-    near = list(others.near(box, BESIDE * box.width))
-    begin = max([box.first - BESIDE * box.width, 0, *(o.last for o in near if o.last <= box.first)])
-    end = min([box.last + BESIDE * box.width, values.size, *(o.first for o in near if o.first >= box.last)])
+    near = list(others.near(box, OfBoxes.BESIDE * box.width))
+    begin = max([box.first - OfBoxes.BESIDE * box.width, 0, *(o.last for o in near if o.last <= box.first)])
+    end = min([box.last + OfBoxes.BESIDE * box.width, values.size, *(o.first for o in near if o.first >= box.last)])
     half = max(box.width // 2, 2)
-    noise = SURE * single / math.sqrt(half)
+    noise = OfBoxes.SURE * single / math.sqrt(half)
     before = _deepest(values, line, sign, begin, box.first, half) - noise
     after = _deepest(values, line, sign, box.last, end, half) - noise
-    return before > box.mean / STANDS_OUT or after > box.mean
+    return before > box.mean / OfBoxes.STANDS_OUT or after > box.mean
 
 
 def _deepest(values: Array, line: Baseline, sign: int, begin: int, end: int, width: int) -> float:

@@ -33,18 +33,14 @@ from strikewave.records.measuring import FEWEST, RecordedPulse, contacts_of, fin
 from strikewave.records.record import Array, Channel, Record
 from strikewave.records.response import BaseBlow, MeasuredResponse, measure_responses, swings
 from strikewave.records.tail import resting, uncoupled
+from strikewave.records.thresholds import OfReading
 from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter, HighPass
 
 RIGID = "rigid_"
 """With this, a figure is that of the pulse without ringing."""
-MUCH, HALF = 0.9, 0.5
-"""Shares of a peak that a filter must leave for no finding, and for one that harms nothing: what it takes off is
-reported with each peak in any case."""
 NOT_COUPLED = HealthNotice("ac-coupling", "no AC coupling is recognised: nothing was taken off", severity="good")
 """What is found where AC coupling was to be taken off."""
-HALF_PERIOD = 0.5
-"""Periods of the cutoff that a record must hold: a filter that is slower than the record is a slip of units."""
 MOST_NAMED = 4
 """Channels that a reason names; of more, the others are counted."""
 
@@ -297,8 +293,8 @@ def filtered_channel(channel: Channel, request: Request) -> Channel:
         if one is None:
             continue
         cutoff = frequency_text(one.cutoff)
-        if one.cutoff * channel.duration < HALF_PERIOD:
-            lowest = HALF_PERIOD / channel.duration
+        if one.cutoff * channel.duration < OfReading.HALF_PERIOD:
+            lowest = OfReading.HALF_PERIOD / channel.duration
             allowed = f"a cutoff of half a period a record at least, {lowest:.3g} Hz for {channel.name}"
             raise InputError(option, cutoff, allowed, "is kHz meant?" if option == "--filter" else "")
         if not one.cutoff < 0.5 * channel.sampling_rate:
@@ -323,7 +319,7 @@ def _lightened(high_pass: HighPass, blows: Sequence[RecordedPulse], filtered: Ch
         f"the high-pass at {high_pass.cutoff:g}\xa0Hz leaves {percent(left)} of a velocity change (the integral over "
         "the blow, from zero), and nothing of that of the whole record"
     )
-    return [HealthNotice("high-pass", message, left, severity="suspect" if left < HALF else "good")]
+    return [HealthNotice("high-pass", message, left, severity="suspect" if left < OfReading.HALF else "good")]
 
 
 def _without_coupling(
@@ -375,10 +371,10 @@ def filter_changes(before: Sequence[float], after: Sequence[float]) -> list[Heal
         message = f"the filter leaves {len(after)} of {len(before)} blows: take a higher cutoff"
         return [HealthNotice("filter-changes", message, len(after) - len(before), severity="suspect")]
     left = min((abs(new / old) for old, new in zip(before, after, strict=True) if old), default=1.0)
-    if left > MUCH:
+    if left > OfReading.MUCH:
         return []
     message = f"the filter leaves {percent(left, 0)} of a peak: quote it with the filter, or take a higher cutoff"
-    return [HealthNotice("filter-changes", message, left, severity="suspect" if left < HALF else "good")]
+    return [HealthNotice("filter-changes", message, left, severity="suspect" if left < OfReading.HALF else "good")]
 
 
 def _blows(channel: Channel) -> tuple[RecordedPulse, ...]:
@@ -398,10 +394,6 @@ def _lowered_blows(channel: Channel, place: int, shift: float) -> tuple[Recorded
     """Return the blows of a channel whose samples from one place on are lowered."""
     after = np.arange(channel.values.size) >= place
     return tuple(find_pulses(channel.values - shift * after, channel.step, channel.start))
-
-
-SWINGS_OUT = 20.0
-"""Median magnitudes that a swing must reach: noise alone reaches seven in a million samples."""
 
 
 def read_response(
@@ -520,7 +512,7 @@ def _louder(reading: ChannelReading, begin: float) -> bool:
     channel, above = reading.channel, np.abs(reading.channel.values - reading.baseline)
     before = max(round((begin - channel.start) / channel.step), 0)
     noise = float(np.median(above[:before] if before >= FEWEST else above))
-    return float(np.max(above)) > SWINGS_OUT * noise
+    return float(np.max(above)) > OfReading.SWINGS_OUT * noise
 
 
 def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: Request) -> FileReading:

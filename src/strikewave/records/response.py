@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN
 from strikewave.base.shock_quantities import FREQUENCY, MILLISECONDS, OF_CHANNEL, RATIO, SECONDS
+from strikewave.records.thresholds import OfAnswers
 
 Array = NDArray[np.float64]
 
@@ -52,12 +53,6 @@ FEWEST = 24
 """Samples without which no mode is sought."""
 STEPS, HALVINGS, ENOUGH = 40, 8, 1e-9
 """Steps of least squares, halvings of one that makes it worse, and the share of the squares that ends it."""
-CERTAIN = 4.0
-"""Standard uncertainties that the amplitude of a mode must have: noise alone gives one in 3000."""
-LOSES = 0.1
-"""Share of itself that a swing loses over the stretch, or it does not decay: hum, or what drives the structure on."""
-MOST_UNCERTAIN = 0.1
-"""Standard uncertainty of a frequency, over itself, beyond which it is none."""
 MEMORY = 20
 """The memory of the noise is followed over one in so many of the samples."""
 ROUNDS = 4
@@ -184,9 +179,11 @@ def _fitted(values: Array, step: float, roots: NDArray[np.complex128]) -> tuple[
         damping_uncertainty = math.sqrt(max(float(toward @ pair @ toward), 0.0))
         numbers = (omega / (2.0 * math.pi), decay / size, amplitude, uncertain, damping_uncertainty)
         modes.append(Mode(*map(float, numbers)))
-        decays_away = decay * float(time[-1]) > LOSES
+        decays_away = decay * float(time[-1]) > OfAnswers.LOSES
         certain.append(
-            decays_away and amplitude > CERTAIN * doubt and 2.0 * math.pi * uncertain < MOST_UNCERTAIN * omega
+            decays_away
+            and amplitude > OfAnswers.CERTAIN * doubt
+            and 2.0 * math.pi * uncertain < OfAnswers.MOST_UNCERTAIN * omega
         )
     return modes, np.array(certain)
 
@@ -260,14 +257,6 @@ def covariance_of(columns: Array, rest: Array) -> Array | None:
 
 EFFECTIVE = 1.0 / 3.0
 """Share of the peak magnitude that the effective duration holds all samples above."""
-FREE = 0.1
-"""Share of the peak magnitude down to which a free decay is followed: below, little is left of it beside the noise."""
-BOTH_SIDES, ZERO_MEAN = 0.5, 0.2
-"""Other side of the peak, over it, and area over that of the magnitude: a channel with more, and less, swings about
-zero. A half-sine has 0 and 1; a decaying sine at a damping ratio of 5 % has 0.85 and below 0.1."""
-
-ROUND = 0.5
-"""Share of the largest value that its neighbours have in a round top: those of six samples a swing and more."""
 
 
 class BaseBlow(NamedTuple):
@@ -345,11 +334,11 @@ def swings(values: Array) -> bool:
     >>> swings(np.exp(-3.0 * t) * np.sin(60.0 * t)), swings(np.sin(np.pi * t))
     (True, False)
     """
-    first, last = effective_span(values, FREE)
+    first, last = effective_span(values, OfAnswers.FREE)
     part = values[math.floor(first) : math.ceil(last) + 1]
     low, high = sorted((-float(np.min(part)), float(np.max(part))))
     total = float(np.sum(np.abs(part)))
-    return low > BOTH_SIDES * high and abs(float(np.sum(part))) < ZERO_MEAN * total
+    return low > OfAnswers.BOTH_SIDES * high and abs(float(np.sum(part))) < OfAnswers.ZERO_MEAN * total
 
 
 def zero_before(values: Array, place: int) -> float:
@@ -411,7 +400,7 @@ def _measure(number: int, above: Array, step: float, start: float, blow: BaseBlo
     first, last = effective_span(above)
     held = above[math.floor(first) : math.ceil(last) + 1]
     free = max(top, math.ceil((blow.end - start) / step))
-    until = math.ceil(effective_span(above, FREE)[1]) + 1
+    until = math.ceil(effective_span(above, OfAnswers.FREE)[1]) + 1
     return MeasuredResponse(
         number,
         peak,
@@ -434,7 +423,7 @@ def _tip(above: Array, top: int) -> tuple[float, float]:
         return float(top), float(above[top])
     left, middle, right = (float(value) for value in above[top - 1 : top + 2])
     bend = left - 2.0 * middle + right
-    if middle == 0.0 or min(left / middle, right / middle) < ROUND:
+    if middle == 0.0 or min(left / middle, right / middle) < OfAnswers.ROUND:
         return float(top), middle
     shift = 0.5 * (left - right) / bend if bend else 0.0
     return top + shift, middle - 0.25 * (left - right) * shift

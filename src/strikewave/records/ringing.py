@@ -29,6 +29,7 @@ from numpy.typing import NDArray
 from strikewave.records._pulse_kernels import unit_pulses
 from strikewave.records.robust import alike_as_one
 from strikewave.records.smooth_pulse import SmoothPulse
+from strikewave.records.thresholds import OfRingingSought
 
 Array = NDArray[np.float64]
 
@@ -61,15 +62,6 @@ SPREADS = (0.1, 0.2, 0.1, 0.5, 0.1, 1.0, 0.1)
 """How far these usually lie from their guess; scales the steps of the fit."""
 ROUNDS, CONVERGED = 30, 1e-5
 """Evaluations of a fit at most, and the relative change below which it ends."""
-AS_GOOD = 1.5
-"""A simpler model is taken where it misses less than this times what the best one misses."""
-ENOUGH = 0.03
-"""Misfit within which the simplest model is good enough: by as much the smooth pulse misses sound pulses that are none
-of its family, saw-teeth, flat tops and long tails. What a richer model gains below it, it may have from the shape."""
-POOR = 0.12
-"""Misfit above which no rigid pulse is reported."""
-BETTER = 0.5
-"""Share of what the smooth pulse alone misses that must be left, or there is no ringing to be taken off."""
 OVER_WIDTHS, A_LOBE = 0.25, 1.0
 """Widths after the feet of a blow by which its pulse is over, and what is recorded is its ringing; and swings in a
 width below which a blow may be one lobe of its ringing, half a swing and its feet, so that the pulse goes on beneath
@@ -92,8 +84,9 @@ SHAPES = np.array([0.025, 0.04, 0.015])
 """Standard uncertainties of peak, width and velocity change, over themselves, by shapes that the family has not: flat
 tops, saw-teeth and long tails, planted and fitted."""
 ALIKE = np.array([0.2, 0.25, 0.15])
-"""The same of a mode that has an amplitude of its own and swings less than `SEPARATE` times in a width: swing and pulse
-are alike, and what is missed beyond `ENOUGH` may be of either, by as many times more."""
+"""The same of a mode that has an amplitude of its own and swings less than `OfRingingSought.SEPARATE` times in a width:
+swing and pulse are alike, and what is missed beyond `OfRingingSought.ENOUGH` may be of either, by as many times
+more."""
 RIDGE = 1e-10
 """Share of the squares of the columns added to them: a mode and a pulse that look alike share their amplitude."""
 TINY = 1e-300
@@ -214,16 +207,28 @@ def fit_rigid_pulse(
     fits = [best_of[_name(model)] for model in tried if _name(model) in best_of]
     fits = [fit for fit in fits if fit.decay < OVERDAMPED * fit.omega and _plausible(fit, guess)]
     least = min((fit.misfit for fit in fits), default=math.inf)
-    if least > POOR:
+    if least > OfRingingSought.POOR:
         return None
-    alike = [fit for fit in fits if fit.misfit <= max(AS_GOOD * least, ENOUGH, noise / fit.pulse.peak)]
+    alike = [
+        fit
+        for fit in fits
+        if fit.misfit <= max(OfRingingSought.AS_GOOD * least, OfRingingSought.ENOUGH, noise / fit.pulse.peak)
+    ]
     best = alike[0]
     figures = np.array(
-        [_figures(fit.pulse) for fit in fits if fit.misfit <= max(AS_GOOD * least, ENOUGH) or fit is best]
+        [
+            _figures(fit.pulse)
+            for fit in fits
+            if fit.misfit <= max(OfRingingSought.AS_GOOD * least, OfRingingSought.ENOUGH) or fit is best
+        ]
     )
     own = np.array(_figures(best.pulse))
     models_apart = np.max(np.abs(figures - own), axis=0) / math.sqrt(3.0)
-    shapes = SHAPES if best.model == "mount" or _swings(best) > SEPARATE else ALIKE * max(best.misfit / ENOUGH, 1.0)
+    shapes = (
+        SHAPES
+        if best.model == "mount" or _swings(best) > OfRingingSought.SEPARATE
+        else ALIKE * max(best.misfit / OfRingingSought.ENOUGH, 1.0)
+    )
     floor = np.hypot(shapes, 0.5 * best.misfit) * own
     doubt = np.sqrt(best.doubt**2 + models_apart**2 + floor**2)
     return RigidPulse(
@@ -425,7 +430,7 @@ def rigid_pulse(stretch: Stretch, frequency: float, last: RigidPulse | None = No
     alone = part - guess.at(factor * step * np.arange(count, dtype=np.float64))
     over = OVER_WIDTHS if frequency * width * step > A_LOBE else WIDER - 1.0
     tail = part[min(round((stretch.end + over * width - low) / factor), count) :]
-    if least_beside_one_mode(tail, factor * step, frequency) > BETTER**2 * float(np.sum(alone**2)):
+    if least_beside_one_mode(tail, factor * step, frequency) > OfRingingSought.BETTER**2 * float(np.sum(alone**2)):
         return None
     models = MODELS if last is None else [model for model in MODELS if _name(model) == last.model]
     rigid = fit_rigid_pulse(part, factor * step, guess, frequency, stretch.noise / math.sqrt(factor), models)
@@ -433,7 +438,7 @@ def rigid_pulse(stretch: Stretch, frequency: float, last: RigidPulse | None = No
         return rigid_pulse(stretch, frequency)
     if rigid is None or (rigid.damping > QUICKLY and not swings_after(stretch)):
         return None
-    better = rigid.misfit * rigid.peak < BETTER * math.sqrt(float(np.mean(alone**2)))
+    better = rigid.misfit * rigid.peak < OfRingingSought.BETTER * math.sqrt(float(np.mean(alone**2)))
     return rigid.moved(middle) if better else None
 
 
@@ -466,21 +471,8 @@ def least_beside_one_mode(values: Array, step: float, frequency: float) -> float
     return float(np.sum(values**2) - np.max(taken))
 
 
-LOWEST_RATIO = 0.3
-"""Swings in a width of the blow below which what follows it is a slow motion, no ringing in it."""
-RINGS = 0.05
-"""Share of the peak by which a record swings after a blow, or strays from a smooth pulse in it, before ringing is
-sought."""
-STRAYS = 0.03
-"""Misfit of the smooth pulse from which on ringing is sought in it: usual shapes are fitted better."""
-CLEAR = 5.0
-"""Standard deviations of noise that ringing swings by at least."""
-SEPARATE = 2.5
-"""Swings in a width from which on ringing that is seen in a blow alone is none of its shape: a flat top has fewer."""
 FEWEST_AFTER = 8
 """Samples after a blow without which ringing is not sought."""
-NOISE_OF_MISFIT = 1.5
-"""Standard deviations of noise that the misfit of the smooth pulse must have: it is made of more."""
 PADDED = 8
 """Times that a spectrum is padded so that its peak is found between."""
 RINGS_WITHIN = 5.0
@@ -522,18 +514,18 @@ def ringing_of(stretch: Stretch) -> float:
     if last - end < FEWEST_AFTER:
         return math.nan
     if swings_after(stretch):
-        return strongest_frequency(values[end:last], step, LOWEST_RATIO / (width * step))
-    if smooth.misfit * smooth.peak < max(STRAYS * smooth.peak, NOISE_OF_MISFIT * noise):
+        return strongest_frequency(values[end:last], step, OfRingingSought.LOWEST_RATIO / (width * step))
+    if smooth.misfit * smooth.peak < max(OfRingingSought.STRAYS * smooth.peak, OfRingingSought.NOISE_OF_MISFIT * noise):
         return math.nan
     rest = values[begin:last] - smooth.at(step * np.arange(begin, last, dtype=np.float64))
     frequency = strongest_frequency(rest, step, 1.0 / (width * step))
-    return frequency if frequency * width * step > SEPARATE else math.nan
+    return frequency if frequency * width * step > OfRingingSought.SEPARATE else math.nan
 
 
 def swings_after(stretch: Stretch) -> bool:
     """Tell whether a record swings after a blow, by more than its noise."""
     after = stretch.values[stretch.end : round(stretch.end + RINGS_WITHIN * stretch.width)]
-    least = max(RINGS * stretch.smooth.peak, CLEAR * stretch.noise)
+    least = max(OfRingingSought.RINGS * stretch.smooth.peak, OfRingingSought.CLEAR * stretch.noise)
     return after.size >= FEWEST_AFTER and 0.5 * float(np.ptp(after)) >= least
 
 

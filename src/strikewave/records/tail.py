@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.robust import alike_as_one
+from strikewave.records.thresholds import OfTails
 from strikewave.signal.coupling import ac_uncoupled
 from strikewave.signal.motion import integral
 
@@ -28,35 +29,10 @@ GROWS = 1.15
 """Times that each half of a stretch is as long as the one before, from a width on: both a fast decay and a long one
 are followed by some dozens of them. Stretches overlap by half, and are weighted as Hann's window does: what swings
 once in a width, or faster, has no mean."""
-QUICK, ONE_SIDE = 3.0, 0.85
-"""Stretches within which a decay is quick, and share of the samples of the first on its side: else it swings."""
-FEWEST = 6
-"""Stretches without which a tail says nothing."""
-PENALTY = 4.0
-"""Logarithms of the number of stretches that a parameter must be worth: twice those of the Bayesian criterion, because
-stretches side by side are alike."""
 WINDOW = 5.0
 """Time constants over which a decay is looked at: it has died out by then."""
-LEAST_DECAY = 0.5
-"""Time constants that a tail must last for its decay to be distinct from a shift."""
-SURE, SEEN_WHOLE, SURE_WHOLE = 6.0, 3.0, 2.5
-"""Standard errors that a rate of decay must have; time constants over which a decay is seen whole, to 5 % of it, and
-the errors that are enough then, because its amplitude must agree as well."""
-EXPLAINED = 0.8
-"""Share of the squares of a tail that AC coupling must explain."""
-TIED = (0.7, 1.4)
-"""Bounds of the amplitude of a free exponential over that which its time constant and the velocity demand."""
 ROUNDS = 6
 """Of narrowing the window to the time constant found."""
-AT_ONCE, HALF_THERE = 3, 0.5
-"""First stretches in which a shift must be there to half: what moves begins from zero. A model explains half, too."""
-REVERSED, AT_REST, PUSHED = 0.25, 0.2, 5.0
-"""Share of the velocity change by which the velocity after a blow goes to the other side, share of that to which it
-comes back, and times what the record stands off its zero at last that it is pushed back by at least, where a machine
-pushes back and stops what it struck.
-
-What a zero does, shifting, warming or drifting, and a high-pass of first order change the velocity one way only; and
-where the baseline is off, the velocity comes back no faster than that."""
 LAST_THIRD = 3
 """Of the stretches of a tail, the last third show where the record stands at last."""
 RATES = 120
@@ -136,7 +112,7 @@ def tail_of(values: Array, step: float, start: float, pulses: Sequence[RecordedP
     while edges[-1] + size <= end:
         edges.append(edges[-1] + round(size))
         size *= GROWS
-    if len(edges) - 2 < FEWEST:
+    if len(edges) - 2 < OfTails.FEWEST:
         return None
     origin = max(round((first.begin - start) / step - width), 0)
     places = np.arange(origin, edges[-1], dtype=np.float64)
@@ -183,7 +159,7 @@ def comes_to_rest(tail: Tail) -> bool:
     velocity = tail.velocity if tail.moved is None else tail.moved
     velocity = math.copysign(1.0, float(velocity[0])) * velocity
     farthest = np.minimum.accumulate(velocity)
-    rests = (farthest < -REVERSED * velocity[0]) & (velocity > AT_REST * farthest)
+    rests = (farthest < -OfTails.REVERSED * velocity[0]) & (velocity > OfTails.AT_REST * farthest)
     if not rests.any():
         return False
     returned = int(np.argmax(rests))
@@ -191,7 +167,7 @@ def comes_to_rest(tail: Tail) -> bool:
     pushed = float(velocity[returned] - velocity[turned]) / float(tail.time[returned] - tail.time[turned])
     last = slice(-max(velocity.size // LAST_THIRD, 2), None)
     stands = float(np.polyfit(tail.time[last], velocity[last], 1)[0])  # off the baseline before this blow
-    return pushed > PUSHED * abs(stands)
+    return pushed > OfTails.PUSHED * abs(stands)
 
 
 def _at_last(tail: Tail) -> tuple[float, float]:
@@ -216,7 +192,7 @@ def model_of(tail: Tail) -> TailModel:
     """
     if comes_to_rest(tail):
         level, error = _at_last(tail)
-        return TailModel("shift" if abs(level) > SURE * error else "motion", level, error)
+        return TailModel("shift" if abs(level) > OfTails.SURE * error else "motion", level, error)
     coupled = _coupled(tail)
     if coupled is not None:
         return coupled
@@ -234,20 +210,26 @@ def model_of(tail: Tail) -> TailModel:
     if total <= 0.0:
         return TailModel("rest")
     floor = 1e-24 * total
-    scores = {kind: n * math.log(max(squares[kind], floor)) + PENALTY * fits[kind][1] * math.log(n) for kind in fits}
+    scores = {
+        kind: n * math.log(max(squares[kind], floor)) + OfTails.PENALTY * fits[kind][1] * math.log(n) for kind in fits
+    }
     kind = min(scores, key=lambda name: scores[name])
     if kind == "rest":
         return TailModel("rest")
     rest = tail.level - fits[kind][0]
     share = 1.0 - squares[kind] / total
     error = math.sqrt(squares[kind] / max(n - 1 - fits[kind][1], 1) / n * alike_as_one(rest))
-    if kind == "decay" and constant < QUICK * (tail.time[1] - tail.time[0]) and tail.one_side < ONE_SIDE:
+    if (
+        kind == "decay"
+        and constant < OfTails.QUICK * (tail.time[1] - tail.time[0])
+        and tail.one_side < OfTails.ONE_SIDE
+    ):
         return TailModel("motion", explained=share)
     if kind == "decay":
         return TailModel("decay", float(decay[0]), error, constant, math.nan, share)
     level = float(fits[kind][0][-1])
-    late = kind == "shift" and abs(float(np.mean(tail.level[:AT_ONCE]))) < HALF_THERE * abs(level)
-    return TailModel("motion" if late or share < HALF_THERE else kind, level, error, explained=share)
+    late = kind == "shift" and abs(float(np.mean(tail.level[: OfTails.AT_ONCE]))) < OfTails.HALF_THERE * abs(level)
+    return TailModel("motion" if late or share < OfTails.HALF_THERE else kind, level, error, explained=share)
 
 
 def _coupled(tail: Tail) -> TailModel | None:
@@ -260,7 +242,7 @@ def _coupled(tail: Tail) -> TailModel | None:
         rate = -float(np.sum(velocity * level)) / squares if squares > 0.0 else 0.0
         if rate <= 0.0:
             return None
-        narrowed = tail.time <= max(WINDOW / rate, tail.time[FEWEST - 1])
+        narrowed = tail.time <= max(WINDOW / rate, tail.time[OfTails.FEWEST - 1])
         if np.array_equal(narrowed, chosen):
             break
         chosen = narrowed
@@ -270,17 +252,21 @@ def _coupled(tail: Tail) -> TailModel | None:
     total = float(np.sum(level**2))
     error = math.sqrt(squares / max(n - 1, 1) / float(np.sum(velocity**2)) * alike_as_one(rest))
     share = 1.0 - squares / total if total > 0.0 else 0.0
-    whole, sure = time[-1] * rate > SEEN_WHOLE, rate > SURE * error
-    if share < EXPLAINED or time[-1] * rate < LEAST_DECAY or not (sure or (whole and rate > SURE_WHOLE * error)):
+    whole, sure = time[-1] * rate > OfTails.SEEN_WHOLE, rate > OfTails.SURE * error
+    if (
+        share < OfTails.EXPLAINED
+        or time[-1] * rate < OfTails.LEAST_DECAY
+        or not (sure or (whole and rate > OfTails.SURE_WHOLE * error))
+    ):
         return None
     for other in (np.ones(n), time):
         left = float(np.sum((level - _on(level, other)) ** 2))
-        if n * math.log(max(left, 1e-24 * total) / max(squares, 1e-24 * total)) < PENALTY * math.log(n):
+        if n * math.log(max(left, 1e-24 * total) / max(squares, 1e-24 * total)) < OfTails.PENALTY * math.log(n):
             return None
     free, constant = _decay(time, level)
     demanded = -float(velocity[0]) / constant
     amplitude = float(free[0]) / demanded if demanded else math.nan
-    if not (TIED[0] < amplitude < TIED[1] or (whole and sure)):
+    if not (OfTails.TIED[0] < amplitude < OfTails.TIED[1] or (whole and sure)):
         return None
     return TailModel("ac-coupling", -rate * float(velocity[0]), math.nan, 1.0 / rate, error / rate**2, share)
 

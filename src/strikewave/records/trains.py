@@ -17,54 +17,18 @@ import numpy as np
 
 from strikewave.records._pulse_kernels import best_chains
 from strikewave.records.record import Array
+from strikewave.records.thresholds import OfTrains
 
-COMPARABLE = 0.6
-"""Share of the peak beside it from which a contact is as large, and no rebound.
-
-A body that rebounds with a coefficient of restitution of 0.5 strikes again at a half; larger ones are rare in metals on
-test objects, and blows of one machine scatter less."""
-NEAR = 20.0
-"""Widths from peak to peak within which a smaller contact belongs to a blow where no train shows what is regular."""
-DOUBLE = 5.0
-"""Widths from peak to peak within which two contacts as large are a double hit where no train shows what is regular."""
-JITTER = 0.15
-"""Share of its period by which a gap of a train may differ: machines keep it to some percent, hands do not."""
-MOST_PERIODS = 4
-"""Periods that a gap may last: more blows missing in a row are an end of a train and the begin of another."""
-MISSED = 0.5
-"""Weights of a usual blow, its peak squared, that a missing one costs a chain.
-
-Less than one: a train that lacks a blow is else taken for one of twice the period."""
-KNOWN = 0.1
-"""Share of that cost once the period is known: a small blow after a gap is then still one of the train."""
-FEWEST_GAPS = 2
-"""Gaps of one period without which there is no train."""
-IRREGULAR = 0.35
-"""Share of the blows of a train beside which as many contacts of their size, not always as late, show that it is
-none."""
-AS_LATE = 0.15
-"""Share by which the lags of rebounds of one train differ at most around their median."""
-SURE_GAPS, SURE_JITTER = 3, 0.1
-"""Gaps of one period, and their scatter over the period, with which a gap of several periods is blows that are
-missing."""
 LONG_TRAIN = 400
 """Contacts from whose gaps the period is taken: those of longer trains come again."""
 NEIGHBOURS = 6
 """Contacts after each to which a gap is tried as the period: a blow, its rebounds, and the next."""
 BIN = 0.05
-"""Share by which periods that are tried differ: well within `JITTER`."""
+"""Share by which periods that are tried differ: well within `OfTrains.JITTER`."""
 
 
 MAINS = (20e-3, 10e-3, 1.0 / 60.0, 1.0 / 120.0)
 """Periods of the mains and of their rectified form, s."""
-MAINS_SHARE = 0.01
-"""Share by which the median gap of blips of the mains differs from such a period."""
-LOCKED = 0.005
-"""The same of the mean gap, and of most gaps around it, where nothing else shows that they are blips: grids keep their
-frequency to 0.4 %."""
-CONDUCTS = 0.025
-"""Share of a period of 50 or 60 Hz that a blip of the mains lasts at least, 0.5 ms: a rectifier that charges its
-capacitor conducts for 1 to 3 ms. What a switch makes is shorter, but swings to both sides."""
 WHOLE_PERIOD = 1.0 / 75.0
 """Periods of the mains longer than this are whole, the others half, s."""
 
@@ -88,17 +52,17 @@ def mains_period(times: Array, widths: Array, locked: bool = False) -> float:
     (0.02, nan, nan)
     """
     gaps = np.diff(times)
-    if gaps.size < FEWEST_GAPS:
+    if gaps.size < OfTrains.FEWEST_GAPS:
         return math.nan
     middle = float(np.median(gaps))
     period = min(MAINS, key=lambda one: abs(middle / one - 1.0))
     whole = period if period > WHOLE_PERIOD else 2.0 * period
-    if float(np.median(widths)) < CONDUCTS * whole:
+    if float(np.median(widths)) < OfTrains.CONDUCTS * whole:
         return math.nan
     if not locked:
-        return period if abs(middle / period - 1.0) < MAINS_SHARE else math.nan
+        return period if abs(middle / period - 1.0) < OfTrains.MAINS_SHARE else math.nan
     off = gaps / period - 1.0
-    return period if max(abs(float(np.mean(off))), float(np.median(np.abs(off)))) < LOCKED else math.nan
+    return period if max(abs(float(np.mean(off))), float(np.median(np.abs(off)))) < OfTrains.LOCKED else math.nan
 
 
 class BlowTrain(NamedTuple):
@@ -157,10 +121,10 @@ def find_train(times: Array, peaks: Array) -> BlowTrain | None:
     >>> train.members, train.period
     ((0, 2, 4, 6), 1.0)
     """
-    if times.size < FEWEST_GAPS + 1:
+    if times.size < OfTrains.FEWEST_GAPS + 1:
         return None
     weights = peaks**2  # a rebound weighs little
-    penalty = MISSED * float(np.median(np.sort(weights)[weights.size // 2 :]))  # of the larger half: the blows
+    penalty = OfTrains.MISSED * float(np.median(np.sort(weights)[weights.size // 2 :]))  # of the larger half: the blows
     best: tuple[float, float, list[int]] | None = None
     for period in _periods(times):
         score, members = _chain(times, weights, period, penalty)
@@ -170,11 +134,11 @@ def find_train(times: Array, peaks: Array) -> BlowTrain | None:
     if best is None or len(best[2]) < 2:
         return None
     period = _common_period(np.diff(times[best[2]]))
-    members = _chain(times, weights, period, KNOWN * penalty)[1]
+    members = _chain(times, weights, period, OfTrains.KNOWN * penalty)[1]
     gaps = np.diff(times[members])
     period = _common_period(gaps)
-    single = gaps[np.abs(gaps - period) < JITTER * period]
-    if single.size < FEWEST_GAPS or 2 * single.size < gaps.size:
+    single = gaps[np.abs(gaps - period) < OfTrains.JITTER * period]
+    if single.size < OfTrains.FEWEST_GAPS or 2 * single.size < gaps.size:
         return None
     jitter = float(np.median(np.abs(single - period))) / period
     return BlowTrain(tuple(members), period, jitter) if _regular(times, peaks, members) else None
@@ -199,7 +163,7 @@ def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[boo
     large = np.flatnonzero(~np.asarray(small, dtype=bool))
     train = find_train(times, peaks)
     on = set() if train is None else set(train.members)
-    if train is None or not on & set(large[peaks[large] >= COMPARABLE * peaks[large].max(initial=0.0)]):
+    if train is None or not on & set(large[peaks[large] >= OfTrains.COMPARABLE * peaks[large].max(initial=0.0)]):
         return _without_train(times, peaks, widths, small)  # or one of what is small beside a blow that is not on it
     owner: dict[int, int] = {}
     double: dict[int, int] = {}
@@ -208,7 +172,7 @@ def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[boo
     blow_of = {k: int(members[max(int(np.searchsorted(times[members], times[k])) - 1, 0)]) for k in others}
     late = _as_late(times, peaks, blow_of, len(members))
     for k, blow in blow_of.items():
-        if small[k] or k in late or peaks[k] < COMPARABLE * peaks[blow]:
+        if small[k] or k in late or peaks[k] < OfTrains.COMPARABLE * peaks[blow]:
             owner[k] = blow
         else:
             nearest = int(members[np.argmin(np.abs(times[members] - times[k]))])
@@ -248,13 +212,13 @@ def missing_of(times: Array, contacts: Contacts) -> list[float]:
     missing = []
     for k, gap in enumerate(np.diff(times[list(train.members)])):
         count = round(gap / train.period)
-        if count > 1 and abs(gap / count - train.period) < SURE_JITTER * train.period:
+        if count > 1 and abs(gap / count - train.period) < OfTrains.SURE_JITTER * train.period:
             missing += [float(times[train.members[k]] + gap * j / count) for j in range(1, count)]
     return missing
 
 
 def _sure(train: BlowTrain) -> bool:
-    return len(train.members) > SURE_GAPS and train.jitter < 0.5 * SURE_JITTER
+    return len(train.members) > OfTrains.SURE_GAPS and train.jitter < 0.5 * OfTrains.SURE_JITTER
 
 
 def _periods(times: Array) -> Array:
@@ -270,7 +234,7 @@ def _chain(times: Array, weights: Array, period: float, penalty: float) -> tuple
 
     Each blow that it misses costs ``penalty``.
     """
-    score, before = best_chains(times, weights, period, penalty, MOST_PERIODS, JITTER)
+    score, before = best_chains(times, weights, period, penalty, OfTrains.MOST_PERIODS, OfTrains.JITTER)
     k = int(np.argmax(score))
     members = [k]
     while before[members[-1]] >= 0:
@@ -286,7 +250,7 @@ def _off_period(times: Array, period: float) -> float:
 def _common_period(gaps: Array) -> float:
     """Return the median of the gaps that are as long as the shortest quarter of them is."""
     shortest = float(np.sort(gaps)[(gaps.size - 1) // 4])
-    return float(np.median(gaps[np.abs(gaps - shortest) < 2.0 * JITTER * shortest]))
+    return float(np.median(gaps[np.abs(gaps - shortest) < 2.0 * OfTrains.JITTER * shortest]))
 
 
 def _regular(times: Array, peaks: Array, members: Sequence[int]) -> bool:
@@ -294,34 +258,38 @@ def _regular(times: Array, peaks: Array, members: Sequence[int]) -> bool:
     usual = float(np.median(peaks[list(members)]))
     on = set(members)
     begin, end = times[members[0]], times[members[-1]]
-    beside = [k for k in range(times.size) if k not in on and peaks[k] >= COMPARABLE * usual]
+    beside = [k for k in range(times.size) if k not in on and peaks[k] >= OfTrains.COMPARABLE * usual]
     inside = [k for k in beside if begin < times[k] < end]
-    if len(inside) != len(beside) and len(members) < 2 * (len(beside) - len(inside)) + FEWEST_GAPS:
+    if len(inside) != len(beside) and len(members) < 2 * (len(beside) - len(inside)) + OfTrains.FEWEST_GAPS:
         return False
-    if len(inside) <= max(IRREGULAR * len(members), 1.0):
+    if len(inside) <= max(OfTrains.IRREGULAR * len(members), 1.0):
         return True
     places = times[list(members)]
     lags = np.array([times[k] - places[np.searchsorted(places, times[k]) - 1] for k in inside])
-    return float(np.median(np.abs(lags - np.median(lags)))) < 0.5 * AS_LATE * float(np.median(lags))
+    return float(np.median(np.abs(lags - np.median(lags)))) < 0.5 * OfTrains.AS_LATE * float(np.median(lags))
 
 
 def _as_late(times: Array, peaks: Array, blow_of: dict[int, int], blows: int) -> set[int]:
     """Return what comes after most blows of a train, equally late and smaller: rebounds."""
     after = {k: float(times[k] - times[blow]) for k, blow in blow_of.items() if times[k] > times[blow]}
-    if len(after) < max(blows // 2, FEWEST_GAPS):
+    if len(after) < max(blows // 2, OfTrains.FEWEST_GAPS):
         return set()
     usual = float(np.median(list(after.values())))
-    late = {k for k, lag in after.items() if abs(lag - usual) < AS_LATE * usual}
+    late = {k for k, lag in after.items() if abs(lag - usual) < OfTrains.AS_LATE * usual}
     smaller = sum(peaks[k] < peaks[blow_of[k]] for k in late)
-    return late if len(late) >= max(blows // 2, FEWEST_GAPS) and smaller > IRREGULAR * len(late) else set()
+    return (
+        late
+        if len(late) >= max(blows // 2, OfTrains.FEWEST_GAPS) and smaller > OfTrains.IRREGULAR * len(late)
+        else set()
+    )
 
 
 def _without_train(times: Array, peaks: Array, widths: Array, small: Sequence[bool]) -> Contacts:
     owner: dict[int, int] = {}
     blows: list[int] = []
     for k in np.argsort(-peaks, kind="stable"):
-        near = [b for b in blows if abs(times[k] - times[b]) < NEAR * widths[b]]
-        below = [b for b in near if peaks[k] < COMPARABLE * peaks[b]]
+        near = [b for b in blows if abs(times[k] - times[b]) < OfTrains.NEAR * widths[b]]
+        below = [b for b in near if peaks[k] < OfTrains.COMPARABLE * peaks[b]]
         if below:
             owner[int(k)] = min(below, key=lambda b: abs(times[k] - times[b]))
         elif not small[k]:
@@ -330,6 +298,6 @@ def _without_train(times: Array, peaks: Array, widths: Array, small: Sequence[bo
     double = {
         later: earlier
         for earlier, later in pairwise(blows)
-        if times[later] - times[earlier] < DOUBLE * max(widths[earlier], widths[later])
+        if times[later] - times[earlier] < OfTrains.DOUBLE * max(widths[earlier], widths[later])
     }
     return Contacts(tuple(blows), owner, double, None)

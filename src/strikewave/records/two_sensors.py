@@ -31,6 +31,7 @@ from strikewave.records.band_split import UNKNOWN
 from strikewave.records.health.sampled_record import with_unit
 from strikewave.records.measuring import RecordedPulse, find_pulses
 from strikewave.records.robust import alike_as_one
+from strikewave.records.thresholds import OfTwoSensors
 from strikewave.signal.alignment import EvenHistory, by_correlation
 from strikewave.signal.filters import Filter, advised_cutoff
 from strikewave.signal.resampling import resampled
@@ -40,18 +41,10 @@ Array = NDArray[np.float64]
 BEFORE, SHORTEST, LONGEST = 1.0, 20.0, 100.0
 """Widths before a blow that its window holds, and after its begin at least and at most: twenty give lines that are a
 twentieth of the band of the pulse apart, so that averaging some of them still follows the transfer function."""
-SETTLED, CLEAR = 0.1, 4.0
-"""Share of a peak, and standard deviations of noise, that a window goes on until both channels stay below."""
 LOOKED_BACK = 40.0
 """Widths before a blow from which zero and noise of a channel are taken, as those of a blow are."""
 FEWEST = 32
 """Samples without which a window, or what lies before it, says nothing."""
-COPY = 0.5
-"""Share of the energy of the second channel that a delayed copy of the first must explain, or there is no delay: half
-is a correlation of 0.7."""
-RIVAL, APART = 0.9, 0.5
-"""Share of the largest correlation that another maximum must stay below, or the delay is ambiguous; and what share of
-it the correlation must fall to between both."""
 AVERAGES = 5
 """Spectra that are averaged at least, over blows, or lines where there are fewer: what is not coherent then has a
 coherence of 0.2 in the mean."""
@@ -64,14 +57,6 @@ half a width before its middle, it moves the middle by 0.8 / w, with w about twi
 any."""
 SMOOTH_REST = 0.98
 """Bound of the correlation of neighbours in what a copy leaves, which is as smooth as the pulse."""
-SURE, ABOVE_NOISE = 0.1, 10.0
-"""Standard uncertainty of a gain, and power over that of the noise in both channels, within which a line is trusted."""
-CALIBRATED = 0.02
-"""Standard uncertainty of the ratio of two sensitivities: shock calibrations state 3 to 5 % for a factor 2 (95 %)."""
-ALIKE = 0.1
-"""Difference of the transfer function from 1 up to which two sensors move as one body."""
-TWICE = 2.0
-"""Standard uncertainties beyond which a difference is one (95 %)."""
 
 
 class Transfer(NamedTuple):
@@ -161,7 +146,7 @@ class PairedMotion(NamedTuple):
     @property
     def leads(self) -> int:
         """Which sensor is ahead by more than two standard uncertainties: 1 or 2; 0 for neither."""
-        if not abs(self.delay) > TWICE * self.delay_uncertainty:
+        if not abs(self.delay) > OfTwoSensors.TWICE * self.delay_uncertainty:
             return 0
         return 1 if self.delay > 0.0 else 2
 
@@ -214,7 +199,7 @@ def paired_motion(
     largest = max(blows, key=lambda blow: abs(blow.peak))
     width = _width(largest)
     apart = [_copied(window, step) for window in windows]
-    copies = [one for one in apart if one.explained >= COPY and not one.ambiguous]
+    copies = [one for one in apart if one.explained >= OfTwoSensors.COPY and not one.ambiguous]
     delay, delay_doubt = _mean([(one.delay, one.delay_doubt) for one in copies])
     gain, gain_doubt = _mean([(one.gain, one.gain_doubt) for one in copies])
     zeros = [_zero(values, step, start, largest) for values in (first, second)]
@@ -307,7 +292,10 @@ def _window(
         above = values[begin:end] - _zero(values, step, start, blow)
         quiet = _quiet(values, step, start, blow)
         noise = float(np.std(quiet)) if quiet.size >= FEWEST else blow.noise
-        high = np.flatnonzero(np.abs(above) > max(SETTLED * float(np.max(np.abs(above), initial=0.0)), CLEAR * noise))
+        high = np.flatnonzero(
+            np.abs(above)
+            > max(OfTwoSensors.SETTLED * float(np.max(np.abs(above), initial=0.0)), OfTwoSensors.CLEAR * noise)
+        )
         settled = max(settled, int(high[-1]) + 1 if high.size else 0)
         pair.append(above)
         noises.append(noise)
@@ -389,7 +377,10 @@ def _band(window: Window, step: float) -> float:
     spectra = [np.fft.rfft(values, padded) for values in (window.first, window.second)]
     high = np.ones(spectra[0].size, dtype=bool)
     for spectrum, noise in zip(spectra, window.noises, strict=True):
-        high &= uniform_filter1d(np.abs(spectrum) ** 2, AVERAGES, mode="reflect") > ABOVE_NOISE * noise**2 * size
+        high &= (
+            uniform_filter1d(np.abs(spectrum) ** 2, AVERAGES, mode="reflect")
+            > OfTwoSensors.ABOVE_NOISE * noise**2 * size
+        )
     if not high.any():
         return min(HIGHEST / step, window.cutoff)
     top = int(np.argmax(np.where(high, np.abs(spectra[0]), 0.0)))
@@ -402,8 +393,8 @@ def _rivalled(products: Array) -> bool:
     top = int(np.argmax(products))
     high = products[top]
     for side in (products[top:], products[top::-1]):
-        fallen = np.flatnonzero(side < APART * high)
-        if fallen.size and float(np.max(side[fallen[0] :], initial=0.0)) > RIVAL * high:
+        fallen = np.flatnonzero(side < OfTwoSensors.APART * high)
+        if fallen.size and float(np.max(side[fallen[0] :], initial=0.0)) > OfTwoSensors.RIVAL * high:
             return True
     return False
 
@@ -443,7 +434,11 @@ def _transfer(windows: Sequence[Window], step: float, delay: float) -> Transfer 
     turn = np.exp(-2j * np.pi * frequency * back * step)
     h1, h2 = xy / np.maximum(xx, floor) * turn, yy / np.where(xy == 0.0, floor, np.conj(xy)) * turn
     noises = [2.0 * step * float(np.mean([window.noises[k] ** 2 for window in windows])) for k in (0, 1)]
-    sure = (uncertainty <= SURE) & (xx >= ABOVE_NOISE * noises[0]) & (yy >= ABOVE_NOISE * noises[1])
+    sure = (
+        (uncertainty <= OfTwoSensors.SURE)
+        & (xx >= OfTwoSensors.ABOVE_NOISE * noises[0])
+        & (yy >= OfTwoSensors.ABOVE_NOISE * noises[1])
+    )
     trusted, alike_to = (math.nan, math.nan), math.nan
     if sure.any():
         middle = int(np.argmax(np.where(sure, xx, 0.0)))
@@ -451,7 +446,7 @@ def _transfer(windows: Sequence[Window], step: float, delay: float) -> Transfer 
         low = int(off[off < middle].max(initial=-1)) + 1
         high = int(off[off > middle].min(initial=sure.size)) - 1
         trusted = float(frequency[low]), float(frequency[high])
-        apart = np.abs(h1[low : high + 1] - 1.0) > ALIKE + TWICE * uncertainty[low : high + 1]
+        apart = np.abs(h1[low : high + 1] - 1.0) > OfTwoSensors.ALIKE + OfTwoSensors.TWICE * uncertainty[low : high + 1]
         same = int(np.argmax(apart)) if apart.any() else apart.size
         alike_to = float(frequency[low + same - 1]) if same else math.nan
     return Transfer(frequency, h1, h2, coherence, uncertainty, averages, lines / (size * step), trusted, alike_to)
@@ -465,17 +460,20 @@ def _as_one_body(found: PairedMotion, ambiguous: bool, step: float, width: float
         if ambiguous:
             return "cannot-tell", "several delays fit about as well: the channels swing more than they are struck"
         return "no", f"a delayed copy of the first explains {percent(found.explained, 0)} of the energy of the second"
-    gain_doubt = math.hypot(found.gain_uncertainty, CALIBRATED)
+    gain_doubt = math.hypot(found.gain_uncertainty, OfTwoSensors.CALIBRATED)
     delay_doubt = math.hypot(found.delay_uncertainty, step / math.sqrt(12.0))
-    gain_off, delay_off = abs(found.gain - 1.0) > TWICE * gain_doubt, abs(found.delay) > TWICE * delay_doubt
+    gain_off, delay_off = (
+        abs(found.gain - 1.0) > OfTwoSensors.TWICE * gain_doubt,
+        abs(found.delay) > OfTwoSensors.TWICE * delay_doubt,
+    )
     gain_words = "gain " + " ± ".join(beside_doubt(found.gain, found.gain_uncertainty))
     delay_words = "delay " + " ± ".join(beside_doubt(1e6 * found.delay, 1e6 * found.delay_uncertainty)) + " µs"
     if gain_off or delay_off:
         words = " and ".join([gain_words] * gain_off + [delay_words] * delay_off)
-        more = [f"calibration {percent(CALIBRATED, 0)}"] * gain_off
+        more = [f"calibration {percent(OfTwoSensors.CALIBRATED, 0)}"] * gain_off
         more += [f"sampling {plain(1e6 * step / math.sqrt(12.0), 2)} µs"] * delay_off
         return "no", f"{words} (standard uncertainties; {' and '.join(more)} more)"
-    if gain_doubt > SURE or delay_doubt > SURE * width:
+    if gain_doubt > OfTwoSensors.SURE or delay_doubt > OfTwoSensors.SURE * width:
         return "cannot-tell", f"{gain_words} and {delay_words}: too uncertain to tell"
     if math.isnan(found.transfer.alike_to):
         return "cannot-tell", f"{gain_words} and {delay_words}, but no band of the transfer function can be trusted"

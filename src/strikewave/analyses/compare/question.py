@@ -26,7 +26,8 @@ from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Result, Source, Verdicts
 from strikewave.base.shock_quantities import usual_unit
 from strikewave.base.units import si_value
-from strikewave.records.ringing import FEWEST_AFTER, LOWEST_RATIO, RINGS_WITHIN, strongest_frequency
+from strikewave.records.ringing import FEWEST_AFTER, RINGS_WITHIN, strongest_frequency
+from strikewave.records.thresholds import OfRingingSought
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.decision_options import budget_in_python
@@ -302,7 +303,7 @@ def _ringing(curve: ComparedCurve) -> tuple[float, float]:
     if after.size < FEWEST_AFTER:
         return math.nan, math.nan
     swing = 0.5 * float(np.ptp(after)) / pulse.peak
-    frequency = strongest_frequency(after, step, LOWEST_RATIO / pulse.width)
+    frequency = strongest_frequency(after, step, OfRingingSought.LOWEST_RATIO / pulse.width)
     return (frequency, swing) if swing > 0.0 else (math.nan, math.nan)
 
 

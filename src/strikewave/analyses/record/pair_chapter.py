@@ -12,7 +12,7 @@ from strikewave.analyses.record.tables import amount, plus_minus
 from strikewave.base.first_few import first_few
 from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import BANDWIDTH, MICROSECONDS
-from strikewave.records.two_sensors import CALIBRATED
+from strikewave.records.thresholds import OfTwoSensors
 from strikewave.reporting import faces
 from strikewave.reporting.numbers import axis_unit, doubted, listed
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
@@ -105,11 +105,12 @@ def pair_section(pairs: Sequence[RecordPair]) -> Section:
     """Return table, reasons and pictures, those of the first file that has them."""
     from strikewave.analyses.record.figures.pairs import pair_figure, transfer_figure
 
+    calibrated = percent(OfTwoSensors.CALIBRATED, 0)
     text = (
         "Common motion is half the sum of both channels, differential motion half of second less first. The delay is "
         "that of the largest cross-correlation, the gain that of the second over the first so shifted, each ± a "
         "standard uncertainty. Two sensors move as one rigid body where the gain is 1 and the delay 0 within twice "
-        f"their uncertainty, {percent(CALIBRATED, 0)} for calibration and a share of a sample included. The peak of "
+        f"their uncertainty, {calibrated} for calibration and a share of a sample included. The peak of "
         "the common motion is that without ringing where it can be separated; what the differential motion does in its "
         "band is in its uncertainty. pairs.csv and transfer.csv have all figures."
     )

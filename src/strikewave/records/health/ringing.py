@@ -11,8 +11,8 @@ import numpy as np
 from strikewave.records.health.sampled_record import FEWEST_OF_PART, BlowRecord, with_unit
 from strikewave.records.health_notice import Fault
 from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
-from strikewave.records.ringing import POOR, RINGS_WITHIN, ringing_of
-from strikewave.records.thresholds import HARMED, OfRinging
+from strikewave.records.ringing import RINGS_WITHIN, ringing_of
+from strikewave.records.thresholds import HARMED, OfRinging, OfRingingSought
 
 COMPARED = ("peak", "width", "velocity_change")
 """Figures that are compared with those of the pulse without ringing."""
@@ -75,7 +75,7 @@ def _ringing_of(record: BlowRecord, pulse: RecordedPulse) -> Fault | None:
     if share < OfRinging.NOTED and math.isnan(frequency):
         return _dead_within(record, pulse)
     if not frequency * smooth.width() > OfRinging.SEPARATE:
-        strong = share > OfRinging.STRONG or (within and smooth.misfit > POOR)
+        strong = share > OfRinging.STRONG or (within and smooth.misfit > OfRingingSought.POOR)
         severity, harms = ("suspect", ("peak", "rise", "width")) if strong else ("good", ())
         return Fault(share, {"misfit": smooth.misfit}, severity, harms, pulse.end, message=SLOW)
     figures = {"peak": smooth.peak, "width": smooth.width(), "velocity_change": smooth.area()}

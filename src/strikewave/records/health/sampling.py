@@ -9,8 +9,8 @@ import numpy as np
 
 from strikewave.records.health.sampled_record import Array, BlowRecord, ResponseRecord
 from strikewave.records.health_notice import Fault
-from strikewave.records.response import FEWEST, ROUND
-from strikewave.records.thresholds import HARMED, OfSampling
+from strikewave.records.response import FEWEST
+from strikewave.records.thresholds import HARMED, OfAnswers, OfSampling
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 FEWEST_AROUND = 64
@@ -55,7 +55,7 @@ def _missed(count: float) -> float:
     (0.0085, 0.19)
     """
     beside, far = math.cos(math.pi / count), math.cos(3.0 * math.pi / count)
-    if far < ROUND * beside and count < OfSampling.TOO_FEW_OF_SWING:
+    if far < OfAnswers.ROUND * beside and count < OfSampling.TOO_FEW_OF_SWING:
         return 1.0 - beside
     return 1.0 - beside - 0.125 * (beside - far)
 
