@@ -25,7 +25,7 @@ from strikewave.analyses.machine.figures.geometry import (
     stretched,
 )
 from strikewave.analyses.machine.figures.parts import (
-    length,
+    length_entry,
     machine_parts,
     significant,
 )
@@ -182,7 +182,7 @@ def _draw_radius(axes: Any, case: Case, geometry: StrikeGeometry, angle: float) 
     """Dimension the path from the axis to a nose that stands clear of the strike; return its angle, rad."""
     end = _clear_nose(geometry, angle, 1.2)
     axes.annotate("", end, (0.0, 0.0), arrowprops={**_ARROW, "arrowstyle": "-|>", "color": INK}, zorder=4)
-    (entry,) = length("R", case.rotary_tables().machine.radius)
+    (entry,) = length_entry("R", case.rotary_tables().machine.radius)
     _dimensioned(axes, tuple(0.45 * end), f"R {entry.shown}")
     return math.atan2(end[1], end[0])
 
@@ -231,7 +231,7 @@ def _draw_stroke(axes: Any, case: Case, made: Outlines) -> None:
     if case.feed is None:
         return
     stroke = case.feed.stroke
-    (entry,) = length("s", stroke)
+    (entry,) = length_entry("s", stroke)
     y, shown = places.floor - 0.06 * geometry.radius, min(stroke.si, LONGEST_STROKE * geometry.radius)
     right = places.wall
     for x in (right, right + shown):
@@ -299,7 +299,7 @@ def _draw_touch(axes: Any, geometry: StrikeGeometry, angle: float, size: float) 
 
 def _draw_engagement(axes: Any, value: Any, ends: tuple[float, float], y: float, size: float) -> None:
     """Dimension the engagement; the arrows stand outside where it is too small for them."""
-    (entry,) = length("q", value)
+    (entry,) = length_entry("q", value)
     if ends[1] - ends[0] > 0.3 * size:
         axes.annotate("", (ends[1], y), (ends[0], y), arrowprops={**_ARROW, "color": INK}, zorder=6)
         _dimensioned(axes, (0.5 * (ends[0] + ends[1]), y - 0.06 * size), f"q {entry.shown}")

@@ -35,41 +35,41 @@ def significant(value: float, digits: int = 4) -> str:
     return written(value + 0.0, digits)  # no zero has a sign
 
 
-def quantity(name: str, value: Value | None, unit: str = "") -> list[PartNumber]:
+def number_entry(name: str, value: Value | None, unit: str = "") -> list[PartNumber]:
     """Return one entry for a value of a case in a unit, none where it is absent."""
-    return [] if value is None else [PartNumber(name, shown(value, unit), value.provenance)]
+    return [] if value is None else [PartNumber(name, written_value(value, unit), value.provenance)]
 
 
-def shown(value: Value, unit: str) -> str:
+def written_value(value: Value, unit: str) -> str:
     """Write a value of a case in a unit, as a drawing shows it."""
     number = in_unit(value.si, dict(USUAL.keys())[unit], unit) if unit else value.si
     return f"{significant(float(number))}{'' if unit in ('', 'deg') else ' '}{DRAWN.get(unit, spelled(unit))}"
 
 
-def length(name: str, value: Value | None) -> list[PartNumber]:
+def length_entry(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in mm."""
-    return quantity(name, value, "mm")
+    return number_entry(name, value, "mm")
 
 
-def stiffness(name: str, value: Value | None) -> list[PartNumber]:
+def stiffness_entry(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in kN/m, from a million on in MN/m."""
     unit = "kN/m" if value is None or value.si < 1e6 else "MN/m"
-    return quantity(name, value, unit)
+    return number_entry(name, value, unit)
 
 
-def damping(name: str, value: Value | None) -> list[PartNumber]:
+def damping_entry(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in N s/m."""
-    return quantity(name, value, "N s/m")
+    return number_entry(name, value, "N s/m")
 
 
-def mass(name: str, value: Value | None) -> list[PartNumber]:
+def mass_entry(name: str, value: Value | None) -> list[PartNumber]:
     """Return an entry in kg, below a tenth in g."""
-    return quantity(name, value, "gram" if value is not None and value.si < 0.1 else "kg")
+    return number_entry(name, value, "gram" if value is not None and value.si < 0.1 else "kg")
 
 
-def fall(height: Value | None, friction: Value | None) -> list[PartNumber]:
+def fall_entries(height: Value | None, friction: Value | None) -> list[PartNumber]:
     """Return the entries of a free fall: its height, and the friction on the way as a share of the weight."""
-    return [*quantity(DROP_HEIGHT.label, height, DROP_HEIGHT.usual), *quantity("friction of weight", friction)]
+    return [*number_entry(DROP_HEIGHT.label, height, DROP_HEIGHT.usual), *number_entry("friction of weight", friction)]
 
 
 def provenance_words(parts: Sequence[PartEntry]) -> str:
@@ -92,20 +92,20 @@ def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
         "turntable",
         "turntable",
         [
-            *quantity("speed", machine.speed, "rpm"),
-            *quantity("inertia", machine.inertia, "kg m^2"),
-            *quantity("drive, at most", machine.torque, "N m"),
+            *number_entry("speed", machine.speed, "rpm"),
+            *number_entry("inertia", machine.inertia, "kg m^2"),
+            *number_entry("drive, at most", machine.torque, "N m"),
         ],
     )
     yield PartEntry(
         "striker",
         "strikers",
         [
-            *quantity("count", machine.strikers),
-            *length("path radius R", machine.radius),
-            *length("nose radius", striker.nose_radius),
-            *mass("moving mass, each", striker.mass),
-            *stiffness("mount", striker.mount_stiffness),
+            *number_entry("count", machine.strikers),
+            *length_entry("path radius R", machine.radius),
+            *length_entry("nose radius", striker.nose_radius),
+            *mass_entry("moving mass, each", striker.mass),
+            *stiffness_entry("mount", striker.mount_stiffness),
         ],
     )
     angle, approach = geometry.touch_angle(), geometry.approach(machine.speed.si)
@@ -115,9 +115,9 @@ def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
         "strike",
         "strike",
         [
-            *length("engagement q", machine.engagement),
-            *quantity("blow to radius", machine.blow_angle, "deg"),
-            *length("face width", machine.face_width),
+            *length_entry("engagement q", machine.engagement),
+            *number_entry("blow to radius", machine.blow_angle, "deg"),
+            *length_entry("face width", machine.face_width),
             PartNumber("angle from first touch", meets, "computed"),
             PartNumber("approach, nominal", speed, "computed"),
         ],
@@ -128,17 +128,17 @@ def _object(case: Case) -> Iterator[PartEntry]:
     """Yield nose, frame and assembly, or the layers of a stack."""
     struck, layers = case.rotary_tables().object, case.stack.layer
     for layer in layers[:MOST_LAYERS]:
-        entries = length("length", layer.length)
-        entries += length("diameter", layer.diameter)
-        entries += quantity("area", layer.area, "mm^2") if layer.diameter is None else []
+        entries = length_entry("length", layer.length)
+        entries += length_entry("diameter", layer.diameter)
+        entries += number_entry("area", layer.area, "mm^2") if layer.diameter is None else []
         yield PartEntry(f"layer {layer.name}", shortened(layer.name, 16), entries)
     if layers:
         if len(layers) > MOST_LAYERS:
             yield PartEntry("", f"{len(layers) - MOST_LAYERS} further layers", [])
         return
-    entries = [*mass("mass of the object", struck.mass), *mass("of it the nose", struck.nose_mass)]
+    entries = [*mass_entry("mass of the object", struck.mass), *mass_entry("of it the nose", struck.nose_mass)]
     yield PartEntry("nose", "nose", entries)
-    entries = [*stiffness("stiffness", struck.frame_stiffness), *damping("damping", struck.frame_damping)]
+    entries = [*stiffness_entry("stiffness", struck.frame_stiffness), *damping_entry("damping", struck.frame_damping)]
     yield PartEntry("frame", "frame", entries)
     yield PartEntry("assembly", "assembly with sensor", [])
 
@@ -147,13 +147,13 @@ def _held_by(case: Case) -> Iterator[PartEntry]:
     """Yield what holds and feeds the object."""
     tables = case.rotary_tables()
     struck, feed = tables.object, tables.feed
-    preload = quantity("preload", struck.preload, "N")
-    yield PartEntry("spring", "heavy-load spring", [*stiffness("rate", struck.spring), *preload])
-    yield PartEntry("damper", "damper", damping("damping", struck.damper))
-    restitution = quantity("restitution", struck.stop_restitution)
-    yield PartEntry("stop", "stop", [*stiffness("stiffness", struck.stop_stiffness), *restitution])
-    carried = quantity("gravity along blow", struck.gravity, "m/s^2")
-    carried += quantity("friction of the rails", struck.friction, "N")
+    preload = number_entry("preload", struck.preload, "N")
+    yield PartEntry("spring", "heavy-load spring", [*stiffness_entry("rate", struck.spring), *preload])
+    yield PartEntry("damper", "damper", damping_entry("damping", struck.damper))
+    restitution = number_entry("restitution", struck.stop_restitution)
+    yield PartEntry("stop", "stop", [*stiffness_entry("stiffness", struck.stop_stiffness), *restitution])
+    carried = number_entry("gravity along blow", struck.gravity, "m/s^2")
+    carried += number_entry("friction of the rails", struck.friction, "N")
     yield PartEntry("carriage", "carriage", carried)
-    time = quantity("stroke time", feed.stroke_time, "ms")
-    yield PartEntry("feed", "feed", [*length("stroke s", feed.stroke), *time])
+    time = number_entry("stroke time", feed.stroke_time, "ms")
+    yield PartEntry("feed", "feed", [*length_entry("stroke s", feed.stroke), *time])

@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 from strikewave.analyses.machine.figures.drawing import SIZE, balloon
 from strikewave.analyses.machine.figures.geometry import LOOKS
 from strikewave.analyses.machine.figures.parts import (
-    damping,
-    mass,
+    damping_entry,
+    mass_entry,
+    number_entry,
     provenance_words,
-    quantity,
-    stiffness,
+    stiffness_entry,
 )
 from strikewave.analyses.machine.kind import Drawing, PartEntry
 from strikewave.cases.case import Case
@@ -131,33 +131,39 @@ class Schematic:
 def striker_part(case: Case, name: str) -> PartEntry:
     """Return [striker] as a part, called as its machine calls it."""
     striker = case.impact().striker
-    entries = [*mass("mass", striker.mass), *quantity("nose radius", striker.nose_radius, "mm")]
-    entries += [*stiffness("mount", striker.mount_stiffness), *damping("mount, damping", striker.mount_damping)]
+    entries = [*mass_entry("mass", striker.mass), *number_entry("nose radius", striker.nose_radius, "mm")]
+    entries += [
+        *stiffness_entry("mount", striker.mount_stiffness),
+        *damping_entry("mount, damping", striker.mount_damping),
+    ]
     return PartEntry("striker", name, entries)
 
 
 def object_part(case: Case, name: str) -> PartEntry:
     """Return [object] as a part, called as its machine calls it."""
     struck = case.impact().object
-    entries = [*mass("mass", struck.mass), *mass("of it the nose", struck.nose_mass)]
-    entries += [*stiffness("frame", struck.frame_stiffness), *damping("frame, damping", struck.frame_damping)]
-    entries += [*stiffness("spring", struck.spring), *damping("damper", struck.damper)]
-    entries += stiffness("stop", struck.stop_stiffness)
+    entries = [*mass_entry("mass", struck.mass), *mass_entry("of it the nose", struck.nose_mass)]
+    entries += [
+        *stiffness_entry("frame", struck.frame_stiffness),
+        *damping_entry("frame, damping", struck.frame_damping),
+    ]
+    entries += [*stiffness_entry("spring", struck.spring), *damping_entry("damper", struck.damper)]
+    entries += stiffness_entry("stop", struck.stop_stiffness)
     return PartEntry("object", name, entries)
 
 
 def contact_part(case: Case, name: str) -> PartEntry:
     """Return [contact] as a part, called as its machine calls it."""
     contact = case.impact().contact
-    entries = [*quantity("restitution", contact.restitution)]
-    entries += quantity("force at depth", contact.reference_force, "kN")
-    entries += [*quantity("depth", contact.reference_depth, "mm"), *quantity("exponent", contact.exponent)]
+    entries = [*number_entry("restitution", contact.restitution)]
+    entries += number_entry("force at depth", contact.reference_force, "kN")
+    entries += [*number_entry("depth", contact.reference_depth, "mm"), *number_entry("exponent", contact.exponent)]
     law, pad = contact.law, contact.cushion
     if pad is not None:
         law = f"{contact.law} ({pad.material or pad.law})"
-        entries += [*quantity("thickness", pad.thickness, "mm"), *quantity("diameter", pad.diameter, "mm")]
-        entries += [*quantity("area", pad.area, "cm^2"), *quantity("plateau", pad.plateau, "MPa")]
-        entries += [*quantity("modulus", pad.modulus, "MPa"), *quantity("stress", pad.stress, "MPa")]
+        entries += [*number_entry("thickness", pad.thickness, "mm"), *number_entry("diameter", pad.diameter, "mm")]
+        entries += [*number_entry("area", pad.area, "cm^2"), *number_entry("plateau", pad.plateau, "MPa")]
+        entries += [*number_entry("modulus", pad.modulus, "MPa"), *number_entry("stress", pad.stress, "MPa")]
     return PartEntry("contact", f"{name}, {law}", entries)
 
 

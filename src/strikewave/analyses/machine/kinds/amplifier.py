@@ -118,14 +118,14 @@ class Amplifier(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import fall, length, mass, quantity
+        from strikewave.analyses.machine.figures.parts import fall_entries, length_entry, mass_entry, number_entry
 
-        drop = fall(self.height, self.friction)
-        drop += quantity("restitution, floor", self.restitution)
+        drop = fall_entries(self.height, self.friction)
+        drop += number_entry("restitution, floor", self.restitution)
         parts = [PartEntry("floor", "fall and floor", drop)]
         for row in self.body:
-            entries = [*mass("mass", row.mass), *quantity("restitution above", row.restitution)]
-            parts.append(PartEntry(row.name, row.name, [*entries, *length("gap above", row.gap)]))
+            entries = [*mass_entry("mass", row.mass), *number_entry("restitution above", row.restitution)]
+            parts.append(PartEntry(row.name, row.name, [*entries, *length_entry("gap above", row.gap)]))
         parts += [s.striker_part(case, "striker"), s.contact_part(case, "contact"), s.object_part(case, "object")]
         sketch = s.Schematic(parts)
         sketch.ground((1.6, 0.6), (8.4, 0.6))

@@ -52,11 +52,11 @@ class Drop(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import fall, quantity, shown, stiffness
+        from strikewave.analyses.machine.figures.parts import fall_entries, number_entry, stiffness_entry, written_value
 
-        drop = fall(self.height, self.friction)
-        drop += quantity("cords, force at the anvil", self.cord_force, "N")
-        drop += stiffness("cords, stiffness", self.cord_stiffness)
+        drop = fall_entries(self.height, self.friction)
+        drop += number_entry("cords, force at the anvil", self.cord_force, "N")
+        drop += stiffness_entry("cords, stiffness", self.cord_stiffness)
         parts = [PartEntry("fall", "fall", drop), s.object_part(case, "table with load")]
         sketch = s.Schematic([*parts, s.contact_part(case, "shaper"), s.striker_part(case, "anvil")])
         for x in (2.4, 7.6):
@@ -66,7 +66,7 @@ class Drop(LaunchedKind):
         sketch.block((4.4, 1.6), (5.6, 2.0), "stop")
         sketch.number("contact", (6.1, 2.0))
         sketch.block((1.6, 0.7), (8.4, 1.6), "striker", "striker")
-        sketch.dimension((3.4, 2.0), (3.4, 5.2), shown(self.height, DROP_HEIGHT.usual))
+        sketch.dimension((3.4, 2.0), (3.4, 5.2), written_value(self.height, DROP_HEIGHT.usual))
         sketch.number("fall", (3.0, 3.6))
         sketch.line((3.1, 2.0), (4.4, 2.0), dashed=True)
         sketch.arrow((5.0, 5.1), (5.0, 3.6), "falls")

@@ -98,15 +98,24 @@ class DualMassAmplifier(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import damping, fall, quantity, shown, stiffness
+        from strikewave.analyses.machine.figures.parts import (
+            damping_entry,
+            fall_entries,
+            number_entry,
+            stiffness_entry,
+            written_value,
+        )
 
-        drop = fall(self.height, self.friction)
-        shaper = [*stiffness("stiffness", self.shaper_stiffness), *quantity("restitution", self.shaper_restitution)]
-        cushions = [
-            *stiffness("stiffness, all", self.cushion_stiffness),
-            *damping("damping, all", self.cushion_damping),
+        drop = fall_entries(self.height, self.friction)
+        shaper = [
+            *stiffness_entry("stiffness", self.shaper_stiffness),
+            *number_entry("restitution", self.shaper_restitution),
         ]
-        cushions += quantity("gap to the pad", self.gap, "mm")
+        cushions = [
+            *stiffness_entry("stiffness, all", self.cushion_stiffness),
+            *damping_entry("damping, all", self.cushion_damping),
+        ]
+        cushions += number_entry("gap to the pad", self.gap, "mm")
         parts = [
             PartEntry("fall", "fall", drop),
             PartEntry("shaper", "pulse shaper", shaper),
@@ -129,9 +138,9 @@ class DualMassAmplifier(LaunchedKind):
             sketch.spring((x, 4.7), (x, 6.2))
         sketch.number("cushions", (7.65, 5.4))
         sketch.block((2.4, 6.2), (7.6, 7.0), "body", "object")
-        sketch.dimension((3.6, 1.9), (3.6, 3.9), shown(self.height, DROP_HEIGHT.usual))
+        sketch.dimension((3.6, 1.9), (3.6, 3.9), written_value(self.height, DROP_HEIGHT.usual))
         sketch.number("fall", (3.2, 2.9))
-        sketch.dimension((4.9, 5.0), (4.9, 6.2), shown(self.gap, "mm"))
+        sketch.dimension((4.9, 5.0), (4.9, 6.2), written_value(self.gap, "mm"))
         sketch.arrow((5.0, 3.8), (5.0, 2.6), "both fall")
         sketch.blow((8.9, 5.0), (8.9, 6.4))
         return sketch.drawing("The dual-mass shock amplifier")

@@ -40,15 +40,15 @@ class FallingBall(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import fall, shown
+        from strikewave.analyses.machine.figures.parts import fall_entries, written_value
 
-        drop = fall(self.height, self.friction)
+        drop = fall_entries(self.height, self.friction)
         parts = [PartEntry("fall", "fall", drop), s.striker_part(case, "ball"), s.contact_part(case, "contact")]
         sketch = s.Schematic([*parts, s.object_part(case, "object")])
         sketch.ball((5.0, 6.8), 0.6, "striker", "striker")
         sketch.arrow((5.0, 6.0), (5.0, 4.4), "falls")
         sketch.blow((8.6, 5.2), (8.6, 3.6))
-        sketch.dimension((3.2, 3.0), (3.2, 6.2), shown(self.height, DROP_HEIGHT.usual))
+        sketch.dimension((3.2, 3.0), (3.2, 6.2), written_value(self.height, DROP_HEIGHT.usual))
         sketch.number("fall", (2.8, 4.6))
         sketch.line((2.9, 6.2), (4.6, 6.2), dashed=True)
         sketch.block((3.6, 2.2), (6.4, 3.0), "body", "object")

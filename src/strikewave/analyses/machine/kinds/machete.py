@@ -108,14 +108,14 @@ class Machete(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import length, mass, quantity
+        from strikewave.analyses.machine.figures.parts import length_entry, mass_entry, number_entry
 
-        arm = [*quantity("teeth", self.teeth), *quantity("teeth of the wheel", self.wheel_teeth)]
-        arm += [*quantity("inertia", self.inertia, "kg m^2"), *length("shaft to head", self.radius)]
-        arm += [*mass("mass", self.mass), *length("shaft to centre", self.centre)]
-        arm += quantity("strike angle", self.strike_angle, "deg")
-        arm += quantity("friction", self.friction, "N m")
-        weight = [*mass("mass", self.weight), *length("radius of its drum", self.drum)]
+        arm = [*number_entry("teeth", self.teeth), *number_entry("teeth of the wheel", self.wheel_teeth)]
+        arm += [*number_entry("inertia", self.inertia, "kg m^2"), *length_entry("shaft to head", self.radius)]
+        arm += [*mass_entry("mass", self.mass), *length_entry("shaft to centre", self.centre)]
+        arm += number_entry("strike angle", self.strike_angle, "deg")
+        arm += number_entry("friction", self.friction, "N m")
+        weight = [*mass_entry("mass", self.weight), *length_entry("radius of its drum", self.drum)]
         parts = [PartEntry("arm", "arm and ratchet", arm), PartEntry("weight", "weight", weight)]
         parts += [s.object_part(case, "object in the head"), s.contact_part(case, "contact")]
         sketch = s.Schematic([*parts, s.striker_part(case, "anvil")])
