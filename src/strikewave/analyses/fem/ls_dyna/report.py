@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from strikewave.analyses.fem.ls_dyna.figures import comparison_sheet
+from strikewave.analyses.fem.ls_dyna.figures import comparison_sheet, contact_figure, energy_figure, force_figure
 from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
 from strikewave.base.declare import declarations
 from strikewave.base.shock_quantities import MICROSECONDS
@@ -86,15 +86,13 @@ def _read(theirs: LsDynaRun) -> Section:
 
 
 def _forces(result: LsDynaResult) -> Section:
-    from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
-
     comparison, parts = result.found, list[Part]()
     for pair in comparison.forces:
         caption = f"Magnitude of the contact force {pair.name}: strikewave solid, LS-DYNA dashed."
-        parts.append(Picture(ls_dyna.force_figure(pair), caption))
+        parts.append(Picture(force_figure(pair), caption))
     if not comparison.forces and comparison.ls_dyna.contacts:
         parts.append(
-            Picture(ls_dyna.contact_figure(comparison.ls_dyna.contacts), "Magnitudes of the contact forces of LS-DYNA.")
+            Picture(contact_figure(comparison.ls_dyna.contacts), "Magnitudes of the contact forces of LS-DYNA.")
         )
     parts += [pair_table(pair) for pair in comparison.forces]
     parts.append(contact_table(result))
@@ -128,9 +126,7 @@ def _table_of_both(caption: str, heads: list[str], kind: type, rows: Sequence[tu
 
 
 def _energies(result: LsDynaResult) -> Section:
-    from strikewave.analyses.fem.ls_dyna import figures as ls_dyna
-
-    picture = Picture(ls_dyna.energy_figure(result.found), "Energies: strikewave solid, LS-DYNA dashed.")
+    picture = Picture(energy_figure(result.found), "Energies: strikewave solid, LS-DYNA dashed.")
     return Section("Energies", _ENERGIES, [picture, energy_table(result)])
 
 
