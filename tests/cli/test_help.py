@@ -1,6 +1,5 @@
 """The list of commands, the help of each, completion, and what is said of a wrong word."""
 
-import importlib
 import inspect
 import json
 import subprocess
@@ -9,7 +8,7 @@ import typing
 
 import pytest
 
-from strikewave.cli.group import PANELS, entries
+from strikewave.cli.group import PANELS, command_function, entries
 
 HEAVY = ("numpy", "numba", "scipy", "pint", "pydantic", "xarray", "matplotlib", "jinja2", "tomlkit", "rich")
 """Libraries that take a tenth of a second each, or more."""
@@ -17,7 +16,7 @@ HEAVY = ("numpy", "numba", "scipy", "pint", "pydantic", "xarray", "matplotlib", 
 
 def test_summary_of_the_list_is_the_first_line_of_the_help():
     for name, entry in entries().items():
-        function = importlib.import_module(entry.module).command
+        function = command_function(entry.module)
         assert inspect.getdoc(function).splitlines()[0] == entry.summary, name
 
 
@@ -158,7 +157,7 @@ def choices(name, option):
     """Return the choices of an option, alone or in a group."""
     from strikewave.cli.option_groups import spread
 
-    function = spread(importlib.import_module(entries()[name].module).command)
+    function = spread(command_function(entries()[name].module))
     kind = typing.get_type_hints(function)[option]
     literal = next(part for part in (kind, *typing.get_args(kind)) if typing.get_origin(part) is typing.Literal)
     return set(typing.get_args(literal))

@@ -22,9 +22,9 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
     "Predict": {
         "run": ("strikewave.cli.run", "Run a case or a set-up file."),
         "wave": ("strikewave.analyses.wave.command", "Run a layered bar under its load."),
-        "fem": ("strikewave.analyses.fem.command", "Run an explicit finite-element model."),
-        "impact": ("strikewave.analyses.impact.command", "Solve the impact of two free bodies."),
-        "laws": ("strikewave.analyses.impact.laws", "List the contact laws."),
+        "fem": ("strikewave.analyses.fem.command:fem", "Run an explicit finite-element model."),
+        "impact": ("strikewave.analyses.impact.command:impact", "Solve the impact of two free bodies."),
+        "laws": ("strikewave.analyses.impact.command:laws", "List the contact laws."),
         "reproduce": ("strikewave.papers.li_ma_2019.command", "Reproduce a published paper."),
     },
     "Measure": {
@@ -32,7 +32,7 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "srs": ("strikewave.analyses.record.srs", "Compute shock response spectra."),
         "spec": ("strikewave.analyses.record.spec", "List, show, begin or meet a specification."),
         "hopkinson": ("strikewave.analyses.hopkinson.command", "Reduce split-Hopkinson-bar records."),
-        "identify": ("strikewave.analyses.impact.identify", "Identify a contact law from a pulse."),
+        "identify": ("strikewave.analyses.impact.command:identify", "Identify a contact law from a pulse."),
         "compare": ("strikewave.analyses.compare.command", "Compare two histories, measured or simulated."),
     },
     "Design": {
@@ -45,8 +45,8 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "buffer": ("strikewave.studies.buffer.command", "Rank gasket stacks under a sensor."),
     },
     "Exchange": {
-        "deck": ("strikewave.analyses.fem.deck", "Write a model for LS-DYNA or OpenRadioss."),
-        "ls-dyna": ("strikewave.analyses.fem.ls_dyna.command", "Read the results of an LS-DYNA run."),
+        "deck": ("strikewave.analyses.fem.command:deck", "Write a model for LS-DYNA or OpenRadioss."),
+        "ls-dyna": ("strikewave.analyses.fem.command:ls_dyna", "Read the results of an LS-DYNA run."),
     },
     "Look": {
         "app": ("strikewave.web.command", "Open the app in a browser."),
@@ -61,7 +61,7 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "doctor": ("strikewave.cli.doctor", "Say what is installed, missing and cached."),
     },
 }
-"""Panel of the help, name of a command, its module (its function is ``command``) and its summary.
+"""Panel of the help, name, module and summary of a command; its function is ``command``, or stands after a colon.
 
 The summary is the first line of the command's docstring. It stands here too, because reading it there would import the
 module; a test holds both equal.
@@ -97,10 +97,17 @@ def entries() -> dict[str, CommandEntry]:
     return {name: CommandEntry(panel, *row) for panel, rows in PANELS.items() for name, row in rows.items()}
 
 
+def command_function(module: str) -> Callable[..., Any]:
+    """Import the module of a command and return its function, as the table names them."""
+    path, _, name = module.partition(":")
+    function: Callable[..., Any] = getattr(importlib.import_module(path), name or "command")
+    return function
+
+
 def whole_command(name: str, module: str) -> Command:
-    """Import the module of a command and return the command with all its options."""
+    """Return the command of a module with all its options."""
     one = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-    one.command(name, cls=SectionedCommand, context_settings=SETTINGS)(spread(importlib.import_module(module).command))
+    one.command(name, cls=SectionedCommand, context_settings=SETTINGS)(spread(command_function(module)))
     return typer.main.get_command(one)
 
 

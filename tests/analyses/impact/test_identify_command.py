@@ -7,9 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from strikewave.analyses.impact import identify
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.cli import app
 from strikewave.contact import Contact, exact, impact_history, reduced_mass, solve_impact
 
 M1, M2, SPEED, STIFFNESS, EXPONENT, RESTITUTION = 0.2, 0.459, 5.0, 4.7e9, 10 / 9, 0.6
@@ -19,8 +17,6 @@ BEGIN, STEP = 400e-6, 0.5e-6
 
 @pytest.fixture
 def command(strikewave):
-    if "identify" not in [known.name for known in app.app.registered_commands]:
-        app.app.command("identify")(identify.command)
     return lambda *words: strikewave("identify", *words)
 
 

@@ -1,16 +1,19 @@
-"""``strikewave fem``: run an explicit finite-element model."""
+"""``strikewave fem``, ``deck`` and ``ls-dyna``."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options.output import RunOutput
+from strikewave.base.errors import InputError
+from strikewave.reporting.options.output import Output, RunOutput
 from strikewave.reporting.options.shared import CaseName, Changes, ElementDevice
 
 
-def command(
+def fem(
     case: CaseName,
     *,
     threads: Annotated[
@@ -61,3 +64,95 @@ def command(
         return check_element_case(read, output.json, threads)
     choice = FemOptions(threads, not no_report, restart, animate, device)
     return run_element_case(read, changes or (), output, choice)
+
+
+def deck(
+    case: CaseName,
+    *,
+    code: Annotated[
+        Literal["ls-dyna", "openradioss"], typer.Option("--code", help="Program that shall run the model.")
+    ] = "ls-dyna",
+    units: Annotated[
+        Literal["SI", "mm-t-s", "mm-ms-kg", "mm-g-us"], typer.Option("--units", help="System of units of the deck.")
+    ] = "mm-t-s",
+    changes: Changes = None,
+    output: Output,
+) -> int:
+    """Write a model for LS-DYNA or OpenRadioss.
+
+    The files are CASE.k, or CASE_0000.rad and CASE_0001.rad. With --json, no files are written unless --out is given.
+    """
+    from strikewave.analyses.fem.decks import write_deck
+    from strikewave.cases.case import load_case
+    from strikewave.exchange.units import unit_system
+
+    return write_deck(load_case(case, changes or ()), changes or [], code, unit_system(units, "--units"), output)
+
+
+def ls_dyna(
+    folder: Annotated[
+        Path,
+        typer.Argument(metavar="FOLDER", help="A folder with rcforc, glstat, binout or d3plot.", show_default=False),
+    ],
+    *,
+    units: Annotated[
+        Literal["SI", "mm-t-s", "mm-ms-kg", "mm-g-us"],
+        typer.Option("--units", help="System of units of its deck: the files of LS-DYNA do not state it."),
+    ],
+    compare: Annotated[
+        Path | None,
+        typer.Option(
+            "--compare",
+            metavar="DIR",
+            help="A result of strikewave fem to compare with; none by default.",
+            show_default=False,
+        ),
+    ] = None,
+    beside: Annotated[Path | None, typer.Option("--beside", hidden=True)] = None,
+    contact: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--contact",
+            metavar="NAME=NUMBER",
+            help="Contact of strikewave and its number in LS-DYNA; by name by default; may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
+    part: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--part",
+            metavar="NAME=NUMBER",
+            help="Part of strikewave and its number in LS-DYNA; by name by default; may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
+    output: Output,
+) -> int:
+    """Read the results of an LS-DYNA run.
+
+    They are contact forces, energies and fields; with --compare, beside those of a run of strikewave fem. With --json,
+    no files are written unless --out is given.
+    """
+    from strikewave.analyses.fem.ls_dyna.screen import LsDynaCommand, read_run
+    from strikewave.exchange.units import unit_system
+
+    if beside is not None:
+        raise InputError("--beside", str(beside), "--compare, its new name", "write --compare DIR")
+    contacts, parts = _numbers_by_name("--contact", contact), _numbers_by_name("--part", part)
+    for option, given in (("--contact", contact), ("--part", part)):
+        if compare is None and given:
+            raise InputError(option, given[0], "only with a result of strikewave fem", "add --compare DIR")
+    system = unit_system(units, "--units")
+    return read_run(LsDynaCommand(folder, system, compare, contacts, parts, output.stated_test()), output)
+
+
+def _numbers_by_name(option: str, given: Sequence[str] | None) -> dict[str, int]:
+    """Return numbers by name from NAME=NUMBER."""
+    numbers: dict[str, int] = {}
+    for text in given or ():
+        name, _, number = text.rpartition("=")
+        if not name or not number.strip().isdecimal() or name in numbers:
+            raise InputError(option, text, "NAME=NUMBER, each name once", f"such as {option} ball=1")
+        numbers[name] = int(number)
+    return numbers
