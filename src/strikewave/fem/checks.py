@@ -72,10 +72,10 @@ def _parts(model: Model) -> Iterator[InputError]:
         *((f"section {each.name}", (each.part,)) for each in model.sections),
         *((f"group {name}", group) for name, group in model.groups.items()),
     ]
-    for field, names in named:
+    for key, names in named:
         for name in names:
             if name not in parts:
-                yield InputError(field, name, "a part of the mesh: " + ", ".join(parts))
+                yield InputError(key, name, "a part of the mesh: " + ", ".join(parts))
 
 
 def _repeated(model: Model) -> Iterator[InputError]:
@@ -87,9 +87,9 @@ def _repeated(model: Model) -> Iterator[InputError]:
         ("point", [each.name for each in model.points], ""),
         ("section", [each.name for each in model.sections], ""),
     ]
-    for field, names, hint in named:
+    for key, names, hint in named:
         for name in sorted({name for name in names if names.count(name) > 1}):
-            yield InputError(field, f"{name} twice", "each only once", hint)
+            yield InputError(key, f"{name} twice", "each only once", hint)
 
 
 def _vectors(model: Model) -> Iterator[InputError]:
@@ -102,9 +102,9 @@ def _vectors(model: Model) -> Iterator[InputError]:
         *((f"direction of {b.side}", b.direction) for b in model.boundaries if isinstance(b, Driven)),
         *((f"axis of {b.side}", b.axis) for b in model.boundaries if isinstance(b, Guided)),
     ]
-    for field, vector in rows:
+    for key, vector in rows:
         if len(vector) != 3 or not np.all(np.isfinite(vector)):
-            yield InputError(field, vector, "three finite numbers")
+            yield InputError(key, vector, "three finite numbers")
 
 
 def _curve(field: str, curve: TimeCurve) -> Iterator[InputError]:

@@ -27,7 +27,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from strikewave.fem import _full_kernels as kernels
+from strikewave.fem import _full_kernels
 from strikewave.fem._full_kernels import POINTS
 from strikewave.fem.hexahedron import Hexahedra, shapes, steps_of
 from strikewave.fem.mesh import Array, Index
@@ -38,7 +38,7 @@ class FullyIntegrated(Hexahedra):
     """Elements with eight integration points for the deviator and the mean volume change."""
 
     points = len(POINTS)
-    forces = staticmethod(kernels.slab_forces)
+    forces = staticmethod(_full_kernels.slab_forces)
 
 
 class Mixed:

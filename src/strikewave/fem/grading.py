@@ -14,11 +14,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
-
-Array = NDArray[np.float64]
+from strikewave.fem.mesh import Array
 
 LARGEST_COUNT = 20_000
 """Elements along one line: a mesh of 3 million elements with so long a line has 12 by 12 across."""

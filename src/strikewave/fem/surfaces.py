@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from strikewave.fem import _surface_kernels as kernels
+from strikewave.fem import _surface_kernels as surface_kernels
 from strikewave.fem.mesh import FACES, TINY, Array, Index, Mesh, volumes
 
 
@@ -70,7 +70,7 @@ def extents(points: Array, faces: Index) -> Extents:
     ([1.0, 1.0, 1.0, 1.0], [2.0])
     """
     area, size, radius = np.zeros(len(points)), np.zeros(len(faces)), np.zeros(len(faces))
-    kernels.add_areas(points, faces, area, size, radius)
+    surface_kernels.add_areas(points, faces, area, size, radius)
     return Extents(area, size, radius)
 
 

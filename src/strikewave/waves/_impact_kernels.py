@@ -8,17 +8,9 @@ import numpy as np
 
 from strikewave.base.compiled import kernel
 from strikewave.contact._law_kernels import depth_at_yield
+from strikewave.waves import _press_kernels
 from strikewave.waves._kernels import advance, arriving_at_face, force_and_velocity, gather, record, watch, widen
-from strikewave.waves._press_kernels import (
-    CLOSED,
-    CONTACT_SIZE,
-    COUNT,
-    DEEPEST,
-    FORCE,
-    LOST,
-    begin_contact,
-    press,
-)
+from strikewave.waves._press_kernels import CLOSED, CONTACT_SIZE, COUNT, begin_contact, press
 
 
 @kernel
@@ -37,7 +29,7 @@ def strike(tables, state, law, mass, speed, steps, recordings, averages, extreme
     for n in range(steps):
         m = arriving_at_face(tables, state)
         inertia = 0.5 * dt / mass if n > 0 else 0.0
-        free = v - inertia * contact[FORCE]
+        free = v - inertia * contact[_press_kernels.FORCE]
         force = press(law, contact, touches, n * dt, dt, free + 2.0 * m / z, inertia + 1.0 / z)
         v = free - inertia * force
         f = advance(tables, state, force - m)
@@ -53,4 +45,4 @@ def strike(tables, state, law, mass, speed, steps, recordings, averages, extreme
     count = int(contact[COUNT])
     if contact[CLOSED] > 0.0 and count <= touches.shape[0]:
         touches[count - 1, 1] = steps * dt
-    return count, v, entered, through, contact[LOST], contact[DEEPEST]
+    return count, v, entered, through, contact[_press_kernels.LOST], contact[_press_kernels.DEEPEST]

@@ -9,12 +9,10 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import MORE, NO_UNIT, Quantity
-
-Array = NDArray[np.float64]
+from strikewave.exchange.ls_dyna.ascii import Array
 
 SAMPLES = 4096
 """Instants of a curve that are compared, at most: an integral over a pulse is then known to 1e-6."""

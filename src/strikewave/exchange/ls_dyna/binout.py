@@ -41,10 +41,10 @@ def read_binout(paths: Sequence[Path]) -> tuple[tuple[ContactForce, ...], Global
     """
     branches: dict[str, Held] = {"rcforc": {}, "glstat": {}}
     for path in paths:
-        for array in archived(path):
-            folders = array.path.split("/")[1:]
+        for values in archived(path):
+            folders = values.path.split("/")[1:]
             if len(folders) == 3 and folders[0] in branches:
-                branches[folders[0]].setdefault(folders[1], {})[folders[2]] = np.array(array.values)
+                branches[folders[0]].setdefault(folders[1], {})[folders[2]] = np.array(values.values)
                 if len(branches[folders[0]]) > MOST_OUTPUTS:
                     raise InputError("FILE", str(path), f"at most {MOST_OUTPUTS} outputs")
     where = paths[0] if paths else Path("binout")
