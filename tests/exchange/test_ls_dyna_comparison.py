@@ -412,8 +412,7 @@ def test_runs_of_the_same_name_do_not_overwrite_each_other(strikewave, written, 
 
 
 def test_pictures_of_nothing_say_so(tmp_path):
-    from strikewave.analyses.fem.ls_dyna.figures import comparison_sheet
-    from strikewave.analyses.fem.ls_dyna.report import ls_dyna_report
+    from strikewave.analyses.fem.ls_dyna.report import comparison_sheet, ls_dyna_report
     from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
     from strikewave.exchange.ls_dyna.comparison import RunComparison
     from strikewave.exchange.ls_dyna.folder import LsDynaContact, LsDynaRun

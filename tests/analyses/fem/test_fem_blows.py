@@ -90,7 +90,7 @@ def test_a_number_of_blows_that_cannot_be_is_refused(strikewave, rod, wrong):
 def test_a_run_interrupted_in_its_second_blow_goes_on_to_the_same_files(strikewave, rod, monkeypatch):
     import h5py
 
-    from strikewave.analyses.fem import unfinished as fem
+    from strikewave.analyses.fem import screen as fem
 
     command = ("fem", rod, "--blows", "2", "--no-report", "--out")
     assert strikewave(*command, "whole")[0] == 0

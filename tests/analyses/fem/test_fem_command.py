@@ -365,7 +365,7 @@ def test_a_run_that_is_stopped_while_it_draws_keeps_its_fields(strikewave, small
 @contextlib.contextmanager
 def stopped_at_the_fourth_frame(monkeypatch):
     """Stop what runs in this block, as Ctrl-C does, when the fourth frame is to be written."""
-    from strikewave.analyses.fem import unfinished as fem
+    from strikewave.analyses.fem import screen as fem
 
     add, seen = fem.FieldFile.add, []
 

@@ -11,10 +11,9 @@ import pytest
 
 from strikewave.analyses.fem import report as fem_page
 from strikewave.analyses.fem.figures import histories as fem
+from strikewave.analyses.fem.figures import pictures
 from strikewave.analyses.fem.figures import pictures as fem_pictures
-from strikewave.analyses.fem.figures.pictures import Camera, bodies
-from strikewave.analyses.fem.figures.pictures.camera import ZONE_FACES
-from strikewave.analyses.fem.figures.pictures.fields import beyond_scale
+from strikewave.analyses.fem.figures.pictures import ZONE_FACES, Camera, beyond_scale
 from strikewave.analyses.fem.report import fem_report
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.base.errors import InputError
@@ -243,7 +242,7 @@ def nearest_faces(mesh, view, places):
 
 @pytest.mark.parametrize("turned", [(-0.35, -1.0, 0.45), (1.0, 0.3, 0.2), (0.2, 0.5, 1.5)])
 def test_each_pixel_shows_the_face_that_a_ray_meets_first(monkeypatch, rng, turned):
-    monkeypatch.setattr(bodies, "SMALLEST_LINED", np.inf)  # no mesh lines
+    monkeypatch.setattr(pictures, "SMALLEST_LINED", np.inf)  # no mesh lines
     post = synthetic.grid("post", (-0.014, -0.013, 0.001), (-0.012, 0.013, 0.02), (1, 1, 1))  # long faces beside small
     plate = synthetic.grid("plate", (-0.02, -0.02, -0.003), (0.02, 0.02, 0.0), (2, 2, 1))
     mesh = joined([synthetic.ball("ball", (0.0, 0.0, 0.0075), 0.006, 6), post, plate])

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from strikewave.analyses.check import check
-from strikewave.analyses.fem.build import build_model
+from strikewave.analyses.fem.build import LARGEST, build_model, built_parts, estimated_elements, exact_volume
 from strikewave.analyses.fem.notices import model_notices
-from strikewave.analyses.fem.parts import LARGEST, built_parts, estimated_elements, exact_volume
 from strikewave.analyses.fem.screen import say_faceted
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.cases.case import load_case, parse_case

@@ -1,16 +1,18 @@
-"""Case in, finite element model out: parts, solids, what holds, loads and touches them."""
+"""Case in, finite element model out: parts and their meshes, solids, what holds, loads and touches them."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+import contextlib
+import functools
+import math
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from strikewave.analyses.fem.overlaps import check_apart
-from strikewave.analyses.fem.parts import LARGEST, built_parts, estimated_elements
-from strikewave.analyses.fem.vectors import direction, vector
-from strikewave.base.errors import MISSING, InputError, nearest
+from strikewave.base.errors import MISSING, InputError, InputErrors, nearest
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
@@ -26,14 +28,25 @@ from strikewave.cases.tables.fem import (
 )
 from strikewave.cases.tables.mesh import (
     AnyPart,
+    AnyShaped,
+    Ball,
     BilinearTable,
+    Block,
+    Cylinder,
     ElasticTable,
+    FilePart,
+    FramePart,
+    HalfCylinder,
+    HalfSpace,
     JohnsonCookTable,
     MeshTable,
+    ShapedPart,
+    Tube,
     ZerilliArmstrongTable,
 )
 from strikewave.fem.checks import control_faults
-from strikewave.fem.mesh import Mesh, joined
+from strikewave.fem.grading import GROWTH, Grading, nodes_between
+from strikewave.fem.mesh import FACES, Mesh, joined
 from strikewave.fem.model import (
     AnyBoundary,
     Controls,
@@ -51,8 +64,11 @@ from strikewave.fem.model import (
     Symmetry,
     Tie,
     TimeCurve,
+    Vector,
 )
 from strikewave.fem.quality import check_mesh
+from strikewave.fem.round_shapes import TubeSize, ball, cylinder, half_cylinder, half_space, tube
+from strikewave.fem.shapes import FrameSize, block, frame, moved, renamed, turned
 from strikewave.fem.solids import AnySolid, Bilinear, Elastic, JohnsonCook, ZerilliArmstrong
 
 ROUGH = 2.0
@@ -345,3 +361,384 @@ def _check_sides(mesh: Mesh, fem: FemTable) -> None:
     for path, first, second in pairs:
         if np.intersect1d(mesh.side(side_name(first)), mesh.side(side_name(second))).size:
             raise InputError(path, second, f"a side that shares no nodes with {first}")
+
+
+CONTROLS = ("duration", "interval", "safety", "hourglass", "linear_viscosity", "quadratic_viscosity", "least_step")
+"""Fields of [fem] that the engine calls as the case does."""
+
+
+@contextlib.contextmanager
+def fields_of_case(model: Model) -> Iterator[None]:
+    """Raise what the engine refuses with the field of the case that it stands for.
+
+    Examples
+    --------
+    >>> from strikewave.analyses.fem.build import build_model
+    >>> from strikewave import load_case
+    >>> with fields_of_case(build_model(load_case("two-bars-fem"))):
+    ...     raise InputError("contact striker.top-bar.bottom.friction", -1, "at least 0")
+    Traceback (most recent call last):
+    ...
+    strikewave.base.errors.InputError: fem.contact.0.friction: got -1; allowed: at least 0
+    """
+    try:
+        yield
+    except InputErrors as error:
+        pairs = [line.partition(":") for line in error.lines]
+        raise InputErrors(_field(name, None, model) + mark + rest for name, mark, rest in pairs) from None
+    except InputError as error:
+        raise error.at(_field(error.field, error.got, model)) from None
+
+
+def _field(name: str, got: object, model: Model) -> str:
+    """Return the path in the case of a field of the engine; what comes from the case already stays as it is."""
+    if name in CONTROLS or name == "tie" or name.startswith("section."):
+        return f"fem.{name}"
+    if name.startswith("rigid "):
+        return f"mesh.part.{name.removeprefix('rigid ')}.rigid"
+    if name in ("boundary.side", "boundary.direction"):
+        refusing = [k for k, b in enumerate(model.boundaries) if isinstance(b, Symmetry | Driven) and b.side == got]
+        return f"fem.boundary.{refusing[-1]}.side" if refusing else f"fem.{name}"
+    for engine_name, path in _tables(model):
+        if name == engine_name or name.startswith(f"{engine_name}."):
+            return path + name.removeprefix(engine_name)
+    return name
+
+
+def _tables(model: Model) -> Iterator[tuple[str, str]]:
+    """Yield what the engine calls the contacts, walls and ties, with their paths, in the order of the case."""
+    for k, contact in enumerate(model.contacts):
+        yield f"contact {contact.name}", f"fem.contact.{k}"
+        yield f"{contact.first} and {contact.second}", f"fem.contact.{k}"
+    for k, wall in enumerate(model.walls):
+        for kind in ("wall", "contact"):
+            yield f"{kind} {wall.name}", f"fem.wall.{k}"
+    for k, tie in enumerate(model.ties):
+        yield f"tie of {tie.side}", f"fem.tie.{k}.side"
+        yield f"{tie.side} and {tie.onto}", f"fem.tie.{k}"
+
+
+def vector(table: Any) -> Vector:
+    """Return the numbers of a vector's table, 0 where it has none, or where there is no table.
+
+    Examples
+    --------
+    >>> from strikewave.cases.tables.mesh import VelocityTable
+    >>> vector(VelocityTable(z="-1 m/s"))
+    (0.0, 0.0, -1.0)
+    """
+    x, y, z = (getattr(table, axis, None) for axis in "xyz")
+    return (x.si if x else 0.0, y.si if y else 0.0, z.si if z else 0.0)
+
+
+def direction(table: Any, path: str) -> Vector:
+    """Return the unit vector of a direction.
+
+    Raises
+    ------
+    InputError
+        If it points nowhere.
+    """
+    x, y, z = vector(table)
+    length = math.hypot(x, y, z)
+    if length == 0.0:
+        raise InputError(path, "no direction", "a vector that is not 0", 'such as "z", or { x = 1, z = 1 }')
+    return (x / length, y / length, z / length)
+
+
+Array = NDArray[np.float64]
+
+NEAREST = 8
+"""Elements looked at for each place, those whose centres are nearest: a corner has so many around it."""
+INSIDE = 0.25
+"""A place is inside an element where it is deeper behind each of its faces than this share of its smallest depth.
+
+Surfaces may overlap by a tenth of a face (`strikewave.fem.contact.SHALLOW`); what is deeper is a part out of place."""
+
+
+def check_apart(mesh: Mesh, pairs: Iterable[tuple[str, str, str]]) -> None:
+    """Refuse parts that stand in each other; surfaces that overlap a little are the contact's affair.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        Before the blow.
+    pairs : iterable of (str, str, str)
+        Path of the field, and the names of two parts.
+
+    Raises
+    ------
+    InputError
+        If a place within an element of one lies inside an element of the other.
+    """
+    for path, first, second in pairs:
+        for this, that in ((first, second), (second, first)):
+            place = _inside(mesh, this, that)
+            if place is not None:
+                where = ", ".join(f"{x * 1e3:.4g}" for x in place)
+                got = f"{this} inside {that} around ({where}) mm"
+                raise InputError(path, got, "parts that stand beside each other", "move one of them: mesh.part.*.at")
+
+
+def _inside(mesh: Mesh, this: str, that: str) -> Array | None:
+    """Return a place within an element of one part that lies inside an element of another; None where there is none.
+
+    Places are half-way between the corners of an element and its centre.
+    """
+    from scipy.spatial import cKDTree
+
+    boxes = mesh.points[mesh.nodes_of(that)]
+    own = mesh.points[mesh.hexahedra[mesh.elements_of(this)]]
+    low, high = boxes.min(axis=0), boxes.max(axis=0)
+    own = own[np.all((own.max(axis=1) > low) & (own.min(axis=1) < high), axis=1)]
+    if not len(own):
+        return None
+    places = (0.5 * (own + own.mean(axis=1, keepdims=True))).reshape(-1, 3)
+    corners = mesh.points[mesh.hexahedra[mesh.elements_of(that)]]
+    _, near = cKDTree(corners.mean(axis=1)).query(places, k=min(NEAREST, len(corners)))
+    for column in np.asarray(near).reshape(len(places), -1).T:
+        inside = np.flatnonzero(_in_elements(places, corners[column]))
+        if inside.size:
+            return np.asarray(places[inside[0]])
+    return None
+
+
+def _in_elements(places: Array, corners: Array) -> NDArray[np.bool_]:
+    """Tell which places lie inside their element, (n, 3) and (n, 8, 3)."""
+    centre, depths, mine = corners.mean(axis=1), [], []
+    for face in FACES:
+        a, b, c, d = (corners[:, node] for node in face)
+        normal = np.cross(c - a, d - b)
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+        middle = 0.25 * (a + b + c + d)
+        depths.append(np.einsum("ij,ij->i", middle - centre, normal))
+        mine.append(np.einsum("ij,ij->i", middle - places, normal))
+    return np.asarray(np.min(mine, axis=0) > INSIDE * np.min(depths, axis=0))
+
+
+LARGEST = 3_000_000
+"""Elements of a model: about 3 GB, what a usual machine has to spare."""
+ROUNDING = 1e-9
+"""Share by which a size may exceed its part, by rounding of units."""
+LARGEST_FINE_CORE = 0.5
+"""Share of a radius that a core takes at most, as `strikewave.fem.sections.CORE`."""
+SHARE = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
+"""Of a body that a sector holds."""
+LENGTHS = ("width", "depth", "height", "length", "diameter", "outer_diameter", "radius")
+"""Fields of a shape that give its size: its elements cannot be larger."""
+
+
+def built_parts(table: MeshTable) -> list[Mesh]:
+    """Return the meshes of all parts, in their order; those of a file come where the first of them stands.
+
+    Raises
+    ------
+    InputError
+        If a shape is impossible, or a file lacks a part that is named.
+    """
+    meshes, read_files = [], set()
+    for part in table.part:
+        if not isinstance(part, FilePart):
+            meshes.append(_put_in_place(part, _with_part_path(part, functools.partial(_MAKERS[type(part)], part))))
+        elif part.file not in read_files:
+            read_files.add(part.file)
+            rows = [row for row in table.part if isinstance(row, FilePart) and row.file == part.file]
+            meshes.append(_from_file(rows))
+    return meshes
+
+
+def _from_file(rows: Sequence[FilePart]) -> Mesh:
+    """Return the parts of a mesh in a file under the names of their rows.
+
+    Raises
+    ------
+    InputError
+        If a part of the file has no row or two, a row no part, or the rows differ in their unit.
+    """
+    from strikewave.fem.imported import read_mesh
+
+    first, units = rows[0], {row.unit.si if row.unit else 1.0 for row in rows}
+    if len(units) > 1:
+        raise InputError(f"mesh.part.{rows[1].name}.unit", sorted(units), f"one unit for all parts of {first.file}")
+    try:
+        mesh = read_mesh(first.file, units.pop())
+    except InputError as error:
+        raise error.at(f"mesh.part.{first.name}.file") from None
+    only = mesh.names[0] if len(mesh.names) == len(rows) == 1 else ""
+    names: dict[str, str] = {}
+    for row in rows:
+        called = row.part or only or row.name
+        if called not in mesh.names or called in names:
+            allowed = f"each part of {Path(first.file).name} in one row: {', '.join(mesh.names)}"
+            hint = nearest(called, [name for name in mesh.names if name not in names])
+            raise InputError(f"mesh.part.{row.name}.part", called, allowed, hint if hint.startswith("did") else "")
+        names[called] = row.name
+    left = [name for name in mesh.names if name not in names]
+    if left:
+        hint = f'add [[mesh.part]] with shape = "file", file = "{first.file}", part = "{left[0]}"'
+        raise InputError("mesh.part", f"no row for {', '.join(left)}", "a row for each part of the file", hint)
+    return renamed(mesh, names)
+
+
+def estimated_elements(table: MeshTable) -> float:
+    """Return about how many elements the parts of our own shapes will have, without making any.
+
+    Raises
+    ------
+    InputError
+        If elements are larger than their part, or a line of them would be too long.
+    """
+    shaped = [part for part in table.part if not isinstance(part, FilePart)]
+    for part in shaped:
+        longest = max((getattr(part, key) for key in LENGTHS if hasattr(part, key)), key=lambda length: length.si)
+        most = longest.si * (2.0 if hasattr(part, "radius") else 1.0)
+        if part.size.si > most * (1.0 + ROUNDING):
+            allowed = f"at most the part's largest length, {most * 1e3:.4g} mm"
+            raise InputError(f"mesh.part.{part.name}.size", part.size.typed, allowed)
+    return sum(_with_part_path(part, functools.partial(_estimate, part)) for part in shaped)
+
+
+def exact_volume(part: AnyPart) -> float | None:
+    """Return the volume of a shape, or its sector, before flat faces are put in place of round ones, m^3.
+
+    A part of a file has none to compare with.
+    """
+    if isinstance(part, FilePart):
+        return None
+    if isinstance(part, Block):
+        whole = part.width.si * part.depth.si * part.height.si
+    elif isinstance(part, FramePart):
+        opening = (part.width.si - part.left.si - part.right.si) * (part.height.si - part.bottom.si - part.top.si)
+        whole = part.depth.si * (part.width.si * part.height.si - opening)
+    elif isinstance(part, Cylinder):
+        whole = 0.25 * math.pi * part.diameter.si**2 * part.length.si
+    elif isinstance(part, Tube):
+        open_length = part.length.si - sum(end.si for end in (part.bottom, part.top) if end)
+        whole = 0.25 * math.pi * (part.outer_diameter.si**2 * part.length.si - part.inner_diameter.si**2 * open_length)
+    elif isinstance(part, HalfCylinder):
+        whole = 0.5 * math.pi * part.radius.si**2 * part.length.si
+    else:
+        half = isinstance(part, HalfSpace) or part.part_of == "lower half"
+        whole = (2.0 if half else 4.0) / 3.0 * math.pi * part.radius.si**3
+    return SHARE[part.sector] * whole
+
+
+def _with_part_path(part: AnyPart, make: Callable[[], Any]) -> Any:
+    """Make a part; what its room refuses is named by the path of the part."""
+    path = f"mesh.part.{part.name}"
+    try:
+        return make()
+    except InputError as error:
+        field = error.field.removeprefix(f"{part.name}.").removeprefix("grading.")
+        field = {"coarse": "size", "fine": "finest", "at": "fine_at"}.get(field, field)
+        raise error.at(f"{path}.{field}") from None
+
+
+def _put_in_place(part: ShapedPart, mesh: Mesh) -> Mesh:
+    """Return the mesh of a part turned, then moved."""
+    if part.turn is not None:
+        axis = direction(part.turn.axis, f"mesh.part.{part.name}.turn.axis")
+        mesh = turned(mesh, axis, part.turn.angle.si)
+    return moved(mesh, vector(part.at)) if part.at is not None else mesh
+
+
+def _grading(part: ShapedPart, at: float = 0.0) -> Grading:
+    """Return the sizes along a line, finest at a place on it, m."""
+    if part.finest is None:
+        return Grading(part.size.si)
+    extent = part.extent.si if part.extent else 0.0
+    return Grading(part.size.si, part.finest.si, (at,), extent, part.growth.si if part.growth else GROWTH)
+
+
+def _lines(part: Block | FramePart) -> list[tuple[float, Grading]]:
+    """Return length and sizes along x, y and z of what is fine about the middle of its upper or lower side."""
+    across = zip(_cuts(part), (part.width.si, part.depth.si), strict=True)
+    lines = [(0.5 * length, 0.0) if cut else (length, 0.5 * length) for cut, length in across]
+    height = part.height.si
+    lines.append((height, height if part.fine_at in ("z+", "top") else 0.0))
+    return [(length, _grading(part, at)) for length, at in lines]
+
+
+def _cuts(part: Block | FramePart) -> tuple[bool, bool]:
+    """Return whether a part is cut where x is 0, and where y is 0."""
+    return part.sector == "quarter", part.sector != "whole"
+
+
+def _along(part: Cylinder | Tube) -> Grading:
+    return _grading(part, part.length.si if part.fine_at == "top" else 0.0)
+
+
+def _block(part: Block) -> Mesh:
+    (width, x), (depth, y), (height, z) = _lines(part)
+    aside, behind = (0.5 * length if cut else 0.0 for cut, length in zip(_cuts(part), (width, depth), strict=True))
+    return moved(block(part.name, (width, depth, height), x, y, z), (aside, behind, 0.0))
+
+
+def _frame(part: FramePart) -> Mesh:
+    sizes = (part.width, part.depth, part.height, part.left, part.right, part.bottom, part.top)
+    x, y, z = (grading for _, grading in _lines(part))
+    return frame(part.name, FrameSize(*(size.si for size in sizes)), x, y, z, part.sector)
+
+
+def _cylinder(part: Cylinder) -> Mesh:
+    return cylinder(part.name, part.diameter.si, part.length.si, _grading(part), _along(part), part.sector)
+
+
+def _tube(part: Tube) -> Mesh:
+    bottom, top = (end.si if end else 0.0 for end in (part.bottom, part.top))
+    size = TubeSize(part.inner_diameter.si, part.outer_diameter.si, part.length.si, bottom, top)
+    return tube(part.name, size, _grading(part), _along(part), part.sector)
+
+
+def _half_cylinder(part: HalfCylinder) -> Mesh:
+    along = Grading(part.size.si)
+    return half_cylinder(part.name, part.radius.si, part.length.si, _grading(part), along, part.sector)
+
+
+def _half_space(part: HalfSpace) -> Mesh:
+    return half_space(part.name, part.radius.si, _grading(part), part.sector)
+
+
+def _ball(part: Ball) -> Mesh:
+    return ball(part.name, part.radius.si, _grading(part), part.sector, part.part_of == "lower half")
+
+
+_MAKERS: dict[type, Callable[[Any], Mesh]] = {
+    Block: _block,
+    Cylinder: _cylinder,
+    Tube: _tube,
+    HalfCylinder: _half_cylinder,
+    FramePart: _frame,
+    HalfSpace: _half_space,
+    Ball: _ball,
+}
+"""What makes the mesh of each shape."""
+
+
+def _count(length: float, sizes: Grading) -> int:
+    """Return the elements along a line."""
+    return len(nodes_between(0.0, length, sizes)) - 1
+
+
+def _estimate(part: AnyShaped) -> float:
+    """Return about how many elements a part will have.
+
+    A block's lines are counted; a round part has a core and a ring of as many elements as its radius takes.
+    """
+    if isinstance(part, Block | FramePart):
+        return float(math.prod(_count(length, sizes) for length, sizes in _lines(part)))
+    sizes, share = _grading(part), SHARE[part.sector]
+    if isinstance(part, Tube):
+        inner, outer = 0.5 * part.inner_diameter.si, 0.5 * part.outer_diameter.si
+        wall = _count(max(outer - inner, sizes.finest), sizes)
+        return share * math.pi * (inner + outer) / sizes.coarse * wall * _count(part.length.si, _along(part))
+    radius = 0.5 * part.diameter.si if isinstance(part, Cylinder) else part.radius.si
+    core = max(1.0, sizes.extent / sizes.finest, LARGEST_FINE_CORE * radius / sizes.coarse)
+    ring = _count(radius, sizes)
+    disc = share * 4.0 * core * (core + 2.0 * ring)
+    if isinstance(part, Cylinder):
+        return disc * _count(part.length.si, _along(part))
+    if isinstance(part, HalfCylinder):
+        return 0.5 * disc * part.length.si / sizes.coarse
+    dome = share * 4.0 * core**2 * (core + 3.0 * ring)
+    return dome if isinstance(part, HalfSpace) or part.part_of == "lower half" else 2.0 * dome

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import ClassVar
 
 from strikewave._version import __version__
-from strikewave.analyses.fem.build import build_model
-from strikewave.analyses.fem.field_names import fields_of_case
+from strikewave.analyses.fem.build import build_model, fields_of_case
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.sectors import sectors
 from strikewave.base import declare

@@ -13,7 +13,6 @@ import numpy as np
 
 from strikewave.analyses.fem.figures import histories
 from strikewave.analyses.fem.figures.animation import fem_page, movie_of, write_fem_gif
-from strikewave.analyses.fem.figures.blows import blows_figure
 from strikewave.analyses.fem.figures.cut import (
     COVERED,
     Zone,
@@ -23,7 +22,7 @@ from strikewave.analyses.fem.figures.cut import (
     seen_close_up,
     wave_figure,
 )
-from strikewave.analyses.fem.figures.histories import summary_sheet
+from strikewave.analyses.fem.figures.histories import blows_figure, summary_sheet
 from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture, view_of
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.sectors import unlike_sectors

@@ -6,8 +6,7 @@ import dataclasses
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.fem.build import build_model
-from strikewave.analyses.fem.field_names import fields_of_case
+from strikewave.analyses.fem.build import build_model, fields_of_case
 from strikewave.analyses.fem.notices import all_notices
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.sectors import of_whole_bodies, sectors

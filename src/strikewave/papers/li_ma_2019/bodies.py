@@ -16,8 +16,7 @@ from typing import Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.fem.build import solid_of
-from strikewave.analyses.fem.vectors import vector
+from strikewave.analyses.fem.build import solid_of, vector
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.case import Case
 from strikewave.cases.tables.mesh import AnyPart, Cylinder, FramePart, HalfCylinder, Tube

@@ -7,10 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from strikewave.analyses.fem.build import build_model, solid_of
+from strikewave.analyses.fem.build import build_model, solid_of, vector
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_model
-from strikewave.analyses.fem.vectors import vector
 from strikewave.cases.case import Case
 from strikewave.cases.tables.mesh import FramePart, HalfCylinder
 from strikewave.cases.written_case import document_of

@@ -27,7 +27,7 @@ from strikewave.analyses.fem.figures.cut import (
     sight,
     window_of,
 )
-from strikewave.analyses.fem.figures.pictures.windows import frame_window, instant_words
+from strikewave.analyses.fem.figures.pictures import frame_window, instant_words
 from strikewave.fem.measures import blow_axis, mean_acceleration, mean_force, middles
 from strikewave.fem.skin import Skin
 from strikewave.fem.snapshots import Snapshot, SnapshotRecorder

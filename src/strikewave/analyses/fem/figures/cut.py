@@ -12,10 +12,14 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from strikewave.analyses.fem.figures.pictures import Camera
-from strikewave.analyses.fem.figures.pictures.bodies import SMALLEST_LINED
-from strikewave.analyses.fem.figures.pictures.painting import paint_faces
-from strikewave.analyses.fem.figures.pictures.windows import WIDEST, frame_window, instant_words
+from strikewave.analyses.fem.figures.pictures import (
+    SMALLEST_LINED,
+    WIDEST,
+    Camera,
+    frame_window,
+    instant_words,
+    paint_faces,
+)
 from strikewave.fem.invariants import von_mises
 from strikewave.fem.skin import Skin
 from strikewave.fem.snapshots import Snapshot
