@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from strikewave.cli.examples import EXAMPLES
-from strikewave.studies.design.candidates import robustness_of
-from strikewave.studies.design.design_file import load_design
+from strikewave.studies.design.plan import load_design
+from strikewave.studies.design.ranking import robustness_of
 from strikewave.studies.design.study import make_design
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore

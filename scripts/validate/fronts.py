@@ -17,8 +17,8 @@ from kit import ROOT, table, write_into
 from numpy.typing import NDArray
 
 from strikewave.studies.design.goals import Objective
-from strikewave.studies.design.runs import DesignRuns
-from strikewave.studies.design.trade_off import ranking, trade_off_search
+from strikewave.studies.design.ranking import ranking, trade_off_search
+from strikewave.studies.design.search import DesignRuns
 
 Array = NDArray[np.float64]
 

@@ -46,8 +46,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.records.readers import read_record as read_record
     from strikewave.signal.srs import srs as srs
     from strikewave.studies.buffer.question import buffer as buffer
-    from strikewave.studies.design.question import design as design
     from strikewave.studies.design.study import DesignStudy as DesignStudy
+    from strikewave.studies.design.study import design as design
     from strikewave.studies.fit.result import FitStudy as FitStudy
     from strikewave.studies.fit.study import fit as fit
     from strikewave.studies.map.study import map as map
@@ -77,7 +77,7 @@ _HOMES = {
     "WaveSolution": "analyses.wave.result",
     "buffer": "studies.buffer.question",
     "compare": "analyses.compare.question",
-    "design": "studies.design.question",
+    "design": "studies.design.study",
     "drop_table": "studies.settings.drop_table.study",
     "dump_case": "cases.written_case",
     "find_pulses": "records.measuring",

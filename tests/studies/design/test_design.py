@@ -12,14 +12,12 @@ from hypothesis import strategies as st
 import strikewave
 from strikewave import load_case
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.studies.design.candidates import Robustness, _beaten, front, sensitivities
-from strikewave.studies.design.evaluation import evaluation_of
-from strikewave.studies.design.figures import design_picture
-from strikewave.studies.design.goals import Goal, Objective, read_aim
+from strikewave.studies.design.goals import Goal, Objective, evaluation_of, read_aim
 from strikewave.studies.design.plan import plan_of
-from strikewave.studies.design.question import design
-from strikewave.studies.design.report import design_report, design_words
-from strikewave.studies.design.runs import DesignRuns, margin_merit
+from strikewave.studies.design.ranking import Robustness, _beaten, front, sensitivities
+from strikewave.studies.design.report import design_picture, design_report, design_words
+from strikewave.studies.design.search import DesignRuns, margin_merit
+from strikewave.studies.design.study import design
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.sweep.study import sweep
@@ -146,7 +144,7 @@ def test_sensitivity_and_room_are_those_of_free_fall():
         runs.of([(0.8157,)])
         (found,) = sensitivities(runs, 0)
     step = 0.019
-    assert found.changes[0] == pytest.approx(step * 4.0 / (2.0 * 0.8157), rel=1e-3)
+    assert found.changes["approach_speed"] == pytest.approx(step * 4.0 / (2.0 * 0.8157), rel=1e-3)
     assert found.room[0] == pytest.approx(0.04 * 0.8157, rel=0.02)
     assert found.room[1] == pytest.approx(0.04 * 0.8157, rel=0.02)
 
@@ -390,7 +388,7 @@ def test_where_only_runs_that_fail_a_check_meet_the_goals_it_is_said_and_the_nea
     assert first.confirmed
     assert not first.holds
     none = f"o setting whose run passes its checks meets all goals; {study.met_broken} runs that fail one do"
-    assert words.startswith(f"N{none}; the nearest that passes is {study.at(study.rows[nearest])}")
+    assert words.startswith(f"N{none}; the nearest that passes is {study.plan.at(study.rows[nearest])}")
     assert "Best" not in words
     assert "not held" not in words
     assert [notice.code for notice in study.notices if notice.broken] == ["not-met", "runs-broken"]

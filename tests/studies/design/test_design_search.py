@@ -10,9 +10,8 @@ from strikewave import load_case
 from strikewave.cases.case_files import read_case_text
 from strikewave.studies.design.goals import Goal, checks_of
 from strikewave.studies.design.plan import RESOLUTION, plan_of
-from strikewave.studies.design.question import design
-from strikewave.studies.design.runs import BROKEN, FAR, DesignRuns, margin_merit, objective_merit
-from strikewave.studies.design.search import search
+from strikewave.studies.design.search import BROKEN, FAR, DesignRuns, margin_merit, objective_merit, search
+from strikewave.studies.design.study import design
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 

@@ -18,8 +18,8 @@ from strikewave.studies.design.gaussian_process import (
     fitted_process,
 )
 from strikewave.studies.design.plan import plan_of
-from strikewave.studies.design.question import design
 from strikewave.studies.design.report import design_report
+from strikewave.studies.design.study import design
 
 G = 9.80665
 HEIGHT = ["machine.height=0.1..2 m"]

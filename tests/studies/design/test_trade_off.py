@@ -9,8 +9,8 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.studies.design import plan as plans
-from strikewave.studies.design.question import design
-from strikewave.studies.design.trade_off import trade_off_search
+from strikewave.studies.design.ranking import trade_off_search
+from strikewave.studies.design.study import design
 
 from .test_design import BALL, HEIGHT
 

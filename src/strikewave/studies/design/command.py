@@ -58,17 +58,14 @@ def command(
     goals exclude each other and by how much, and the exit code is 3. A design that is stopped is continued by the same
     command. With --json, no files are written unless --out is given.
     """
-    from strikewave.cases.written_case import dump_case
-    from strikewave.reporting.run_and_write import case_folder, run_and_write
-    from strikewave.studies.design.design_file import load_design
-    from strikewave.studies.design.screen import DesignCommand, show_estimate
+    from strikewave.studies.design.plan import load_design
+    from strikewave.studies.design.report import DesignCommand, show_estimate
     from strikewave.studies.engine.runner import pool_of
 
     request = load_design(file, changes or (), runs=runs, seed=seed, robust=robust)
     plan = request.plan(output.tested(request.case)).on(device, cluster)
     count = min(workers, os.cpu_count() or 1)
     if dry_run:
-        return show_estimate(plan, count, output.json)
-    usual = f"design-{case_folder(plan.case.name, dump_case(plan.case), request.changes)}"
-    searching = DesignCommand(plan, pool_of(None, count, cluster), place=store, fresh=fresh)
-    return run_and_write(searching, output, usual, plan.asked_line)
+        return show_estimate(plan, count, output)
+    searching = DesignCommand(plan.case, plan, pool_of(None, count, cluster), place=store, fresh=fresh)
+    return searching.run(request.changes, output)

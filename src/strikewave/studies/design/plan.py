@@ -1,4 +1,4 @@
-"""What a design is of: a case, what may be chosen, goals and objectives; and the places of a search as rows of runs."""
+"""What a design is of: a case, what may be chosen, goals and objectives, as its file states them; places as rows."""
 
 from __future__ import annotations
 
@@ -8,24 +8,41 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.first_few import first_few
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
-from strikewave.cases.case import Case
+from strikewave.cases.case import Case, load_case
+from strikewave.cases.paths import Form
+from strikewave.cases.tables.base import CaseTable
 from strikewave.cases.written_case import dump_case
 from strikewave.studies.axes import case_at
-from strikewave.studies.design.evaluation import DesignEvaluation, evaluation_of, is_derived
-from strikewave.studies.design.goals import EXAMPLES, Aim, Goal, Objective, checks_of, read_aim
-from strikewave.studies.engine.case_evaluation import checked_analysis, checked_device, numbers_of
+from strikewave.studies.design.goals import (
+    EXAMPLES,
+    Aim,
+    DesignEvaluation,
+    Goal,
+    Objective,
+    checks_of,
+    evaluation_of,
+    is_derived,
+    kept_or_derived,
+    read_aim,
+)
+from strikewave.studies.engine.case_evaluation import KeptNumber, checked_analysis, checked_device, numbers_of
 from strikewave.studies.engine.evaluation import Job, Row
 from strikewave.studies.engine.plan import AxisVariation, varied
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable, typed_value
 from strikewave.studies.simulation import name_and_owner
+from strikewave.studies.study_file import Settings, case_place, read_study, stated_at
+from strikewave.studies.sweep.plan import varied_texts
 
 Array = NDArray[np.float64]
 
@@ -56,6 +73,9 @@ MOST_AIMS = 30
 """Most goals and objectives: where none can be met, each of them takes a search of its own."""
 MOST_DRAWS = 10_000
 """Most draws within tolerances for each of the settings that are ranked."""
+FINER = 0.1
+"""Tolerance of a run that verifies another, over that of the other."""
+ALLOWED = "a TOML file with the case, goals and [vary]"
 
 
 @dataclass(frozen=True)
@@ -192,6 +212,20 @@ class DesignPlan:
         axes, values = [axis for axis, _ in numbers], [value for _, value in numbers]
         return case_at(self.variation.cases[words], axes, values, NOTE, keep_tolerances)
 
+    def setting(self, row: Row) -> dict[str, Any]:
+        """Return settings by their paths: SI, or words."""
+        pairs = zip(self.variables, row, strict=True)
+        return {one.path: one.words[int(value)] if one.words else value for one, value in pairs}
+
+    def at(self, row: Row) -> str:
+        """Return settings in words."""
+        pairs = zip(self.variables, row, strict=True)
+        return ", ".join(f"{one.path} = {one.shown(value)}" for one, value in pairs)
+
+    def kept(self, name: str) -> KeptNumber:
+        """Return a number with the units in which it is kept and shown."""
+        return kept_or_derived(self.case, self.analysis, name)
+
     @cached_property
     def verifying(self) -> tuple[DesignPlan, str] | None:
         """The plan by which the best settings are verified, and what it is; None where there is nothing better.
@@ -225,10 +259,6 @@ class DesignPlan:
         asked += repr([(one.axis, one.words) for one in self.variables]) + dump_case(self.case)
         key = hashlib.sha256(asked.encode()).hexdigest()[:12]
         return f"# strikewave design: {self.words}; plan {key}\n"
-
-
-FINER = 0.1
-"""Tolerance of a run that verifies another, over that of the other."""
 
 
 def plan_of(
@@ -280,3 +310,69 @@ def _check_optuna(objectives: int) -> None:
         raise InputError("search", OPTUNA, "two objectives or more", f"{EVOLUTION} or {SURROGATE} for a single one")
     if importlib.util.find_spec("optuna") is None:
         raise InputError("search", OPTUNA, "optuna beside strikewave", "pip install 'strikewave[optuna]'")
+
+
+class DesignFile(CaseTable):
+    """The file of a design; ``[vary]`` has settings as keys, dotted or as tables, and values as they are typed."""
+
+    schema_: Annotated[Literal[1], Field(alias="schema")]
+    case: str
+    changes: Settings = Field(default=(), alias="set")
+    goals: tuple[str, ...]
+    vary: dict[str, Any]
+    analysis: str = ""
+    runs: int | None = None
+    seed: int = 1
+    robust: int = 0
+    search: str = ""
+
+
+FORM = Form(DesignFile, "design", 'goals="cv < 3 %"')
+
+
+class DesignRequest(NamedTuple):
+    """A file of a design that was read: its case, what is set in it, and the file; options have replaced its keys."""
+
+    case: Case
+    changes: tuple[str, ...]
+    file: DesignFile
+    name: str
+
+    def plan(self, case: Case) -> DesignPlan:
+        """Return the plan of the design of a case."""
+        file = self.file
+        with stated_at(f"{self.name}: vary"):
+            vary = varied_texts(file.vary)
+            for text in vary:
+                read_variable(case, text)
+        with stated_at(self.name):
+            return plan_of(case, vary, file.goals, file.analysis, file.runs, file.seed, file.robust, file.search)
+
+
+def load_design(path: str | Path, changes: Sequence[str] = (), **options: int | None) -> DesignRequest:
+    """Read a file of a design.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; its case lies beside it, or is a built-in one.
+    changes : sequence of str, optional
+        What is set in the case, after what the file sets.
+    **options
+        ``runs``, ``seed`` and ``robust``, which take the place of those of the file where they are not None.
+
+    Raises
+    ------
+    InputError
+        With one line for each thing that is wrong: file, table and key, and what is allowed.
+    """
+    path = Path(path)
+    file = read_study(path, FORM, ALLOWED)
+    place = case_place(file.case, path.parent)
+    whole = (*file.changes, *changes)
+    with stated_at(f"{path.name}: case"):
+        load_case(place)
+    with stated_at(f"{path.name}: set"):
+        case = load_case(place, whole)
+    given = {name: value for name, value in options.items() if value is not None}
+    return DesignRequest(case, whole, file.model_copy(update=given), path.name)

@@ -1,17 +1,48 @@
-"""The report of a design: its picture, ranked settings, goals, sensitivities, or which goals exclude each other."""
+"""A design as a command, page and picture: ranked settings, goals, sensitivities, or which goals exclude each other."""
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
 from strikewave.reporting import chapters
 from strikewave.reporting.faces import face_table
-from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table
+from strikewave.reporting.options.output import Output
+from strikewave.reporting.parts import Cell, Link, Part, Section, Table
 from strikewave.reporting.shown_result import shown_table
-from strikewave.studies.design.figures import design_picture
-from strikewave.studies.design.study import DesignStudy, all_broken_words, conflict_words
+from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, mark_runs, quiet, sheet_title
+from strikewave.reporting.terminal import print_face, report_table, say
+from strikewave.studies.axes import plain_log_ticks
+from strikewave.studies.command import Report, StudyCommand, lasting, print_estimate
+from strikewave.studies.design.plan import DesignPlan
+from strikewave.studies.design.study import DesignStudy, all_broken_words, conflict_words, make_design
 from strikewave.studies.engine.case_evaluation import ANALYSES
+from strikewave.studies.engine.runner import StudyProgress
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.study import picture_section
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
 
 MOST_FRONT = 20
 """Runs of a front that a table lists, evenly spread over it."""
+TIMED = 3
+"""Runs that are timed for an estimate, after one that loads what a process needs: both ends and the middle."""
+WIDTH, HEIGHT, BAR = 9.0, 3.9, 0.3
+"""Of the picture, of its upper row, and of a bar of a margin, inches."""
+MOST_BARS = 8
+"""Goals whose margins are drawn: the first ones."""
+DRAWN = (1.0, 99.0)
+"""Percentiles of the runs between which axes reach, widened to all limits and ranked settings: early runs of a search
+lie far off."""
+AREA = {"color": BLUE, "alpha": 0.12, "linewidth": 0.0, "zorder": 0}
+"""How the area in which a goal is met is drawn."""
 
 
 def design_report(study: DesignStudy) -> str:
@@ -22,7 +53,7 @@ def design_report(study: DesignStudy) -> str:
         "or failed."
     )
     sections = [
-        Section("Picture", "", [Picture(design_picture(study), caption, caption)]),
+        picture_section("Picture", design_picture(study), caption),
         *([_conflict_section(study)] if study.conflict is not None else []),
         _ranked_section(study),
         *([_front_section(study)] if study.front else []),
@@ -42,7 +73,7 @@ def design_words(study: DesignStudy) -> str:
     broken = f" {study.verdicts.sentence}" if study.verdicts.words else ""
     count = f"{len(study.rows)} runs, {study.met} of them meet all goals{_also_broken(study)}.{broken}"
     if study.conflict is not None:
-        nearest = f"Nearest: {study.at(first.row)}.{broken}"
+        nearest = f"Nearest: {study.plan.at(first.row)}.{broken}"
         return f"No setting was found that meets all goals: {conflict_words(study)}. {nearest}"
     checked = study.plan.verifying
     drawn = first.robustness
@@ -50,11 +81,11 @@ def design_words(study: DesignStudy) -> str:
     if first.breaks and not study.met:
         none = all_broken_words(study)
         held = "" if checked is None else f", its numbers are {'' if first.confirmed else 'not '}held by {checked[1]}"
-        best = f"Of the settings that fail a check, {study.at(first.row)} ranks first ({first.verdict}){held}"
+        best = f"Of the settings that fail a check, {study.plan.at(first.row)} ranks first ({first.verdict}){held}"
         return f"{none[0].upper()}{none[1:]}. {best}. {len(study.rows)} runs.{broken}{robust}"
     held = "" if checked is None else f", {'verified' if first.confirmed else 'not held'} by {checked[1]}"
     limits = f" (the run that verifies it is {first.verdict})" if first.breaks else ""
-    return f"Best: {study.at(first.row)}{held}{limits}. {count}{robust}"
+    return f"Best: {study.plan.at(first.row)}{held}{limits}. {count}{robust}"
 
 
 def _also_broken(study: DesignStudy) -> str:
@@ -95,7 +126,7 @@ def _front_section(study: DesignStudy) -> Section:
     names = [one.number for one in study.plan.objectives]
     places = sorted({round(k * (len(study.front) - 1) / (MOST_FRONT - 1)) for k in range(MOST_FRONT)})
     rows: list[list[Cell]] = [
-        [study.at(study.rows[run]), *(study.value_words(name, study.value(run, name)) for name in names)]
+        [study.plan.at(study.rows[run]), *(study.value_words(name, study.value(run, name)) for name in names)]
         for run in (study.front[place] for place in places)
     ]
     text = (
@@ -119,7 +150,7 @@ def _surrogate_section(study: DesignStudy) -> Section:
         "number: what it is off, root mean square, where all other runs foretell a run. Where that is as large as what "
         "a goal allows, more runs may find better settings. The ranked settings themselves are runs."
     )
-    return Section("Surrogate", text, [face_table(study, "known_numbers", caption="Surrogate")])
+    return Section("Surrogate", text, [face_table(study, "surrogate", caption="Surrogate")])
 
 
 def _question_section(study: DesignStudy) -> Section:
@@ -132,6 +163,216 @@ def _question_section(study: DesignStudy) -> Section:
     return Section("What was asked", text, [face_table(study, "vary", "range")])
 
 
-picture = design_picture
-page = design_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+def design_picture(study: DesignStudy) -> Figure:
+    """Draw the runs over the numbers of two goals, over two settings, and the margins of the ranked settings."""
+    from matplotlib.figure import Figure
+
+    bars = min(sum(not goal.is_check for goal in study.plan.goals), MOST_BARS)
+    lower = 0.9 + BAR * max(bars, 1) * 1.6
+    figure = Figure(figsize=(WIDTH, HEIGHT + (lower if bars else 0.0)), layout="constrained")
+    sheet_title(figure, f"{study.case.name or 'case'}: {len(study.rows)} runs, {study.met} meet all goals")
+    grid = figure.add_gridspec(2 if bars else 1, 2, height_ratios=[HEIGHT, lower] if bars else None)
+    _numbers(figure.add_subplot(grid[0, 0]), study)
+    _settings(figure.add_subplot(grid[0, 1]), study)
+    if bars:
+        _margins(figure.add_subplot(grid[1, :]), study, bars)
+    return legend_below(figure)
+
+
+def drawn_numbers(study: DesignStudy) -> list[str]:
+    """Return the names of the two numbers that runs are drawn over: of goals that exclude each other, or the first."""
+    first = [one.goal.number for one in study.conflict.reaches] if study.conflict is not None else []
+    names = [*first, *(one.number for one in study.plan.objectives), *(one.number for one in study.plan.goals)]
+    return list(dict.fromkeys(names))[:2]
+
+
+def _numbers(axes: Any, study: DesignStudy) -> None:
+    """Draw runs over two numbers, with the area in which both goals are met; over their order where there is one."""
+    names = drawn_numbers(study)
+    kept = [study.kept(name) for name in names]
+    columns = [study.numbers[:, study.plan.evaluation.names.index(name)] / study.kept(name).scale for name in names]
+    order = np.arange(1.0, len(study.rows) + 1.0)
+    x, y = columns if len(columns) == 2 else (order, columns[0])
+    _dots(axes, study, x, y, legend=True)
+    labels = [one.label for one in kept] if len(kept) == 2 else ["run", kept[0].label]
+    quiet(axes, "Runs by their numbers", *labels)
+    of_axes = list(zip(names, (axes.axvspan, axes.axhspan), (x, y), "xy", strict=False))
+    for name, span, values, which in of_axes if len(names) == 2 else [(names[0], axes.axhspan, y, "y")]:
+        goal = study.plan.goal_of(name)
+        low, high = _extent(study, values, name)
+        if goal is not None and low < high:
+            span(max(goal.low / study.kept(name).scale, low), min(goal.high / study.kept(name).scale, high), **AREA)
+        if low < high:
+            (axes.set_xlim if which == "x" else axes.set_ylim)(low, high)
+
+
+def _extent(study: DesignStudy, values: Array, name: str) -> tuple[float, float]:
+    """Return between what an axis reaches; see `DRAWN`."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return 0.0, 0.0
+    ends = list(np.percentile(known, DRAWN)) + [float(values[one.run]) for one in study.candidates]
+    goal = study.plan.goal_of(name)
+    if goal is not None:
+        ends += [limit / study.kept(name).scale for limit in (goal.low, goal.high) if math.isfinite(limit)]
+    ends = [end for end in ends if math.isfinite(end)]
+    room = 0.05 * (max(ends) - min(ends))
+    return min(ends) - room, max(ends) + room
+
+
+def _settings(axes: Any, study: DesignStudy) -> None:
+    """Draw runs over the first two settings; over their order where there is one alone."""
+    variables = study.plan.variables[:2]
+    columns = [
+        study.settings[:, k] if one.words else np.asarray(one.axis.shown(study.settings[:, k]))
+        for k, one in enumerate(variables)
+    ]
+    order = np.arange(1.0, len(study.rows) + 1.0)
+    x, y = columns if len(columns) == 2 else (order, columns[0])
+    _dots(axes, study, x, y)
+    labels = [one.label for one in variables] if len(variables) == 2 else ["run", variables[0].label]
+    quiet(axes, "Runs by their settings", *labels)
+    pairs = zip(variables, "xy" if len(variables) == 2 else "y", strict=True)
+    for one, which in pairs:
+        axis = axes.xaxis if which == "x" else axes.yaxis
+        if one.words:
+            axis.set_ticks(range(len(one.words)), list(one.words), fontsize=8)
+        elif one.axis.log:
+            (axes.set_xscale if which == "x" else axes.set_yscale)("log")
+            plain_log_ticks(axis)
+
+
+def _dots(axes: Any, study: DesignStudy, x: Array, y: Array, legend: bool = False) -> None:
+    """Draw runs that miss a goal, that meet all, that are Pareto-optimal, and the ranked ones with their places."""
+
+    def label(words: str) -> str:
+        return words if legend else "_"
+
+    met = study.margins >= 0.0
+    dots = [axes.plot(x[~met], y[~met], ".", color=GREY, markersize=4, alpha=0.5, label=label("a goal is missed"))[0]]
+    if met.any():
+        dots += axes.plot(x[met], y[met], ".", color=BLUE, markersize=5, alpha=0.7, label=label("all goals met"))
+    for one in dots:
+        one.set_rasterized(True)
+    mark_runs(axes, x, y, study.verdicts, size=5.0)
+    if study.front:
+        places = list(study.front)
+        axes.plot(x[places], y[places], "o", color=RED, markersize=4, fillstyle="none", label=label("Pareto-optimal"))
+    runs = [one.run for one in study.candidates]
+    axes.plot(x[runs], y[runs], "D", color=ORANGE, markersize=6, label=label("ranked"), zorder=4)
+    for place, run in enumerate(runs, 1):
+        if math.isfinite(x[run]) and math.isfinite(y[run]):
+            axes.annotate(str(place), (x[run], y[run]), (5, 4), textcoords="offset points", fontsize=8, zorder=5)
+
+
+def _margins(axes: Any, study: DesignStudy, count: int) -> None:
+    """Draw the margin of each goal at the first setting as a bar, those of the others as dots."""
+    first = study.candidates[0]
+    goals = study.plan.goals[:count]
+    places = np.arange(count, dtype=float)[::-1]
+    shares = 100.0 * first.shares[:count]
+    colours = [BLUE if share >= 0.0 else RED for share in shares]
+    axes.barh(places, np.nan_to_num(shares), height=0.5, color=colours, alpha=0.75)
+    for one in study.candidates[1:]:
+        axes.plot(100.0 * one.shares[:count], places, "D", color=ORANGE, markersize=3.5, alpha=0.8)
+    if first.verified is not None:
+        axes.plot(100.0 * first.verified[:count], places, "|", color="black", markersize=14)
+    axes.set_yticks(places, [goal.typed for goal in goals], fontsize=8)
+    axes.axvline(0.0, color="black", linewidth=0.8)
+    quiet(axes, "Margins: bar, the first setting; line, its verification; dots, the others", "margin (%)", "")
+
+
+picture, page = design_picture, design_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+
+
+class DesignEstimate(NamedTuple):
+    """How long a design takes.
+
+    Attributes
+    ----------
+    runs : int
+        Most runs of the first search.
+    at_most : int
+        Most runs of all searches, draws and what verifies, where nothing meets all goals or there are objectives.
+    run_seconds : float
+        About how long one takes, s.
+    seconds : float
+        About how long the first search takes at most, s.
+    """
+
+    runs: int
+    at_most: int
+    run_seconds: float
+    seconds: float
+
+
+def estimated(plan: DesignPlan, workers: int) -> DesignEstimate:
+    """Return how long a design takes, by some runs that are made and thrown away."""
+    places = [[low + share * (high - low) for low, high in plan.bounds] for share in np.linspace(0.0, 1.0, TIMED)]
+    rows = [plan.row_at(place) for place in places]
+    plan.job(rows[:1])
+    each = float(np.mean([outcome.seconds for outcome in plan.job(rows)]))
+    later = max(2 * len(plan.goals), 2 * len(plan.objectives) + 1 if plan.objectives else 0)
+    return DesignEstimate(plan.runs, plan.runs + later * plan.later_runs, each, each * plan.runs / workers)
+
+
+def show_estimate(plan: DesignPlan, workers: int, output: Output) -> int:
+    """Print what a design is of and about how long it takes, and return the exit code."""
+    found = estimated(plan, workers)
+    processes = f"{workers} processes" if workers > 1 else "one process"
+    words = (
+        f"{plan.words}. Up to {found.runs} runs of a search: about {lasting(found.seconds)}, "
+        f"{found.run_seconds:.2g} s each on {processes}; with further searches where nothing meets all "
+        f"goals or objectives compete, up to {found.at_most} runs."
+    )
+    return print_estimate(found._asdict(), words, output)
+
+
+@dataclass
+class DesignCommand(StudyCommand[DesignStudy]):
+    """A design as a command."""
+
+    name: ClassVar[str] = "design"
+    bar: ClassVar[str] = "design"
+    clocks: ClassVar[tuple[str, ...]] = ("elapsed",)
+
+    plan: DesignPlan
+
+    @property
+    def marked_text(self) -> str:
+        """What is asked: only the design knows the case."""
+        return self.plan.asked_line
+
+    def announced(self, store: RunStore) -> float:
+        """Say what is sought."""
+        say(self.plan.words)
+        return 0.0
+
+    def finished(self, store: RunStore) -> str:
+        """Say what of it a store has."""
+        return super().finished(store) or ("" if store.empty else "states of runs")
+
+    def made(self, store: RunStore, report: Report) -> DesignStudy:
+        """Return the design."""
+
+        def advance(now: StudyProgress) -> None:
+            report(now.share, f"{now.done} runs, {now.words}")
+
+        return make_design(self.plan, store, self.pool, advance)
+
+    def summary(self, result: DesignStudy) -> str:
+        """Say which settings are best, or which goals exclude each other."""
+        return design_words(result)
+
+    def show(self, result: DesignStudy) -> None:
+        """Print ranked settings, goals, sensitivities, and what excludes what."""
+        heads, rows = shown_table(result)
+        objectives = [result.kept(one.number).label for one in result.plan.objectives]
+        numbers = [result.kept(name).label for name in result.plan.evaluation.names]
+        more = [*heads[3 : len(result.plan.variables) + 1], *(set(numbers) - set(objectives)), "of goal"]
+        print_face(result, "reaches", "Goals that exclude each other")
+        report_table(Table("Ranked settings", heads, rows), 3, more)
+        print_face(result, "goals_at_first", "Goals at the first setting")
+        print_face(result, "surrogate", "Surrogate")
+        print_face(result, "number_changes", "Sensitivities at the first setting")

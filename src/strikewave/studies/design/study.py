@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from functools import cached_property
-from typing import Any, ClassVar
+from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,50 +16,38 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.citations import citation
 from strikewave.base.compile_progress import compiling_shown
-from strikewave.base.declare import NO_UNIT
-from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Source, Verdicts
+from strikewave.base.declare import KEY, MAIN, NO_UNIT
+from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Verdicts
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
-from strikewave.reporting.case_result import ResultOfCase
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.numbers import percent
-from strikewave.studies.design.candidates import (
+from strikewave.studies.design.goals import Goal, shares_of
+from strikewave.studies.design.plan import OPTUNA, DesignPlan, plan_of
+from strikewave.studies.design.ranking import (
+    MARGIN,
+    Conflict,
     DesignCandidate,
+    DesignRun,
+    Reach,
     Sensitivity,
     chosen_runs,
+    conflict_of,
     front,
+    goals_met,
     ranked_candidates,
+    ranking,
     sensitivities,
 )
-from strikewave.studies.design.conflict import Conflict, Reach, conflict_of
-from strikewave.studies.design.evaluation import is_derived
-from strikewave.studies.design.goals import Goal, shares_of
-from strikewave.studies.design.plan import OPTUNA, DesignPlan
-from strikewave.studies.design.rows import (
-    DERIVED,
-    MARGIN,
-    ChosenSetting,
-    DesignRun,
-    GoalAtFirst,
-    GoalConflict,
-    GoalReach,
-    KnownNumber,
-    NumberChange,
-    RankedRun,
-    SettingChanges,
-    StatedGoal,
-)
-from strikewave.studies.design.runs import (
-    DesignRuns,
-)
-from strikewave.studies.design.surrogate import SurrogateError, left_out_errors
-from strikewave.studies.design.trade_off import goals_met, ranking
-from strikewave.studies.engine.case_evaluation import KeptNumber, kept_number
+from strikewave.studies.design.search import DesignRuns, KnownNumber, known_numbers
+from strikewave.studies.engine.case_evaluation import OF_NUMBER, KeptNumber, OfKept
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.runner import Advance
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
+from strikewave.studies.engine.store import RunStore, store_in
 from strikewave.studies.engine.variables import StudyVariable
+from strikewave.studies.study import Study
+from strikewave.studies.sweep.plan import Vary, vary_texts
 
 Array = NDArray[np.float64]
 
@@ -73,8 +63,46 @@ AT_LIMIT = 0.95
 """Share of its limit from which on the number of a check is said to limit what a goal comes to."""
 
 
+@declare.dataclass
+class GoalAtFirst(OfKept):
+    """A goal at the first of the ranked settings."""
+
+    goal: str = declare.word("as typed", column=KEY)
+    value: float | None = declare.number(OF_NUMBER, "its number there", label="comes to", column=KEY)
+    margin: float = declare.number(MARGIN, "its margin", column=MAIN)
+    verified: float | None = declare.number(
+        MARGIN, "its margin by the run that verifies it", label="verified", column=MAIN
+    )
+
+
+@declare.dataclass
+class NumberChange(OfKept):
+    """How a number moves with a setting."""
+
+    setting: str = declare.word("path of the setting", column=KEY, order=-1)
+    number: str = declare.word("which number", column=KEY, order=-1)
+    size: float
+    met_from: str | None = declare.word(
+        "down to where it may move alone", label="all goals met from", quantity=OF_NUMBER, column=MAIN
+    )
+    met_to: str | None = declare.word("up to where", label="to", quantity=OF_NUMBER, column=MAIN)
+
+    @declare.phrase("change per 1 % of its range", quantity=OF_NUMBER, column=MAIN, order=-1)
+    def change(self) -> str:
+        """Say by how much it moves, with its sign."""
+        return f"{'-' if self.size < 0.0 else '+'}{self.kept.words(abs(self.size)) if self.size else '0'}"
+
+
+@declare.dataclass
+class ChosenSetting:
+    """A value of the first setting, as a case file has it."""
+
+    name: str = declare.word("path of the setting")
+    value: str = declare.word("its value", headline="{name}")
+
+
 @declare.dataclass(eq=False)
-class DesignStudy(ResultOfCase):
+class DesignStudy(Study):
     """A design; see `Result` for what it shares with others.
 
     Attributes
@@ -87,18 +115,8 @@ class DesignStudy(ResultOfCase):
         SI, shape (runs, names of the evaluation); NaN where a run has none.
     failures : tuple of str
         Why each run failed; empty where it did not.
-    candidates : tuple of DesignCandidate
-        The best first; where nothing meets all goals, the nearest alone.
-    sensitivities : tuple of Sensitivity
-        Of the first candidate.
     front : tuple of int
         Runs that no other one beats in all objectives; empty with fewer than two of them.
-    conflict : Conflict or None
-        Goals that exclude each other, where nothing meets all.
-    surrogate : tuple of SurrogateError
-        How well each number is known by the other runs, where they are few; else empty.
-    asked : str
-        Command line that gives it again, where one does.
     """
 
     command: ClassVar[str] = "design"
@@ -109,12 +127,6 @@ class DesignStudy(ResultOfCase):
     rows: tuple[Row, ...]
     numbers: Array
     failures: tuple[str, ...]
-    candidates: tuple[DesignCandidate, ...]
-    sensitivities: tuple[Sensitivity, ...] = ()
-    front: tuple[int, ...] = ()
-    conflict: Conflict | None = None
-    surrogate: tuple[SurrogateError, ...] = ()
-    asked: str = ""
 
     @property
     def case(self) -> Case:
@@ -139,17 +151,14 @@ class DesignStudy(ResultOfCase):
             update={"name": name, "title": title, "published": ()}
         )
 
-    @cached_property
-    def source(self) -> Source:
+    @property
+    def marked_text(self) -> str:
         """The case at the best settings, and above it what was asked."""
-        text = f"{self.plan.asked_line}{dump_case(self.case_of())}"
-        return Source("case", self.case.name, text, asked=self.asked)
+        return f"{self.plan.asked_line}{dump_case(self.case_of())}"
 
     def kept(self, name: str) -> KeptNumber:
         """Return a number with the units in which it is kept and shown."""
-        if is_derived(name):
-            return KeptNumber(name, DERIVED._replace(label=name.replace(".", " ").replace("_", " ")))
-        return kept_number(self.case, self.plan.analysis, name)
+        return self.plan.kept(name)
 
     def value(self, run: int, name: str) -> float:
         """Return a number of a run, SI."""
@@ -162,11 +171,6 @@ class DesignStudy(ResultOfCase):
     def value_words(self, name: str, value: float) -> str:
         """Write a number with its unit."""
         return self.kept(name).words(value) if math.isfinite(value) else "none"
-
-    def at(self, row: Row) -> str:
-        """Return settings in words."""
-        pairs = zip(self.plan.variables, row, strict=True)
-        return ", ".join(f"{one.path} = {one.shown(value)}" for one, value in pairs)
 
     @cached_property
     def settings(self) -> Array:
@@ -184,9 +188,7 @@ class DesignStudy(ResultOfCase):
         return np.asarray(self.shares.min(axis=1, initial=math.inf))
 
     analysis = declare.computed(declare.word("run, fast, wave, fem or impact"))(lambda study: study.plan.analysis)
-    goals = declare.computed(declare.rows(StatedGoal, "what must be met"))(
-        lambda study: [StatedGoal(one.typed, one.number, one.low, one.high) for one in study.plan.goals]
-    )
+    goals = declare.computed(declare.rows(Goal, "what must be met"))(lambda study: study.plan.goals)
     objectives = declare.computed(declare.word("objectives as typed"))(
         lambda study: [one.typed for one in study.plan.objectives]
     )
@@ -219,55 +221,28 @@ class DesignStudy(ResultOfCase):
         margin = self.candidates[0].margin
         return margin if math.isfinite(margin) else None
 
-    @declare.computed(declare.rows(RankedRun, "ranked settings", key="candidates"))
-    def ranked(self) -> list[RankedRun]:
-        """The ranked settings."""
-        goals = [goal.typed for goal in self.plan.goals]
-
-        def by_goal(shares: Array) -> dict[str, float]:
-            return dict(zip(goals, shares.tolist(), strict=True))
-
-        return [
-            RankedRun(
-                **vars(self._run(one.run)),
-                meets=one.meets,
-                margin=one.margin,
-                margins=by_goal(one.shares),
-                verified_margins=None if one.verified is None else by_goal(one.verified),
-                failure=one.failure,
-                verdict=one.verdict,
-                robust=one.robustness,
-            )
-            for one in self.candidates
-        ]
-
-    @declare.computed(declare.rows(SettingChanges, "how the numbers move with each setting", key="sensitivities"))
-    def changes(self) -> list[SettingChanges]:
-        """How the numbers move with each setting."""
-        names = self.plan.evaluation.names
-        return [
-            SettingChanges(one.path, dict(zip(names, one.changes.tolist(), strict=True)), list(one.room))
-            for one in self.sensitivities
-        ]
+    candidates: tuple[DesignCandidate, ...] = declare.rows(
+        DesignCandidate, "ranked settings, the best first; where nothing meets all goals, the nearest alone"
+    )
+    sensitivities: tuple[Sensitivity, ...] = declare.rows(
+        Sensitivity, "how the numbers move with each setting", default=()
+    )
+    front: tuple[int, ...] = ()
 
     front_runs = declare.computed(
         declare.rows(
             DesignRun, "runs that no other one beats in all objectives, with two or more of these", key="front"
         )
-    )(lambda study: [study._run(run) for run in study.front])
+    )(lambda study: [DesignRun(study.plan, run, study.rows[run], study.numbers[run]) for run in study.front])
 
-    excluding = declare.computed(
-        declare.part(
-            GoalConflict,
-            "where nothing meets all: goals that exclude each other, and what each comes to under the others",
-            key="conflict",
-        )
-    )(lambda study: study.conflict and GoalConflict([goal.typed for goal in study.conflict.goals], study.reaches))
-    known_numbers = declare.computed(
-        declare.rows(
-            KnownNumber, "of a search by surrogate: how well each number is known by the other runs", key="surrogate"
-        )
-    )(lambda study: [KnownNumber(study.kept(one.name), *one) for one in study.surrogate])
+    conflict: Conflict | None = declare.part(
+        Conflict,
+        "where nothing meets all: goals that exclude each other, and what each comes to under the others",
+        default=None,
+    )
+    surrogate: tuple[KnownNumber, ...] = declare.rows(
+        KnownNumber, "of a search by surrogate: how well each number is known by the other runs", default=()
+    )
     sources = declare.computed(declare.word("sources of the methods"))(
         lambda study: [citation(key) for key in study.citations]
     )
@@ -287,25 +262,15 @@ class DesignStudy(ResultOfCase):
         """How the numbers of the aims move with each setting, and between which values of it all goals stay met."""
         wanted = dict.fromkeys(aim.number for aim in self.plan.aims)
         return [
-            NumberChange(self.kept(name), one.setting, name, one.changes[name], *self._room(one))
-            for one in self.changes
+            NumberChange(self.kept(name), one.path, name, one.changes[name], *self._room(one))
+            for one in self.sensitivities
             for name in wanted
         ]
 
-    @declare.computed(declare.rows(GoalReach, "goals that exclude each other", in_document=False))
-    def reaches(self) -> list[GoalReach]:
+    @declare.computed(declare.rows(Reach, "goals that exclude each other", in_document=False))
+    def reaches(self) -> tuple[Reach, ...]:
         """What each of the goals that exclude each other comes to at best while the others are met."""
-        return [
-            GoalReach(
-                self.kept(one.goal.number),
-                one.goal.typed,
-                one.value,
-                one.lacks,
-                self._run(one.run),
-                self.at(self.rows[one.run]),
-            )
-            for one in (self.conflict.reaches if self.conflict else ())
-        ]
+        return self.conflict.reaches if self.conflict else ()
 
     vary = declare.computed(declare.rows(StudyVariable, "what may be chosen", in_document=False))(
         lambda study: study.plan.variables
@@ -368,18 +333,9 @@ class DesignStudy(ResultOfCase):
             )
         return (*notices, *self.verdicts.notices())
 
-    def setting(self, row: Row) -> dict[str, Any]:
-        """Return settings by their paths: SI, or words."""
-        pairs = zip(self.plan.variables, row, strict=True)
-        return {one.path: one.words[int(value)] if one.words else value for one, value in pairs}
-
-    def _run(self, run: int) -> DesignRun:
-        numbers = dict(zip(self.plan.evaluation.names, self.numbers[run].tolist(), strict=True))
-        return DesignRun(run + 1, self.setting(self.rows[run]), numbers)
-
-    def _room(self, one: SettingChanges) -> Iterator[str | None]:
+    def _room(self, one: Sensitivity) -> Iterator[str | None]:
         """Yield to where a setting may be moved down and up, till the first goal is missed."""
-        k = [variable.path for variable in self.plan.variables].index(one.setting)
+        k = [variable.path for variable in self.plan.variables].index(one.path)
         variable, value = self.plan.variables[k], self.candidates[0].row[k]
         ends = variable.axis.values[0], variable.axis.values[-1]
         for far, way, end in zip(one.room, (-1.0, 1.0), ends, strict=True):
@@ -387,10 +343,6 @@ class DesignStudy(ResultOfCase):
             within = ends[0] <= moved <= ends[1]
             brief = variable.brief(moved) if within else f"beyond {variable.brief(end)}"
             yield None if math.isnan(far) else brief
-
-    def texts(self) -> dict[str, str]:
-        """Return the JSON document as a file."""
-        return {"design.json": self.document_text()}
 
     def tables(self) -> dict[str, str]:
         """Return the table of all runs."""
@@ -401,7 +353,7 @@ class DesignStudy(ResultOfCase):
     def _columns(self, runs: list[int]) -> list[Column]:
         columns = list[Column]()
         for one in self.plan.variables:
-            values = [self.setting(self.rows[run])[one.path] for run in runs]
+            values = [self.plan.setting(self.rows[run])[one.path] for run in runs]
             columns.append(one.column(values, len(columns) < MOST_SETTINGS))
         for k, name in enumerate(self.plan.evaluation.names):
             columns.append(self.kept(name).column(self.numbers[runs, k], k < MOST_NUMBERS))
@@ -442,7 +394,8 @@ def all_broken_words(study: DesignStudy) -> str:
         return words
     goal = study.plan.goals[int(np.argmin(study.shares[near]))]
     comes_to = study.value_words(goal.number, study.value(near, goal.number))
-    return f'{words}; the nearest that passes is {study.at(study.rows[near])}, where "{goal.typed}" comes to {comes_to}'
+    there = study.plan.at(study.rows[near])
+    return f'{words}; the nearest that passes is {there}, where "{goal.typed}" comes to {comes_to}'
 
 
 def _reach_words(study: DesignStudy, reach: Reach, stated: tuple[Goal, ...]) -> str:
@@ -450,10 +403,11 @@ def _reach_words(study: DesignStudy, reach: Reach, stated: tuple[Goal, ...]) -> 
     if not math.isfinite(reach.value):
         return "is unknown: no run met the others"
     value = study.value_words(reach.goal.number, reach.value)
+    there = dict(zip(study.plan.evaluation.names, reach.run.numbers, strict=True))
     limiting = [
         f", where {goal.typed} limits it"
         for goal in study.plan.goals
-        if goal.is_check and goal not in stated and study.value(reach.run, goal.number) > AT_LIMIT * goal.high
+        if goal.is_check and goal not in stated and there[goal.number] > AT_LIMIT * goal.high
     ]
     return f"comes to {value} {'with the others met' if len(stated) > 1 else 'at best'}{''.join(limiting)}"
 
@@ -503,7 +457,7 @@ def make_design(
         sensitivities=moved,
         front=tuple(on_front),
         conflict=conflict,
-        surrogate=left_out_errors(runs) if plan.by_surrogate else (),
+        surrogate=tuple(known_numbers(runs)) if plan.by_surrogate else (),
         citations=sources,
         verdicts=Verdicts(
             runs.verdicts,
@@ -522,3 +476,83 @@ def _ranked(
     merit = ranking(runs)
     candidates = ranked_candidates(runs, chosen_runs(runs, merit(runs.numbers)), store, pool)
     return candidates, sensitivities(runs, candidates[0].run)
+
+
+def design(
+    case: Case,
+    vary: Vary,
+    goals: Sequence[str],
+    *,
+    analysis: str = "",
+    runs: int | None = None,
+    seed: int = 1,
+    robust: int = 0,
+    search: str = "",
+    workers: int = 1,
+    executor: Executor | None = None,
+    cluster: str | None = None,
+    device: str | None = None,
+    store: Path | str | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> DesignStudy:
+    """Find settings of a case for goals on its numbers, or which goals exclude each other.
+
+    Equal arguments give equal settings, bit for bit, whatever the number of processes.
+
+    Parameters
+    ----------
+    case : Case
+        What is designed.
+    vary : sequence of str, or mapping
+        What may be chosen: ``machine.speed=400..900 rpm``, ``object.spring=10..160 kN/m log``,
+        ``contact.damping=LAW, LAW``; or the values by the settings.
+    goals : sequence of str
+        ``first.rigid_peak = 4000 g +- 5 %``, ``cv < 3 %``, ``spec:mil-std-810h passes``, ``sensor clips never``; and
+        objectives, such as ``stop_force smallest``.
+    analysis : str, optional
+        ``run``, ``fast``, ``wave``, ``fem`` or ``impact``; that of the case where it is left out.
+    runs : int, optional
+        Most runs of a search; 600 where it is left out, 40 by surrogate.
+    seed : int, optional
+        Of the search and of draws.
+    robust : int, optional
+        Draws within the tolerances of the case for each ranked setting; none where it is left out.
+    search : str, optional
+        ``evolution``, or ``surrogate`` for few runs; that of elements where it is left out. ``optuna``, of two
+        objectives or more, searches for their whole front at once; needs ``pip install 'strikewave[optuna]'``.
+    workers : int, optional
+        Processes. With more than one, call it below ``if __name__ == "__main__":``.
+    executor : Executor, optional
+        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
+    cluster : str, optional
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    device : str, optional
+        ``cuda`` or ``cuda-mixed``: the steps of elements are taken on the GPU, which the processes share.
+    store : path, optional
+        Folder that keeps finished runs: what it holds is not run again.
+    progress : callable, optional
+        Called with the share done, 0 to 1.
+
+    Returns
+    -------
+    DesignStudy
+        The best settings, every run that was made, and where no setting meets all goals, those that exclude
+        each other.
+
+    Raises
+    ------
+    InputError
+        If the case has no such setting or number, a goal is none, or the store cannot be used.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> case = strikewave.load_case("li-ma-2019", ["feed.blows=1"])
+    >>> goals = ["peak_force = 30 kN +- 2 %"]
+    >>> study = strikewave.design(case, ["machine.speed=200..900 rpm"], goals, analysis="impact", runs=48)
+    >>> study.best.meets, study.conflict
+    (True, None)
+    """
+    plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust, search).on(device, cluster)
+    with store_in(store) as finished:
+        return make_design(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))

@@ -28,7 +28,7 @@ from strikewave.machines.blows import Blow
 from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
 from strikewave.reporting.parts import NONE
-from strikewave.studies.design.design_file import load_design
+from strikewave.studies.design.plan import load_design
 from strikewave.studies.engine.variables import read_variable
 from strikewave.studies.settings.study import is_rotary
 from strikewave.studies.sweep.plan import varied_texts

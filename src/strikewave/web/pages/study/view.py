@@ -18,7 +18,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.case_files import bundled_cases
 from strikewave.reporting.shown_result import ShownResult, shown_table
 from strikewave.specifications.reading import asked_names
-from strikewave.studies.design.figures import drawn_numbers
+from strikewave.studies.design.report import drawn_numbers
 from strikewave.studies.design.study import DesignStudy
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.variables import StudyVariable
@@ -248,7 +248,7 @@ def _listed(result: Any, link: Linker) -> Iterator[tuple[str, str]]:
     elif isinstance(result, DesignStudy):
         for candidate in result.candidates:
             yield (
-                _marked(result.at(candidate.row), candidate.verdict),
+                _marked(result.plan.at(candidate.row), candidate.verdict),
                 link.of_row(result.plan.variables, candidate.row),
             )
     elif isinstance(result, SweepStudy):

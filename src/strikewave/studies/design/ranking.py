@@ -1,0 +1,561 @@
+"""What is ranked: settings apart from each other and verified, fronts of objectives, and goals that exclude each other.
+
+A front of several objectives is searched for at its ends and between, or at once by optuna: of each setting two
+densities are estimated, of the runs nearest the front and of the others, and what is likely by the first and not by the
+second is run next (tree-structured Parzen estimator); runs that miss a goal rank behind all that meet theirs, by how
+much they miss. Where nothing meets all goals they are left out one after the other: one without which the others still
+cannot be met stays out (the deletion filter of Chinneck & Dravnieks 1991). What is left cannot be met together, and
+would without any one of them, as far as the searches find: a global search finds no proof that nothing is there. What a
+goal comes to is that of runs that pass their checks, whether these are among the fewest or not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
+from strikewave.base.result import RUN_BROKEN, status_of, worse
+from strikewave.base.shock_quantities import RATIO
+from strikewave.studies.design.goals import Goal, Objective, shares_of
+from strikewave.studies.design.plan import OPTUNA, DesignPlan
+from strikewave.studies.design.search import (
+    FAR,
+    INFEASIBLE,
+    DesignRuns,
+    Merit,
+    margin_merit,
+    objective_merit,
+    reach_merit,
+    search,
+    under,
+)
+from strikewave.studies.engine.case_evaluation import OF_NUMBER, OfKept
+from strikewave.studies.engine.evaluation import Job, Row
+from strikewave.studies.engine.plan import DrawVariation, drawn_rows
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import carry_out
+from strikewave.studies.engine.store import RunStore
+from strikewave.uncertainty.draws import tolerances_of
+
+if TYPE_CHECKING:
+    import optuna
+
+Array = NDArray[np.float64]
+
+MOST_CANDIDATES = 8
+"""Settings that are ranked: a table of a screen."""
+APART = 0.1
+"""Least distance of two ranked settings, in shares of the range of one of them: nearer ones are the same to a maker.
+Of values of a list, any other one counts."""
+STEP = 0.01
+"""Step of a setting by which slopes are found, as a share of its range: ten of the steps between which no settings are
+tried, so that the rounding of settings is a tenth of it at most."""
+WEIGHTS = (0.25, 0.5, 0.75)
+"""Weights of the first of two objectives, between the ends of their front, at which it is searched for besides."""
+TOGETHER = 8
+"""Runs that are chosen together: the same whatever the workers, so that they change no bit."""
+MARGIN = Quantity(NO_UNIT, "%", "margin", 1, 0)
+
+
+@declare.dataclass
+class Robustness:
+    """Of draws within the tolerances of a setting, how many meet all goals."""
+
+    met: int = declare.count("draws that meet all goals")
+    drawn: int = declare.count("draws")
+    low: float
+    high: float
+
+    @declare.computed(declare.number(RATIO, "share of the draws that meet all goals"))
+    def share(self) -> float:
+        """Share of the draws that meet all goals."""
+        return self.met / self.drawn
+
+    @declare.computed(declare.word("of the share that would meet them, 95 % (Clopper & Pearson)"))
+    def interval(self) -> list[float]:
+        """Low and high end."""
+        return [self.low, self.high]
+
+
+@declare.dataclass(eq=False)
+class DesignRun:
+    """A run of a design.
+
+    Attributes
+    ----------
+    plan : DesignPlan
+        What it is of.
+    run : int
+        Its number, from 0.
+    row : tuple of float
+        Its settings.
+    numbers : ndarray
+        SI, in the order of the evaluation.
+    """
+
+    plan: DesignPlan
+    run: int
+    row: Row
+    numbers: Array
+
+    number = declare.computed(declare.count("number of the run, from 1", key="run"))(lambda one: one.run + 1)
+    settings = declare.computed(declare.word("its settings by their paths, SI or words"))(
+        lambda one: one.plan.setting(one.row)
+    )
+    by_name = declare.computed(declare.word("its numbers by their names, SI", key="numbers"))(
+        lambda one: dict(zip(one.plan.evaluation.names, one.numbers.tolist(), strict=True))
+    )
+
+
+@declare.dataclass(eq=False)
+class DesignCandidate(DesignRun):
+    """A setting that is ranked.
+
+    Attributes
+    ----------
+    shares : ndarray
+        Margin of each goal, see `Goal.share`.
+    verified : ndarray or None
+        Margins by the run that verifies it; NaN where that has no such number. None where there is none.
+    """
+
+    @declare.computed(declare.word("whether it meets all goals"))
+    def meets(self) -> bool:
+        """Whether it meets all goals, and does so when it is verified."""
+        return self.margin >= 0.0 and self.holds
+
+    @declare.computed(
+        declare.number(MARGIN, "least margin, as of clauses: the distance to the nearer limit over its scale")
+    )
+    def margin(self) -> float:
+        """The least of its margins; infinite where there is no goal."""
+        return float(self.shares.min(initial=math.inf))
+
+    shares: Array
+    verified: Array | None
+
+    margins = declare.computed(declare.number(MARGIN, "margin of each goal"))(lambda one: one.by_goal(one.shares))
+    verified_margins = declare.computed(declare.number(MARGIN, "the same by a full run, where that is another one"))(
+        lambda one: None if one.verified is None else one.by_goal(one.verified)
+    )
+
+    failure: str = declare.word("why that run failed; empty where it did not")
+    verdict: str = declare.word(
+        "what the checks of its run came to, of that which verifies it where this one's came to worse: passed, or "
+        "broken with the checks that failed"
+    )
+    robustness: Robustness | None = declare.part(
+        Robustness, "by the option robust: how many draws within the tolerances meet all goals", key="robust"
+    )
+
+    def by_goal(self, shares: Array) -> dict[str, float]:
+        """Return margins by their goals."""
+        return dict(zip([goal.typed for goal in self.plan.goals], shares.tolist(), strict=True))
+
+    @property
+    def holds(self) -> bool:
+        """Whether its runs failed no check, and no margin falls below zero when it is verified."""
+        return self.confirmed and not self.breaks
+
+    @property
+    def confirmed(self) -> bool:
+        """Whether no margin falls below zero by the run that verifies it, whatever the checks of its runs say."""
+        return not self.failure and (self.verified is None or not bool((self.verified < 0.0).any()))
+
+    @property
+    def breaks(self) -> bool:
+        """Whether one of its runs failed a check."""
+        return status_of(self.verdict) == RUN_BROKEN
+
+
+def chosen_runs(runs: DesignRuns, merit: Array) -> list[int]:
+    """Return the runs that are ranked, the smallest merit first, each `APART` from those before it.
+
+    Those that meet no goal are only taken where none does, and then the nearest alone; those that failed a check
+    where all that meet the goals did.
+    """
+    plan = runs.plan
+    names = plan.evaluation.names
+    least = shares_of(plan.goals, names, runs.numbers).min(axis=1, initial=math.inf)
+    able = np.flatnonzero((least >= 0.0) & np.isfinite(merit))
+    if not able.size:
+        return [int(np.argmin(merit))]
+    able = _sound(runs, able)
+    taken, places = list[int](), list[Array]()
+    whole = np.array(plan.whole)
+    for run in able[np.argsort(merit[able], kind="stable")]:
+        place = plan.place_of(runs.rows[run])
+        if all(bool((np.abs(place - other) >= np.where(whole, 1.0, APART)).any()) for other in places):
+            taken.append(int(run))
+            places.append(place)
+        if len(taken) == MOST_CANDIDATES:
+            break
+    return taken
+
+
+def _sound(runs: DesignRuns, able: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return those of some runs that failed no check; all of them where each did."""
+    sound = [run for run in able if status_of(runs.verdicts[run]) != RUN_BROKEN]
+    return np.array(sound, np.intp) if sound else able
+
+
+def verified(
+    plan: DesignPlan, rows: Sequence[Row], store: RunStore, pool: Pool
+) -> tuple[Array | None, list[str], Sequence[str]]:
+    """Return the margins of rows by the runs that verify them, shape (rows, goals), why some failed, and verdicts."""
+    if plan.verifying is None:
+        return None, [""] * len(rows), [""] * len(rows)
+    better, _ = plan.verifying
+    finished = carry_out(better.job, rows, store, pool)
+    numbers, failures, _ = store.table(better.evaluation.names, finished.keys)
+    margins = np.full((len(rows), len(plan.goals)), np.nan)
+    shares = shares_of(better.goals, better.evaluation.names, numbers)
+    for k, goal in enumerate(better.goals):
+        margins[:, plan.goals.index(goal)] = shares[:, k]
+    return margins, failures, store.verdicts(finished.keys).texts
+
+
+def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Robustness:
+    """Return how many draws within the tolerances of a setting meet all goals, and fail no check.
+
+    Source: ``clopper-pearson-1934``.
+
+    Raises
+    ------
+    InputError
+        If the case has no tolerance that a run feels.
+    """
+    from scipy.stats import binomtest
+
+    case = plan.case_of(row)
+    inputs = tolerances_of(case)
+    drawn = drawn_rows(inputs, plan.robust, plan.seed)
+    finished = carry_out(Job(DrawVariation(case, inputs), plan.evaluation), drawn, store, pool)
+    numbers, _, _ = store.table(plan.evaluation.names, finished.keys)
+    least = shares_of(plan.goals, plan.evaluation.names, numbers).min(axis=1, initial=math.inf)
+    passed = np.array([status_of(text) != RUN_BROKEN for text in store.verdicts(finished.keys).texts])
+    met = int(np.sum((least >= 0.0) & passed))
+    interval = binomtest(met, plan.robust).proportion_ci(0.95, "exact")
+    return Robustness(met, plan.robust, float(interval.low), float(interval.high))
+
+
+@declare.dataclass(eq=False)
+class Sensitivity:
+    """How the numbers move with a setting, about the best one.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Of the numbers.
+    moved : ndarray
+        Change of each number per `STEP` of the range of the setting, SI.
+    """
+
+    path: str = declare.word("path of a setting of the best one", key="setting")
+    names: tuple[str, ...]
+    moved: Array
+
+    changes = declare.computed(
+        declare.word(
+            "change of each number, SI, for a hundredth of the range of the setting",
+            key="changes_per_hundredth_of_range",
+        )
+    )(lambda one: dict(zip(one.names, one.moved.tolist(), strict=True)))
+    room: tuple[float, float] = declare.word(
+        "how far it may move down and up until a goal is missed, SI, where the numbers go on as they do here"
+    )
+
+
+def sensitivities(runs: DesignRuns, best: int) -> tuple[Sensitivity, ...]:
+    """Return the sensitivities of all settings that have a range, by runs on either side of the best one."""
+    plan, row = runs.plan, runs.rows[best]
+    place, names, found = plan.place_of(row), plan.evaluation.names, list[Sensitivity]()
+    ranges = [k for k, one in enumerate(plan.variables) if one.is_range]
+    pairs = []
+    for k in ranges:
+        ends = []
+        for way in (-STEP, STEP):
+            moved = place.copy()
+            moved[k] = min(max(moved[k] + way, 0.0), 1.0)
+            ends.append(plan.row_at(moved))
+        pairs.append(ends)
+    numbers = runs.of([one for ends in pairs for one in ends])
+    at_best = runs.of([row])[0]
+    for number, (k, ends) in enumerate(zip(ranges, pairs, strict=True)):
+        apart = plan.place_of(ends[1])[k] - plan.place_of(ends[0])[k]
+        step = ends[1][k] - ends[0][k]
+        slopes = (numbers[2 * number + 1] - numbers[2 * number]) / step
+        room = _room(plan.goals, names, at_best, slopes)
+        found.append(Sensitivity(plan.variables[k].path, names, slopes * step * STEP / apart, room))
+    return tuple(found)
+
+
+def _room(goals: Sequence[Goal], names: Sequence[str], numbers: Array, slopes: Array) -> tuple[float, float]:
+    """Return how far a setting may go down and up till the first goal is missed; NaN where one is missed already.
+
+    Examples
+    --------
+    >>> _room([Goal("x < 3", "x", -math.inf, 3.0)], ["x"], np.array([2.0]), np.array([-0.5]))
+    (2.0, inf)
+    """
+    places = [names.index(goal.number) for goal in goals]
+    if not all(goal.low <= numbers[k] <= goal.high for goal, k in zip(goals, places, strict=True)):
+        return math.nan, math.nan
+    ends = [
+        (limit - numbers[k]) / slopes[k]
+        for goal, k in zip(goals, places, strict=True)
+        for limit in (goal.low, goal.high)
+        if math.isfinite(limit) and slopes[k] != 0.0
+    ]
+    down, up = [-end for end in ends if end <= 0.0], [end for end in ends if end >= 0.0]
+    return float(min(down, default=math.inf)), float(min(up, default=math.inf))
+
+
+def front(runs: DesignRuns, objectives: Sequence[Objective]) -> list[int]:
+    """Return the runs that meet all goals and that no other such run beats in all objectives, by the first of them.
+
+    Those that failed a check are taken where all that meet the goals did.
+    """
+    plan, names = runs.plan, runs.plan.evaluation.names
+    least = shares_of(plan.goals, names, runs.numbers).min(axis=1, initial=math.inf)
+    values = np.column_stack([one.sign * runs.numbers[:, names.index(one.number)] for one in objectives])
+    able = _sound(runs, np.flatnonzero((least >= 0.0) & np.isfinite(values).all(axis=1)))
+    kept = [run for run in able if not _beaten(values[run], values[able])]
+    return sorted(map(int, kept), key=lambda run: float(values[run, 0]))
+
+
+def _beaten(value: Array, others: Array) -> bool:
+    return bool(((others <= value).all(axis=1) & (others < value).any(axis=1)).any())
+
+
+def ranked_candidates(runs: DesignRuns, ranked: list[int], store: RunStore, pool: Pool) -> tuple[DesignCandidate, ...]:
+    """Return the ranked settings with what verifies them; those that hold first, the most robust of them first."""
+    plan = runs.plan
+    rows = [runs.rows[run] for run in ranked]
+    margins, failures, verdicts = verified(plan, rows, store, pool)
+    shares = shares_of(plan.goals, plan.evaluation.names, runs.numbers)
+    found = [
+        DesignCandidate(
+            plan,
+            run,
+            row,
+            runs.numbers[run],
+            shares[run],
+            None if margins is None else margins[k],
+            failures[k],
+            worse(runs.verdicts[run], verdicts[k]),
+            robustness_of(plan, row, store, pool) if plan.robust else None,
+        )
+        for k, (run, row) in enumerate(zip(ranked, rows, strict=True))
+    ]
+    return tuple(sorted(found, key=lambda one: (not one.holds, -one.robustness.share if one.robustness else 0.0)))
+
+
+@declare.dataclass(eq=False)
+class Reach(OfKept):
+    """A goal that others exclude, and what its number comes to where they are met.
+
+    Attributes
+    ----------
+    goal : Goal
+        The one that is given up.
+    """
+
+    goal: Goal
+
+    without = declare.computed(declare.word("goal that is given up, as typed", label="without the goal", column=KEY))(
+        lambda one: one.goal.typed
+    )
+    value: float = declare.number(
+        OF_NUMBER, "its number at best; none where the others were not met", label="it comes to", column=KEY
+    )
+
+    @declare.computed(declare.number(OF_NUMBER, "what its limit lacks", label="its limit would move by", column=MAIN))
+    def lacks(self) -> float:
+        """By how much its limit would have to be moved, SI."""
+        return max(self.goal.low - self.value, self.value - self.goal.high)
+
+    run: DesignRun = declare.part(DesignRun, "where", inline=True)
+
+    at = declare.computed(declare.word("where", label="at", column=MORE, in_document=False))(
+        lambda one: one.run.plan.at(one.run.row)
+    )
+
+
+@declare.dataclass(eq=False)
+class Conflict:
+    """Goals that exclude each other: the fewest, for without any one of them the others can be met.
+
+    Attributes
+    ----------
+    goals : tuple of Goal
+        The fewest.
+    """
+
+    goals: tuple[Goal, ...]
+
+    typed = declare.computed(declare.word("the fewest goals that exclude each other", key="goals"))(
+        lambda one: [goal.typed for goal in one.goals]
+    )
+    reaches: tuple[Reach, ...] = declare.rows(Reach, "what each comes to under the others", key="reachable")
+
+
+def conflict_of(runs: DesignRuns) -> Conflict:
+    """Return which goals exclude each other.
+
+    Source: ``chinneck-dravnieks-1991``.
+    """
+    goals = list(runs.plan.goals)
+    for salt, goal in enumerate(runs.plan.goals, 1):
+        rest = [one for one in goals if one is not goal]
+        if rest and not _can_be_met(runs, rest, salt):
+            goals = rest
+    names = runs.plan.evaluation.names
+    reaches = []
+    for salt, goal in enumerate(goals, len(runs.plan.goals) + 1):
+        checks = [one for one in runs.plan.goals if one.is_check and one not in goals]
+        others = [*(one for one in goals if one is not goal), *checks]
+        merit = reach_merit(goal, others, names)
+        run = search(runs, merit, salt=salt)
+        met = float(merit(runs.numbers)[run]) < INFEASIBLE
+        value = float(runs.numbers[run, names.index(goal.number)]) if met else np.nan
+        where = DesignRun(runs.plan, run, runs.rows[run], runs.numbers[run])
+        reaches.append(Reach(runs.plan.kept(goal.number), goal, value, where))
+    return Conflict(tuple(goals), tuple(reaches))
+
+
+def _can_be_met(runs: DesignRuns, goals: Sequence[Goal], salt: int) -> bool:
+    """Tell whether some goals can be met together: by what was run, or else by a search that ends where they are."""
+    merit = margin_merit(goals, runs.plan.evaluation.names)
+    if float(merit(runs.numbers).min()) <= 0.0:
+        return True
+    best = search(runs, merit, 0.0, salt)
+    return float(merit(runs.numbers)[best]) <= 0.0
+
+
+def trade_off_search(runs: DesignRuns, salt: int) -> None:
+    """Search for the front of all objectives; what is run is added to the runs.
+
+    Source: ``ozaki-2022``.
+
+    Parameters
+    ----------
+    runs : DesignRuns
+        What was run, and tells where to begin.
+    salt : int
+        Tells the random numbers of several searches apart.
+    """
+    import optuna
+
+    optuna.logging.set_verbosity(optuna.logging.ERROR)
+    plan = runs.plan
+    seed = int(np.random.SeedSequence(plan.seed, spawn_key=(salt,)).generate_state(1)[0])
+    sampler = optuna.samplers.TPESampler(seed=seed)
+    study = optuna.create_study(directions=["minimize"] * len(plan.objectives), sampler=sampler)
+    where = _distributions(plan)
+    for row, numbers in zip(runs.rows, runs.numbers, strict=True):
+        values, missed = _judged(runs, numbers)
+        if values:
+            study.add_trial(_finished(plan, row, where, values, missed))
+    runs.most = len(runs.rows) + plan.runs
+    for asked in range(0, plan.runs, TOGETHER):
+        trials = [study.ask(where) for _ in range(min(TOGETHER, plan.runs - asked))]
+        rows = [plan.row_at([float(trial.params[name]) for name in where]) for trial in trials]
+        for trial, numbers in zip(trials, runs.of(rows), strict=True):
+            values, missed = _judged(runs, numbers)
+            for name, share in missed.items():
+                trial.set_constraint(name, share)
+            study.tell(trial, values, optuna.trial.TrialState.COMPLETE if values else optuna.trial.TrialState.FAIL)
+
+
+def _distributions(plan: DesignPlan) -> dict[str, Any]:
+    """Return where each variable may lie: places of a range, numbers of a list, words without an order."""
+    from optuna.distributions import CategoricalDistribution, FloatDistribution, IntDistribution
+
+    found: dict[str, Any] = {}
+    for one, (low, high) in zip(plan.variables, plan.bounds, strict=True):
+        if one.is_range:
+            found[one.path] = FloatDistribution(low, high)
+        elif one.words:
+            found[one.path] = CategoricalDistribution(range(int(high) + 1))
+        else:
+            found[one.path] = IntDistribution(int(low), int(high))
+    return found
+
+
+def _judged(runs: DesignRuns, numbers: Array) -> tuple[list[float] | None, dict[str, float]]:
+    """Return the objectives of a run, all to be small, if it has them all, and by how much it misses each goal."""
+    plan, names = runs.plan, runs.plan.evaluation.names
+    values = [one.sign * float(numbers[names.index(one.number)]) for one in plan.objectives]
+    missed = np.nan_to_num(-shares_of(plan.goals, names, numbers[None])[0], nan=FAR)
+    return values if np.isfinite(values).all() else None, {str(k): float(share) for k, share in enumerate(missed)}
+
+
+def _finished(
+    plan: DesignPlan, row: tuple[Any, ...], where: dict[str, Any], values: Sequence[float], missed: dict[str, float]
+) -> optuna.trial.FrozenTrial:
+    """Return a run that was made before as the search takes it."""
+    import optuna
+
+    places = zip(where, plan.place_of(row), plan.whole, strict=True)
+    at = {name: round(place) if whole else float(place) for name, place, whole in places}
+    return optuna.trial.create_trial(params=at, distributions=where, values=values, constraints=missed)
+
+
+def goals_met(runs: DesignRuns) -> bool:
+    """Search for what meets all goals, and tell whether it was found; without objectives, with the largest margin."""
+    plan = runs.plan
+    if not plan.goals:
+        return True
+    merit = margin_merit(plan.goals, plan.evaluation.names)
+    enough = 0.0 if plan.objectives else -math.inf
+    best = search(runs, merit, enough)
+    return float(merit(runs.numbers)[best]) <= 0.0
+
+
+def ranking(runs: DesignRuns) -> Merit:
+    """Return the merit by which settings are ranked, after the searches that the objectives need."""
+    plan, names = runs.plan, runs.plan.evaluation.names
+    if not plan.objectives or (plan.goals and not runs.meet()):
+        return margin_merit(plan.goals, names)
+    salt = 2 * len(plan.goals) + 1
+    if plan.search == OPTUNA:
+        trade_off_search(runs, salt)
+        return weighted_merit(runs, plan.objectives, front(runs, plan.objectives), WEIGHTS[1])
+    merits = [objective_merit(one, plan.goals, names) for one in plan.objectives]
+    for number, merit in enumerate(merits):
+        search(runs, merit, salt=salt + number)
+    if len(merits) == 1:
+        return merits[0]
+    ends = front(runs, plan.objectives)
+    salt += len(merits)
+    between = [weighted_merit(runs, plan.objectives, ends, weight) for weight in WEIGHTS]
+    for number, merit in enumerate(between if len(merits) == 2 else between[1:2]):
+        search(runs, merit, salt=salt + number)
+    return between[1]
+
+
+def weighted_merit(runs: DesignRuns, objectives: tuple[Objective, ...], ends: list[int], weight: float) -> Merit:
+    """Return the merit of several objectives together: the largest of them, each over its extent on the Pareto front.
+
+    The first has the weight, the others share the rest (Tchebycheff's norm, which reaches every point of a front).
+    """
+    names, goals = runs.plan.evaluation.names, runs.plan.goals
+    places = [names.index(one.number) for one in objectives]
+    signs = np.array([one.sign for one in objectives])
+    known = runs.numbers[ends][:, places] * signs
+    low, extent = known.min(axis=0), np.ptp(known, axis=0)
+    weights = np.array([weight, *[(1.0 - weight) / (len(places) - 1)] * (len(places) - 1)])
+    scale = weights / np.where(extent > 0.0, extent, 1.0)
+
+    def merit(numbers: Array) -> Array:
+        value = ((numbers[:, places] * signs - low) * scale).max(axis=1)
+        return under(np.nan_to_num(value, nan=INFEASIBLE), goals, names, numbers)
+
+    return merit
