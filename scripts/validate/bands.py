@@ -30,7 +30,7 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.machines import blows, run_machine
 from strikewave.machines.fast_run import fast_train
-from strikewave.studies.engine.pools import Workers
+from strikewave.studies.engine.pools import ProcessPool
 from strikewave.uncertainty.bands import Sample, find_band, latin_hypercube
 from strikewave.uncertainty.draws import FELT, drawn, drawn_case
 from strikewave.uncertainty.known import known_inputs
@@ -163,7 +163,7 @@ def main():
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     words = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for the processes: matrices are small
-    with Workers(words.processes) as workers:
+    with ProcessPool(words.processes) as workers:
         names = [words.only] if words.only else MACHINES
         if words.seeds:
             for name in (name for name in names if name.startswith(("li-ma-2019", "six"))):

@@ -49,7 +49,7 @@ WORK = """
 import os, sys, time
 os.cpu_count = lambda: 2
 from strikewave.base.interrupts import exit_code, heed
-from strikewave.studies.engine.pools import Workers
+from strikewave.studies.engine.pools import ProcessPool
 
 def tell(what):
     os.write(1, b"%d\\n" % what)
@@ -59,7 +59,7 @@ def tell(what):
 if __name__ == "__main__":
     heed()
     try:
-        with Workers(2) as workers:
+        with ProcessPool(2) as workers:
             print([future.result() for future in [workers.submit(tell, int(what)) for what in sys.argv[1:] or ("1", "2")]])
     except KeyboardInterrupt as stop:
         sys.exit(exit_code(stop))

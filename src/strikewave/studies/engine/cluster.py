@@ -22,7 +22,7 @@ from typing import Any, Generic
 from strikewave.base.compiled import is_cold
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.studies.engine.keys import program_key
-from strikewave.studies.engine.pools import Answer, Asked, Batch, Loss
+from strikewave.studies.engine.pools import Answer, Asked, Batch, Loss, Pool
 
 OPTION = "--cluster"
 CONNECT_SECONDS = 7.0
@@ -62,7 +62,7 @@ class OfThisVersion(Generic[Asked, Answer]):
         return self.batch(rows)
 
 
-class ClusterPool:
+class ClusterPool(Pool):
     """The workers of a scheduler of Dask; see `Pool`.
 
     Parameters
@@ -192,9 +192,6 @@ class ClusterPool:
                     raise StrikewaveError(f"{gone}; what was finished is kept") from None
                 time.sleep(RETURN_PAUSE)
         self._is_warm = False
-
-    def __enter__(self) -> ClusterPool:
-        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

@@ -11,6 +11,7 @@ import enum
 import multiprocessing
 import os
 import signal
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import (
     BrokenExecutor,
@@ -22,7 +23,7 @@ from concurrent.futures import (
 )
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Self, TypeVar
 
 from strikewave.base.child_process import end_after, safe_path
 from strikewave.base.errors import StrikewaveError
@@ -52,104 +53,98 @@ class Loss(enum.Enum):
     """No batch: the way to the workers was lost."""
 
 
-class Pool(Protocol):
+class Pool(ABC):
     """What runs batches; a context manager."""
+
+    _width: int
 
     @property
     def width(self) -> int:
         """How many batches run at a time."""
-        ...
+        return self._width
 
+    @abstractmethod
     def submit(self, job: Batch[Asked, Answer], rows: Sequence[Asked]) -> Future[list[Answer]]:
         """Begin a batch."""
-        ...
 
     def loss(self, error: BaseException) -> Loss | None:
         """Return what an error says of a batch that ended before its time; None of an error of ours."""
-        ...
+        return Loss.BY_ANY if isinstance(error, BrokenExecutor) else None
 
-    def look(self) -> None:
+    def look(self) -> None:  # noqa: B027  (most are told of what is lost)
         """End batches whose loss nobody reports; called now and then while none comes back."""
-        ...
 
+    @abstractmethod
     def renew(self) -> None:
         """Make it fit to run further batches after a loss."""
-        ...
 
-    def __enter__(self) -> Pool: ...
+    def __enter__(self) -> Self:
+        return self
 
+    @abstractmethod
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None: ...
 
 
-class Workers:
-    """Processes that run functions; a context manager. With one, everything runs in this process.
+class ProcessPool(Pool):
+    """Processes of this machine, no more than cores; with one, everything runs in this process.
 
     Ctrl-C and the signals that act as it does are answered by the parent alone: an error in the ``with`` block ends the
     processes at once, whatever they do, and so does the end of the parent; so they must write nothing.
 
-    Parameters
-    ----------
-    count : int
-        Processes; no more than cores.
-    begin : callable, optional
-        Makes a process ready.
-    arguments : tuple, optional
-        Arguments of ``begin``.
+    Examples
+    --------
+    >>> with ProcessPool(1) as pool:
+    ...     pool.submit(list, [(1.0,)]).result()
+    [(1.0,)]
     """
 
-    def __init__(self, count: int, begin: Callable[..., None] | None = None, arguments: tuple[Any, ...] = ()) -> None:
-        self._pool: ProcessPoolExecutor | None = None
+    def __init__(self, count: int) -> None:
+        self._width = max(min(count, os.cpu_count() or 1), 1)
         self._before = {process.pid for process in multiprocessing.active_children()}
-        count = min(count, os.cpu_count() or 1)
-        if count > 1:
-            spawn = multiprocessing.get_context("spawn")
-            with safe_path():  # its locks start a process that watches over them
-                self._pool = ProcessPoolExecutor(count, spawn, _begin, (begin, arguments))
-        elif begin is not None:
-            begin(*arguments)
+        self._executor = self._started()
 
-    def __enter__(self) -> Workers:
-        return self
+    def _started(self) -> ProcessPoolExecutor | None:
+        """Start processes; none where everything runs in this one."""
+        if self.width == 1:
+            return None
+        with safe_path():  # its locks start a process that watches over them
+            return ProcessPoolExecutor(self.width, multiprocessing.get_context("spawn"), _begin)
+
+    def submit(self, job: Batch[Asked, Answer], rows: Sequence[Asked]) -> Future[list[Answer]]:
+        """Begin a batch; in this process it is done when this returns."""
+        if self._executor is not None:
+            with safe_path(), _interrupts_later():
+                return self._executor.submit(job, rows)
+        done: Future[list[Answer]] = Future()
+        done.set_result(job(rows))
+        return done
+
+    def renew(self) -> None:
+        """Start other processes."""
+        self.__exit__(None, None, None)
+        self._executor = self._started()
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._pool is None:
+        if self._executor is None:
             return
         if kind is not None:
             for process in multiprocessing.active_children():
                 if process.pid not in self._before:
                     process.kill()
-        self._pool.shutdown(wait=True, cancel_futures=True)
-
-    def submit(self, function: Callable[[Asked], Answer], item: Asked) -> Future[Answer]:
-        """Begin a call, whose future the caller awaits; in this process it is done when this returns.
-
-        Examples
-        --------
-        >>> with Workers(1) as workers:
-        ...     workers.submit(abs, -1).result()
-        1
-        """
-        if self._pool is not None:
-            with safe_path(), _interrupts_later():
-                return self._pool.submit(function, item)
-        done: Future[Answer] = Future()
-        done.set_result(function(item))
-        return done
+        self._executor.shutdown(wait=True, cancel_futures=True)
 
 
-def _begin(begin: Callable[..., None] | None, arguments: tuple[Any, ...]) -> None:
+def _begin() -> None:
     """Make a process ready that ends with its parent, and let the parent alone answer Ctrl-C and a closed terminal."""
     end_after(multiprocessing.parent_process().join)  # type: ignore[union-attr]  # it has one
     for number in {*INTERRUPTS} - {signal.SIGTERM}:
         signal.signal(number, signal.SIG_IGN)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, INTERRUPTS)
-    if begin is not None:
-        begin(*arguments)
 
 
 @contextlib.contextmanager
@@ -165,46 +160,7 @@ def _interrupts_later() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-class ProcessPool:
-    """Processes of this machine, no more than cores; with one, everything runs in this process.
-
-    Examples
-    --------
-    >>> with ProcessPool(1) as pool:
-    ...     pool.submit(list, [(1.0,)]).result()
-    [(1.0,)]
-    """
-
-    def __init__(self, count: int) -> None:
-        self.width = max(min(count, os.cpu_count() or 1), 1)
-        self._workers = Workers(self.width)
-
-    def __enter__(self) -> ProcessPool:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._workers.__exit__(kind, error, trace)
-
-    def submit(self, job: Batch[Asked, Answer], rows: Sequence[Asked]) -> Future[list[Answer]]:
-        """Begin a batch; in this process it is done when this returns."""
-        return self._workers.submit(job, rows)
-
-    def loss(self, error: BaseException) -> Loss | None:
-        """Tell whether a process ended before its time."""
-        return Loss.BY_ANY if isinstance(error, BrokenExecutor) else None
-
-    def look(self) -> None:
-        """Do nothing: a process that ends is reported."""
-
-    def renew(self) -> None:
-        """Start other processes."""
-        self._workers.__exit__(None, None, None)
-        self._workers = Workers(self.width)
-
-
-class GivenPool:
+class GivenPool(Pool):
     """An executor that someone else made, and ends.
 
     Parameters
@@ -218,17 +174,8 @@ class GivenPool:
     def __init__(self, executor: Executor, width: int = 0) -> None:
         self._executor = executor
         named = getattr(executor, "_max_workers", 0) or getattr(executor, "max_workers", 0)
-        self.width = width or int(named or os.cpu_count() or 1)
+        self._width = width or int(named or os.cpu_count() or 1)
         self._running = set[Future[Any]]()
-
-    def __enter__(self) -> GivenPool:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        for future in list(self._running):
-            future.cancel()
 
     def submit(self, job: Batch[Asked, Answer], rows: Sequence[Asked]) -> Future[list[Answer]]:
         """Begin a batch."""
@@ -236,13 +183,6 @@ class GivenPool:
         self._running.add(future)
         future.add_done_callback(self._running.discard)
         return future
-
-    def loss(self, error: BaseException) -> Loss | None:
-        """Tell whether a worker ended before its time."""
-        return Loss.BY_ANY if isinstance(error, BrokenExecutor) else None
-
-    def look(self) -> None:
-        """Do nothing: what an executor does not say is not known."""
 
     def renew(self) -> None:
         """Go on where the executor can.
@@ -254,6 +194,12 @@ class GivenPool:
         """
         if getattr(self._executor, "_broken", False):
             raise StrikewaveError("a process of the executor ended before its time: give another one, which goes on")
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for future in list(self._running):
+            future.cancel()
 
 
 class ThreadPool(GivenPool):
