@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from strikewave.base import declare
+from strikewave.base.declare import ComputedField, Quantity
 from strikewave.base.result import Source
 from strikewave.reporting import chapters
 from strikewave.reporting.case_result import ResultOfCase
@@ -16,6 +17,9 @@ from strikewave.reporting.parts import Picture, Section, Tag
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+T = TypeVar("T")
 
 
 @declare.dataclass(eq=False)
@@ -46,6 +50,11 @@ class Study(ResultOfCase):
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
         return {f"{self.command}.json": self.document_text(self.indent)}
+
+
+def key_number(quantity: Quantity, label: str) -> Callable[[Callable[[Any], T]], ComputedField[T]]:
+    """Declare a number that stands among the key numbers alone, as `declare.computed` does."""
+    return declare.computed(declare.number(quantity, label, headline=label, in_document=False))
 
 
 def picture_section(title: str, figure: Figure, caption: str) -> Section:

@@ -428,7 +428,7 @@ def test_the_machine_of_equal_blows_has_them(spring):
     """Another seed than the one it was found with: the bound of 95 % on the CV of the 11 peaks is below 2 %."""
     case = load_case(EQUAL, [f"object.spring={spring}"])
     study = scatter(case, ScatterPlan(62, 20190321, "none", 2))
-    within = study.figure("peak").within
+    within = study.figures["peak"].within
     assert study.nominal_run.variation("peak") < within.limit < LARGEST_CV
     assert {len(run.kinds) for run in study.runs} == {11}
     assert study.kinds()["missed"] == (0, 0)

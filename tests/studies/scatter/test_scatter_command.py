@@ -177,13 +177,13 @@ def test_runs_without_a_limit_count_as_beyond_it(study):
     from dataclasses import replace
 
     good = study.runs * 8
-    assert replace(study, runs=good).figure("peak").within.limit == max(run.variation("peak") for run in good)
+    assert replace(study, runs=good).figures["peak"].within.limit == max(run.variation("peak") for run in good)
     failed = replace(study.runs[0], kinds=(), peak=np.empty(0), failure="it did not fit")
     missed = replace(study.runs[0], kinds=("full", "missed", "full"))
     for one in (failed, missed):
         spoiled = replace(study, runs=(*good, *(one,) * 8))
         assert sum(spoiled.without_limit) == 8
-        assert spoiled.figure("peak").within.limit == math.inf
+        assert spoiled.figures["peak"].within.limit == math.inf
         assert spoiled.document()["figures"]["peak"]["cv_within"]["limit"] is None
         assert spoiled.document()["without_limit"] == 8
 

@@ -9,6 +9,7 @@ import dataclasses
 import hashlib
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,9 @@ from strikewave.studies.simulation import RUN_TOLERANCE
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
+
+
+MEAN_PEAK = Quantity("m/s^2", "g")
 
 
 @declare.dataclass
@@ -90,7 +94,7 @@ class FullRun:
     """What a full run of a setting of the map comes to."""
 
     cv: float = declare.number(VARIATION, "coefficient of variation in a full run there")
-    peak: float = declare.number(Quantity("m/s^2", "g"), "mean rigid peak in it")
+    peak: float = declare.number(MEAN_PEAK, "mean rigid peak in it")
     tolerance: float = declare.number(RATIO, "tolerance of the integrator in it", default=RUN_TOLERANCE)
 
 
@@ -208,7 +212,7 @@ class MapPlan:
         asked = f"{sizes}, {self.blows} blows, trains of {self.train}, CV within {100.0 * wanted:g} %"
         return f"# strikewave map of {asked}; plan {key}\n{self.case}"
 
-    @property
+    @cached_property
     def rows(self) -> list[Row]:
         """The cells, x fastest, then y, then panels."""
         return grid(self.variables)

@@ -33,6 +33,7 @@ from strikewave.studies.engine.variables import StudyVariable, read_ends, read_l
 from strikewave.studies.map import EQUAL, POINTS, TRAIN, X, Y
 from strikewave.studies.map.cells import (
     FIELDS,
+    MEAN_PEAK,
     NOTE,
     PLACE,
     REASONS,
@@ -49,7 +50,7 @@ from strikewave.studies.map.cells import (
 )
 from strikewave.studies.map.regimes import NAMES
 from strikewave.studies.simulation import RUN_TOLERANCE
-from strikewave.studies.study import Study
+from strikewave.studies.study import Study, key_number
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
@@ -162,12 +163,8 @@ class MapStudy(Study):
         pairs = zip(self.paths, self.here, strict=True)
         return Present({path: SettingOfCase(at, values[path].provenance) for path, at in pairs}, self.present)
 
-    present_cv = declare.computed(
-        declare.number(VARIATION, "its scatter", headline="CV of the peaks of the case", in_document=False)
-    )(lambda study: study.present["cv"])
-    present_peak = declare.computed(
-        declare.number(Quantity("m/s^2", "g"), "its mean peak", headline="mean peak of the case", in_document=False)
-    )(lambda study: study.present["peak"])
+    present_cv = key_number(VARIATION, "CV of the peaks of the case")(lambda study: study.present["cv"])
+    present_peak = key_number(MEAN_PEAK, "mean peak of the case")(lambda study: study.present["peak"])
 
     @declare.computed(declare.number(SHARE, "share of the cells in each regime"))
     def shares(self) -> dict[str, float]:
@@ -199,12 +196,12 @@ class MapStudy(Study):
         pairs = zip(self.plan.axes, self.setting.values, strict=True) if self.setting else ()
         return [NearestSetting(axis.path, axis.words(value)) for axis, value in pairs]
 
-    nearest_cv = declare.computed(
-        declare.number(VARIATION, "scatter there", headline="CV there, by a full run", in_document=False)
-    )(lambda study: study.setting.full_run.cv if study.setting else None)
-    nearest_peak = declare.computed(
-        declare.number(Quantity("m/s^2", "g"), "mean peak there", headline="mean peak there", in_document=False)
-    )(lambda study: study.setting.full_run.peak if study.setting else None)
+    nearest_cv = key_number(VARIATION, "CV there, by a full run")(
+        lambda study: study.setting.full_run.cv if study.setting else None
+    )
+    nearest_peak = key_number(MEAN_PEAK, "mean peak there")(
+        lambda study: study.setting.full_run.peak if study.setting else None
+    )
     refused = declare.computed(declare.rows(Refusal, "nearer settings that a full run did not confirm, and why"))(
         lambda study: study.refusals
     )
@@ -228,11 +225,10 @@ class MapStudy(Study):
     @declare.computed(declare.table("all cells"))
     def cell_table(self) -> list[Column]:
         """All cells, a file has settings in the units asked for; regimes by name."""
-        places = list(np.ndindex(*self.plan.shape))
-        settings = zip(*(self._values(place) for place in places), strict=True)
+        settings = zip(*self.plan.rows, strict=True)
         columns = [one.column(values) for one, values in zip(self.variables, settings, strict=True)]
         for name, one in declare.declarations(MapCell).items():
-            values = [_named(name, self.values[place][PLACE[name]]) for place in places]
+            values = [_named(name, value) for value in self.field(name).flat]
             si, usual, label, *_ = ("", "", *one.quantity[2:]) if name in COUNTED else one.quantity
             columns.append(Column(name, values, si, "", usual if name in SHOWN else None, label))
         return [*columns, Column("verdict", self.verdicts.texts, shown="")]
@@ -272,12 +268,6 @@ class MapStudy(Study):
         """Return the table of cells."""
         return {"map.csv": csv_table(self.cell_table, HISTORY_DIGITS)}
 
-    def _values(self, place: tuple[int, ...]) -> tuple[float, ...]:
-        """Return the settings of a cell (panel, row, column)."""
-        axes = self.plan.axes
-        x_and_y = (axes[0].values[place[2]], axes[1].values[place[1]])
-        return (*x_and_y, axes[2].values[place[0]]) if len(axes) > 2 else x_and_y
-
     @property
     def scales(self) -> tuple[float, ...]:
         """What a step along each axis is measured by: the value of the case, or the axis's range where that is 0."""
@@ -291,11 +281,11 @@ class MapStudy(Study):
         """
         even = (self.field("cv") <= self.wanted) & (self.field("missed") == 0)
         settings = [(0.0, self.here, self.present)] if self.even else []
-        for place in zip(*np.nonzero(even), strict=True):
-            values = self._values(place)
+        for place in np.flatnonzero(even):
+            values = self.plan.rows[place]
             steps = [(v - at) / scale for v, at, scale in zip(values, self.here, self.scales, strict=True)]
-            cell = dict(zip(FIELDS, self.values[place].tolist(), strict=True))
-            settings.append((math.hypot(*steps), values, cell))
+            cell = self.values.reshape(-1, len(FIELDS))[place].tolist()
+            settings.append((math.hypot(*steps), values, dict(zip(FIELDS, cell, strict=True))))
         return sorted(settings, key=lambda setting: setting[:2])
 
     @property

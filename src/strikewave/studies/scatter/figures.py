@@ -57,7 +57,7 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
     axes.plot(np.arange(1, nominal.size + 1), nominal, "o", color=RED, markersize=4, label="dynamics alone")
     _mark_largest(axes, study, size)
     missed = sum("missed" in run.kinds for run in study.completed)
-    typical = study.figure("peak").within
+    typical = study.figures["peak"].within
     alone = study.nominal_run.variation("peak")
     title = (
         f"Peak of the rigid-body acceleration. CV within a run: {amount(VARIATION, typical.median)}, dynamics "

@@ -35,7 +35,7 @@ from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import at_work
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult, run_result
-from strikewave.studies.study import Study
+from strikewave.studies.study import Study, key_number
 from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, nominal, quantiles, tolerances_of, unfelt
 from strikewave.uncertainty.shares import (
     Share,
@@ -368,10 +368,6 @@ class ScatterStudy(Study):
             for name in FIGURES
         }
 
-    def figure(self, name: str) -> Figure:
-        """Return the scatter of a figure."""
-        return self.figures[name]
-
     means = declare.computed(declare.rows(RunStatistic, "means of the runs, and CV between runs", in_document=False))(
         lambda study: [one.mean for one in study.figures.values()]
     )
@@ -442,32 +438,28 @@ class ScatterStudy(Study):
     shares_found = declare.computed(declare.part(FoundShares, "shares of the tolerances", key="shares"))(
         lambda study: FoundShares(study.plan.shares, study.shares)
     )
-    mean_peak = declare.computed(declare.number(PEAK, "mean peak", headline="mean peak", in_document=False))(
-        lambda study: study.figures["peak"].mean.mean
+    mean_peak = key_number(PEAK, "mean peak")(lambda study: study.figures["peak"].mean.mean)
+    typical_peak = key_number(PEAK, "peak of the typical blow, mean of the runs")(
+        lambda study: study.figures["peak"].typical.mean
     )
-    typical_peak = declare.computed(
-        declare.number(PEAK, "typical peak", headline="peak of the typical blow, mean of the runs", in_document=False)
-    )(lambda study: study.figures["peak"].typical.mean)
-    cv_between = declare.computed(
-        declare.number(VARIATION, "its scatter", headline="CV of that peak from run to run", in_document=False)
-    )(lambda study: study.figures["peak"].typical.cv)
-    cv_within = declare.computed(
-        declare.number(VARIATION, "scatter", headline="CV of the peaks within a run, median", in_document=False)
-    )(lambda study: study.figures["peak"].within.median)
+    cv_between = key_number(VARIATION, "CV of that peak from run to run")(
+        lambda study: study.figures["peak"].typical.cv
+    )
+    cv_within = key_number(VARIATION, "CV of the peaks within a run, median")(
+        lambda study: study.figures["peak"].within.median
+    )
 
     @declare.phrase("limit", headline="CV of the peaks in 95 % of all runs at most")
     def limit(self) -> str:
         """Say what 95 % of all runs keep."""
         return limit_words(self.figures["peak"].within.limit, "no limit")
 
-    typical_width = declare.computed(
-        declare.number(
-            WIDTH, "typical width", headline="width of the typical blow, mean of the runs", in_document=False
-        )
-    )(lambda study: study.figures["width"].typical.mean)
-    mean_interval = declare.computed(
-        declare.number(FIGURES["interval"], "interval", headline="interval, mean of the runs", in_document=False)
-    )(lambda study: study.figures["interval"].mean.mean)
+    typical_width = key_number(WIDTH, "width of the typical blow, mean of the runs")(
+        lambda study: study.figures["width"].typical.mean
+    )
+    mean_interval = key_number(FIGURES["interval"], "interval, mean of the runs")(
+        lambda study: study.figures["interval"].mean.mean
+    )
 
     @declare.computed(declare.rows(LargestShare, "the largest share", headline="first", in_document=False))
     def largest_share(self) -> list[LargestShare]:
