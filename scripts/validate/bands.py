@@ -23,8 +23,8 @@ from strikewave import load_case, run_case
 from strikewave.analyses.machine.band import FULL_TOLERANCE, MOST_BLOWS, TOLERANCE
 from strikewave.analyses.machine.band import RUNS as BAND_RUNS
 from strikewave.analyses.machine.build import build_machine
-from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
 from strikewave.analyses.machine.observe import observe
+from strikewave.analyses.machine.result import figures_of, sensor_figures
 from strikewave.analyses.machine.run import with_bands
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.quantities import Value

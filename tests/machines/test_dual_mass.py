@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from strikewave import load_case, run_case
 from strikewave.analyses.check import check
-from strikewave.analyses.machine.launched import release
+from strikewave.analyses.machine.build import release
 from strikewave.base.errors import InputErrors
 from strikewave.contact import Contact
 from strikewave.contact.dampers import cut_off_damping_ratio

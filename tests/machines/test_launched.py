@@ -10,8 +10,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from strikewave import load_case, run_case
-from strikewave.analyses.machine.build import build_machine
-from strikewave.analyses.machine.launched import release
+from strikewave.analyses.machine.build import build_machine, release
 from strikewave.cases.case_files import bundled_cases
 from strikewave.contact import solve_impact
 from strikewave.machines import blows, run_machine

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from strikewave import dump_case, load_case, run_case
-from strikewave.analyses.machine.quick_look import MOST_PASSES, quick_look
+from strikewave.analyses.machine.band import MOST_PASSES, quick_look
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import StrikewaveError
 from strikewave.web.case_state import CaseSource, CaseState, EditedField

@@ -3,7 +3,7 @@
 import pytest
 
 from strikewave import load_case, run_case
-from strikewave.analyses.machine.launched import release
+from strikewave.analyses.machine.build import release
 from strikewave.cases.case_files import bundled_cases
 
 CODES = {

@@ -15,18 +15,19 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.analyses.machine.dataset import carriage_position
 from strikewave.analyses.machine.figures import animation
-from strikewave.analyses.machine.figures import motion as machine_motion
+from strikewave.analyses.machine.figures import animation as machine_motion
 from strikewave.analyses.machine.figures.animation import (
+    MOST_DETAILED,
+    detailed,
     frame_times,
     frame_words,
     machine_animation,
     machine_page,
     write_machine_gif,
 )
-from strikewave.analyses.machine.figures.motion import MOST_DETAILED, detailed
-from strikewave.analyses.machine.figures.motion import machine_motion as motion_of
+from strikewave.analyses.machine.figures.animation import machine_motion as motion_of
+from strikewave.analyses.machine.readings import carriage_position
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.variables import LabelledArrays
 from strikewave.machines._kernels import stroke_profile

@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave import load_case
 from strikewave.analyses.machine.figures import geometry as machine_geometry
-from strikewave.analyses.machine.figures.drawing import machine_drawings, scale_words, view
+from strikewave.analyses.machine.figures.drawing import machine_drawings, machine_parts, scale_words, view
 from strikewave.analyses.machine.figures.geometry import (
     DISC,
     NOSE,
@@ -22,7 +22,6 @@ from strikewave.analyses.machine.figures.geometry import (
     stretched,
     strike_geometry,
 )
-from strikewave.analyses.machine.figures.parts import machine_parts
 from strikewave.analyses.machine.kinds.falling_ball import FallingBall
 from strikewave.analyses.machine.report import _drawing, report
 

@@ -135,7 +135,7 @@ def test_foreign_netcdf_is_refused(tmp_path):
 
 def test_first_blow_without_a_width_is_still_drawn(solution):
     """A pulse that never falls to 10 % within its window has no width; the picture then shows the whole window."""
-    from strikewave.analyses.machine.figures.summary import summary
+    from strikewave.analyses.machine.figures.pulses import summary
 
     endless = dataclasses.replace(solution.blows[0], width=math.nan)
     figure = summary(dataclasses.replace(solution, blows=(endless, *solution.blows[1:])))

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from strikewave import compare, load_case, run_case
-from strikewave.analyses.machine.dataset import pulse_axis
 from strikewave.analyses.machine.observe import observe
-from strikewave.analyses.machine.sensor_readings import MOST_A_WINDOW, RIGID_STEP
+from strikewave.analyses.machine.readings import MOST_A_WINDOW, RIGID_STEP, pulse_axis
 from strikewave.cases.tables.sensor import SensorTable
 from strikewave.sensors import Reading
 from strikewave.sensors.channel import still_on
@@ -73,7 +72,7 @@ def test_rigid_pulse_and_reading_of_a_slow_blow_agree_when_compared():
 
 
 def test_a_reading_that_ends_before_its_pulse_is_reported_and_given_to_no_study():
-    from strikewave.analyses.machine.figures_of import sensor_figures
+    from strikewave.analyses.machine.result import sensor_figures
     from strikewave.studies.simulation import Simulation
 
     short = with_sensors("iec-60068-2-27-rubber", ["machine.follow=4 ms"], accel=FILTERED)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.analyses.machine.figures.animation import machine_page, write_machine_gif
-from strikewave.analyses.machine.figures.summary import summary
+from strikewave.analyses.machine.figures.pulses import summary
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.result import Solution
 from strikewave.analyses.machine.words import (

@@ -9,22 +9,21 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import field
 from itertools import pairwise
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
-from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
-from strikewave.analyses.machine.sensor_readings import BlowReading
+from strikewave.analyses.machine.readings import BlowReading
 from strikewave.base import declare
-from strikewave.base.declare import KEY, MAIN, Quantity
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.first_few import first_few
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice
@@ -34,11 +33,14 @@ from strikewave.base.shock_quantities import (
     MICROSECONDS,
     PEAK_FORCE,
     PUBLISHED_QUANTITIES,
+    PULSE_WIDTH,
     RATIO,
+    RESTITUTION,
     VELOCITY,
 )
 from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import Case, parse_case
+from strikewave.cases.yield_pressure import ELASTIC, HIGH, LOW, WORTH_SHOWING
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
 from strikewave.reporting.case_result import CaseResult
@@ -53,6 +55,83 @@ from strikewave.waves.transit import LayerUsed, WaveSetup
 
 if TYPE_CHECKING:
     import xarray
+
+
+@declare.dataclass
+class ContactAnswer:
+    """The first blow with its contact elastic, or yielding at a largest pressure (None where elastic), SI."""
+
+    name: str = declare.word("answer of the contact: elastic, or yielding at a largest pressure", column=KEY)
+    yield_pressure: float | None = declare.number(
+        Quantity("Pa", "GPa", "largest pressure", 3, 0), "that pressure; null where elastic", column=MORE
+    )
+    rigid_peak: float = declare.number(
+        ACCELERATION, "peak of the rigid-body acceleration of the first blow then", band="rigid_peak", column=MAIN
+    )
+    peak_force: float = declare.number(PEAK_FORCE, "its largest contact force", column=MAIN)
+    width: float = declare.number(PULSE_WIDTH, "its width at 10 % of the peak", band="width", column=MAIN)
+    restitution: float = declare.number(
+        Quantity(NO_UNIT, NO_UNIT, "coefficient of restitution", 3, 0), "its coefficient of restitution", column=MORE
+    )
+
+
+@declare.dataclass
+class ContactAnswers:
+    """The first blow by each answer of its contact.
+
+    Beside what documents have:
+
+    Attributes
+    ----------
+    rows : tuple of ContactAnswer
+        From elastic to the highest pressure; the others stand beside the one taken where the contact yields.
+    """
+
+    asked_restitution: float = declare.number(RESTITUTION, "coefficient of restitution asked of the damping")
+    first_yield: float | None = declare.number(
+        Quantity("N", "N", digits=3),
+        "load at which the weaker material first yields inside; null where it is not known",
+    )
+    taken: str = declare.word("name of the answer that the run took")
+    rows: tuple[ContactAnswer, ...] = declare.rows(
+        ContactAnswer, "the answers, from elastic to the highest pressure", key="answers"
+    )
+
+    def row(self, name: str) -> ContactAnswer | None:
+        """Return an answer by its name; None where it was not found."""
+        return next((row for row in self.rows if row.name == name), None)
+
+    @declare.computed(declare.number(RATIO, "elastic peak force over that load"))
+    def times_first_yield(self) -> float | None:
+        """Elastic peak force over the load of first yield."""
+        elastic = self.row(ELASTIC)
+        return None if elastic is None or self.first_yield is None else elastic.peak_force / self.first_yield
+
+    @property
+    def spread(self) -> float:
+        """Largest over smallest answer less 1, of the peak of acceleration or of force, whichever is more."""
+        peaks = ([getattr(row, name) for row in self.rows] for name in ("rigid_peak", "peak_force"))
+        return max(max(values) / min(values) - 1.0 if min(values) > 0.0 else 0.0 for values in peaks)
+
+    @declare.computed(declare.number(RESTITUTION, "what came out of the first blow"))
+    def restitution(self) -> float | None:
+        """Coefficient of restitution of the answer that was taken."""
+        taken = self.row(self.taken)
+        return None if taken is None else taken.restitution
+
+    @declare.computed(declare.word("whether the answers differ so much that all are shown"))
+    def differ(self) -> bool:
+        """Whether the answers differ by so much that all are shown."""
+        return self.spread > WORTH_SHOWING
+
+    @property
+    def band(self) -> tuple[float, float] | None:
+        """Least and largest rigid peak over what is known of the pressure, m/s^2; None where it was given."""
+        if self.row(LOW) is None and self.row(HIGH) is None:
+            return None
+        peaks = [row.rigid_peak for row in self.rows if row.name != ELASTIC]
+        return min(peaks), max(peaks)
+
 
 INTERVAL = Quantity("s", "ms")
 LINE_SPEED = Quantity("m/s", "m/s", decimals=4, digits=0)
@@ -484,3 +563,50 @@ def _waves(row: dict[str, Any] | None) -> WaveSetup | None:
     if row is None:
         return None
     return WaveSetup(row["step"], row["mismatch"], tuple(LayerUsed(**layer) for layer in row["layers"]))
+
+
+OF_A_BLOW = ("rigid_peak", "width", "velocity_change")
+"""What has a band of each blow."""
+SENSOR = "sensor.{}.peak"
+"""Name of the peak of a sensor."""
+
+
+class TimedBlow(Protocol):
+    """A blow as far as its results go, of a full or a fast run."""
+
+    @property
+    def kind(self) -> str:
+        """full, glancing, double or missed."""
+
+    @property
+    def time(self) -> float:
+        """First touch, s."""
+
+
+def figures_of(found: Sequence[TimedBlow]) -> dict[str, float]:
+    """Return the results of a run that have a band, by name: those that there are.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_case
+    >>> list(figures_of(run_case(load_case("jesd22-b111-b")).blows))
+    ['first.rigid_peak', 'first.width', 'first.velocity_change']
+    """
+    struck = [blow for blow in found if blow.kind != "missed"]
+    if not struck:
+        return {}
+    later = [blow for blow in struck[1:] if blow.kind in ("full", "double")]
+    figures = {f"first.{name}": float(getattr(struck[0], name)) for name in OF_A_BLOW}
+    if later:
+        figures |= {f"typical.{name}": median(float(getattr(blow, name)) for blow in later) for name in OF_A_BLOW}
+    if len(struck) > 1:
+        figures["interval"] = median(b.time - a.time for a, b in pairwise(struck))
+    return {name: value for name, value in figures.items() if math.isfinite(value)}
+
+
+def sensor_figures(readings: Sequence[BlowReading | None]) -> dict[str, float]:
+    """Return the size of the peak of each sensor in the first blow, which may be of either sign; not of one cut off."""
+    first = next((reading for reading in readings if reading is not None), None)
+    kept = {} if first is None else {name: pulse for name, pulse in first.sensors.items() if not pulse.cut}
+    peaks = {SENSOR.format(name): abs(pulse.peak) for name, pulse in kept.items()}
+    return {name: peak for name, peak in peaks.items() if math.isfinite(peak)}

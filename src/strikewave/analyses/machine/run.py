@@ -8,20 +8,24 @@ from contextlib import AbstractContextManager, nullcontext
 from statistics import median
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.machine.dataset import build_dataset
-from strikewave.analyses.machine.feed_notices import feed_notices
-from strikewave.analyses.machine.figures_of import figures_of, sensor_figures
+from strikewave.analyses.machine.build import line_collisions, release
 from strikewave.analyses.machine.kind import Release, kind_of
-from strikewave.analyses.machine.launched import line_collisions, release
-from strikewave.analyses.machine.notices import balance_of, cut_notices, launch_notices, notices, wave_notices
-from strikewave.analyses.machine.observe import observe
-from strikewave.analyses.machine.result import RigidReference, Solution
-from strikewave.analyses.machine.sensor_readings import (
+from strikewave.analyses.machine.notices import (
+    balance_of,
+    cut_notices,
+    feed_notices,
+    launch_notices,
+    notices,
+    wave_notices,
+)
+from strikewave.analyses.machine.observe import contact_answers, observe
+from strikewave.analyses.machine.readings import (
     BlowReading,
     Observed,
+    build_dataset,
     without_peaks,
 )
-from strikewave.analyses.machine.yielding import contact_answers
+from strikewave.analyses.machine.result import RigidReference, Solution, figures_of, sensor_figures
 from strikewave.base import citations
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.compiled import is_cold

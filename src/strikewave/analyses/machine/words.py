@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 from statistics import median
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.machine.contact_answers import ContactAnswer, ContactAnswers
 from strikewave.analyses.machine.kind import MachineKind, kind_of
-from strikewave.analyses.machine.result import INTERVAL, LineCollision, Solution
+from strikewave.analyses.machine.result import INTERVAL, ContactAnswer, ContactAnswers, LineCollision, Solution
 from strikewave.base.declare import NO_UNIT
 from strikewave.base.result import Band
 from strikewave.base.shock_quantities import KILOGRAMS, PULSE_WIDTH, RIGID_PEAK, VELOCITY, VELOCITY_CHANGE

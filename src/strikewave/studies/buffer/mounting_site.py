@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.machine.notices import balance_of, notices, wave_notices
-from strikewave.analyses.machine.observe import observe
-from strikewave.analyses.machine.yielding import contact_answers
+from strikewave.analyses.machine.observe import contact_answers, observe
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, Quantity

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from strikewave.analyses.machine.figures_of import figures_of
 from strikewave.analyses.machine.notices import fast_not_judged, fast_verdict, run_verdict
+from strikewave.analyses.machine.result import figures_of
 from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError, nearest

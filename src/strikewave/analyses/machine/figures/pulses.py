@@ -2,29 +2,143 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.machine.figures.summary import (
-    KIND_COLOURS,
-    MOST_LABELS,
-    few_ticks,
-    peak_time,
-    published_marks,
-    since_touch,
-    time_words,
-)
-from strikewave.analyses.machine.result import SHOWN_WIDTHS, blow_history
+from strikewave.analyses.machine.result import SHOWN_WIDTHS, Solution, blow_history
+from strikewave.machines import Blow
 from strikewave.reporting.curves import MOST_PULSES, put_legend, thin
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import BLUE, GREY, HALF, WHOLE, quiet
+from strikewave.reporting.style import BLUE, GREY, HALF, ORANGE, RED, WHOLE, quiet, sheet_title
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from strikewave.analyses.machine.result import Solution
+KIND_COLOURS = {"full": BLUE, "glancing": ORANGE, "double": RED, "missed": GREY}
+MOST_LABELS = 16
+
+
+def summary(solution: Solution) -> Figure:
+    """Draw the first blow (contact force, rigid-body acceleration) above the whole train of blows.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_case
+    >>> figure = summary(run_case(load_case("li-ma-2019")))
+    >>> len(figure.axes)
+    3
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(9.0, 6.4), layout="constrained")
+    grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 1.0))
+    sheet_title(figure, solution.title)
+    force, acceleration, train = (figure.add_subplot(cell) for cell in (grid[0, 0], grid[0, 1], grid[1, :]))
+    struck = [i for i, blow in enumerate(solution.blows) if blow.kind != "missed"]
+    if struck:
+        _first_blow(solution, struck[0], force, acceleration)
+    else:
+        for axes in (force, acceleration):
+            axes.set_axis_off()
+            axes.text(0.5, 0.5, "no striker touched the object", ha="center", transform=axes.transAxes)
+    _train(solution, train)
+    return figure
+
+
+def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes: Any) -> None:
+    data, blow = solution.arrays, solution.blows[row]
+    unit, newtons, size = axis_unit("s", "us")[0], axis_unit("N", "kN")[0], axis_unit("m/s^2", "g")[0]
+    time, force = blow_history(data, row, "pulse_force")
+    acceleration = blow_history(data, row, "pulse_acceleration")[1] / size
+    shown = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
+    time = time / unit
+    force_axes.plot(time[shown], force[shown] / newtons, color=BLUE, linewidth=1.4)
+    quiet(force_axes, f"Contact force, blow {blow.index}", since_touch(), headed("force", "N", "kN"))
+    acceleration_axes.plot(time[shown], acceleration[shown], color=BLUE, linewidth=1.4, label="computed")
+    quiet(
+        acceleration_axes,
+        f"Rigid-body acceleration, blow {blow.index}",
+        since_touch(),
+        headed("acceleration", "m/s^2", "g"),
+    )
+    for axes in (force_axes, acceleration_axes):
+        few_ticks(axes)
+    if not solution.case.changed_fields():
+        published_marks(solution, acceleration_axes, time[shown], acceleration[shown])
+    if len(acceleration_axes.get_legend_handles_labels()[0]) > 1:
+        acceleration_axes.legend(frameon=False, fontsize=8, loc="upper right")
+
+
+def few_ticks(axes: Any) -> None:
+    """Give a half sheet fewer times where they have five digits, so that they do not run into one another."""
+    if axes.dataLim.x1 >= 1e4:
+        axes.locator_params(axis="x", nbins=5)
+
+
+def peak_time(solution: Solution, blow: Blow) -> float:
+    """Return when the acceleration of a blow is largest, s after time zero; its first touch where none is."""
+    time, values = solution.arrays["time"].values, solution.arrays["rigid_acceleration"].values
+    begin, end = np.searchsorted(time, (blow.time, blow.time + (blow.width if blow.width > 0.0 else 0.0)))
+    return float(time[begin + np.argmax(values[begin:end])]) if end > begin else blow.time
+
+
+def published_marks(solution: Solution, axes: Any, time: Any, acceleration: Any) -> None:
+    """Mark published peak and width of the first blow: numbers, not curves, and only where they belong.
+
+    Time and acceleration are those of the axes, in the units shown.
+    """
+    (unit, _), (size, _) = axis_unit("s", "us"), axis_unit("m/s^2", "g")
+    styles = {"measured": (RED, "o"), "simulated": (GREY, "s"), "specified": (ORANGE, "D")}
+    values = {(c.quantity, c.measured_or_simulated): c.published for c in solution.published}
+    top = time[int(np.nanargmax(acceleration))]
+    above = time[acceleration >= 0.1 * np.nanmax(acceleration)]
+    for origin, (colour, marker) in styles.items():
+        peak = values.get(("first.rigid_peak", origin))
+        width = values.get(("first.width", origin))
+        if peak is None:
+            continue
+        height = peak / size
+        axes.plot([top], [height], marker, color=colour, markersize=6, fillstyle="none", label=f"published, {origin}")
+        if width is not None and above.size:
+            axes.plot(
+                [above[0], above[0] + width / unit], [0.1 * height] * 2, "|-", color=colour, linewidth=1.2, markersize=9
+            )
+
+
+def since_touch() -> str:
+    """Return the label of the time of one blow."""
+    return headed("time after first touch", "s", "us")
+
+
+def time_words(solution: Solution) -> str:
+    """Return what the time of the whole run counts from."""
+    return str(solution.arrays["time"].attrs.get("long_name", "time after the valve signal"))
+
+
+def _train(solution: Solution, axes: Any) -> None:
+    data = solution.arrays
+    (unit, _), (size, _) = axis_unit("s", "ms"), axis_unit("m/s^2", "g")
+    time = data["time"].values / unit
+    acceleration = data["rigid_acceleration"].values / size
+    axes.plot(time, acceleration, color=BLUE, linewidth=0.8)
+    since = headed(time_words(solution), "s", "ms")
+    quiet(axes, "Rigid-body acceleration, whole train", since, headed("acceleration", "m/s^2", "g"))
+    labelled = len(solution.blows) <= MOST_LABELS
+    room = 0.06 * (time[-1] - time[0]) * unit if time.size else 0.0
+    free = -math.inf
+    for blow in solution.blows:
+        height = 0.0 if blow.kind == "missed" else blow.rigid_peak / size
+        place = (peak_time(solution, blow) / unit, height)
+        axes.plot(*([one] for one in place), "o", color=KIND_COLOURS[blow.kind], markersize=4)
+        if (labelled and blow.kind == "full") or (blow.kind != "full" and blow.time >= free):
+            free = blow.time + (room if blow.kind != "full" else 0.0)
+            text = str(blow.index) if blow.kind == "full" else f"{blow.index} {blow.kind}"
+            axes.annotate(text, place, xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8)
+    axes.margins(y=0.14)
+
 
 Array = NDArray[np.float64]
 

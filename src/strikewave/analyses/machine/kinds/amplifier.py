@@ -60,7 +60,7 @@ class Amplifier(LaunchedKind):
 
     def release(self, case: Case, mass: float) -> Release:
         """Return striker and object as the collisions below leave them when they first meet."""
-        from strikewave.analyses.machine.falling import fall
+        from strikewave.analyses.machine.build import guided_fall
         from strikewave.cases.contact_of_case import or_else
         from strikewave.machines.amplifier import BodyLine, collide
 
@@ -72,7 +72,7 @@ class Amplifier(LaunchedKind):
                 raise InputError(f"machine.body.{row.name}.name", row.name, allowed)
             names.append(row.name)
         bodies = (*(row.mass.si for row in self.body), parts.striker.mass.si, mass)
-        speed, travel, energy = fall(self.height, self.friction, sum(bodies))
+        speed, travel, energy = guided_fall(self.height, self.friction, sum(bodies))
         line = BodyLine(
             masses=(math.inf, *bodies),
             restitutions=(
@@ -117,8 +117,8 @@ class Amplifier(LaunchedKind):
 
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
-        from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import fall_entries, length_entry, mass_entry, number_entry
+        from strikewave.analyses.machine.figures import drawing as s
+        from strikewave.analyses.machine.figures.drawing import fall_entries, length_entry, mass_entry, number_entry
 
         drop = fall_entries(self.height, self.friction)
         drop += number_entry("restitution, floor", self.restitution)

@@ -51,8 +51,13 @@ class Drop(LaunchedKind):
 
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
-        from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import fall_entries, number_entry, stiffness_entry, written_value
+        from strikewave.analyses.machine.figures import drawing as s
+        from strikewave.analyses.machine.figures.drawing import (
+            fall_entries,
+            number_entry,
+            stiffness_entry,
+            written_value,
+        )
 
         drop = fall_entries(self.height, self.friction)
         drop += number_entry("cords, force at the anvil", self.cord_force, "N")

@@ -49,14 +49,14 @@ class DualMassAmplifier(LaunchedKind):
 
     def release(self, case: Case, mass: float) -> Release:
         """Return table and second mass as shaper and cushions leave them when they meet."""
-        from strikewave.analyses.machine.falling import fall
+        from strikewave.analyses.machine.build import guided_fall
         from strikewave.base.errors import checked
         from strikewave.base.materials import material
         from strikewave.cases.contact_of_case import face_contact, or_else
         from strikewave.machines.amplifier import DualMass, second_impact
 
         striker, struck, contact, _ = case.impact()
-        speed, travel, energy = fall(self.height, self.friction, striker.mass.si + mass)
+        speed, travel, energy = guided_fall(self.height, self.friction, striker.mass.si + mass)
         masses = DualMass(
             table=striker.mass.si,
             second=mass,
@@ -97,8 +97,8 @@ class DualMassAmplifier(LaunchedKind):
 
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
-        from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import (
+        from strikewave.analyses.machine.figures import drawing as s
+        from strikewave.analyses.machine.figures.drawing import (
             damping_entry,
             fall_entries,
             number_entry,

@@ -31,16 +31,16 @@ class FallingBall(LaunchedKind):
 
     def release(self, case: Case, mass: float) -> Release:
         """Return a ball at v = sqrt(2 g (1 - friction) h)."""
-        from strikewave.analyses.machine.falling import fall
+        from strikewave.analyses.machine.build import guided_fall
         from strikewave.cases.contact_range_notices import ball_notices
 
-        speed, travel, energy = fall(self.height, self.friction, case.impact().striker.mass.si)
+        speed, travel, energy = guided_fall(self.height, self.friction, case.impact().striker.mass.si)
         return Release(energy, travel, striker=speed, notices=tuple(ball_notices(case)))
 
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
-        from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import fall_entries, written_value
+        from strikewave.analyses.machine.figures import drawing as s
+        from strikewave.analyses.machine.figures.drawing import fall_entries, written_value
 
         drop = fall_entries(self.height, self.friction)
         parts = [PartEntry("fall", "fall", drop), s.striker_part(case, "ball"), s.contact_part(case, "contact")]

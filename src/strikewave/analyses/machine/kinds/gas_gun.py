@@ -94,8 +94,8 @@ class GasGun(LaunchedKind):
 
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
-        from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import length_entry, number_entry
+        from strikewave.analyses.machine.figures import drawing as s
+        from strikewave.analyses.machine.figures.drawing import length_entry, number_entry
 
         gas = [*number_entry("speed", self.speed, "m/s"), *number_entry("pressure", self.pressure, "bar")]
         gas += [

@@ -107,8 +107,8 @@ class Machete(LaunchedKind):
 
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
-        from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import length_entry, mass_entry, number_entry
+        from strikewave.analyses.machine.figures import drawing as s
+        from strikewave.analyses.machine.figures.drawing import length_entry, mass_entry, number_entry
 
         arm = [*number_entry("teeth", self.teeth), *number_entry("teeth of the wheel", self.wheel_teeth)]
         arm += [*number_entry("inertia", self.inertia, "kg m^2"), *length_entry("shaft to head", self.radius)]

@@ -97,8 +97,8 @@ class Pendulum(LaunchedKind):
 
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
-        from strikewave.analyses.machine.figures import schematic as s
-        from strikewave.analyses.machine.figures.parts import length_entry, mass_entry, number_entry
+        from strikewave.analyses.machine.figures import drawing as s
+        from strikewave.analyses.machine.figures.drawing import length_entry, mass_entry, number_entry
 
         arm = [*number_entry("release angle", self.angle, "deg"), *mass_entry("mass", self.mass)]
         arm += [*length_entry("pivot to centre", self.centre), *length_entry("pivot to striker", self.radius)]

@@ -19,7 +19,7 @@ class Rotary(RotaryTable, MachineKind):
     """[machine]: a rotary machine.
 
     Its fields are those of `strikewave.cases.tables.RotaryTable`, which studies know too;
-    `strikewave.analyses.machine.rotary` builds it.
+    `strikewave.analyses.machine.build` builds it.
     """
 
     description: ClassVar[str] = (
@@ -52,9 +52,13 @@ class Rotary(RotaryTable, MachineKind):
 
     def drawing(self, case: Case) -> Drawing | None:
         """Return path, strike and parts with their numbers."""
-        from strikewave.analyses.machine.figures.drawing import machine_drawings, scale_words
+        from strikewave.analyses.machine.figures.drawing import (
+            machine_drawings,
+            machine_parts,
+            provenance_words,
+            scale_words,
+        )
         from strikewave.analyses.machine.figures.geometry import outlines
-        from strikewave.analyses.machine.figures.parts import machine_parts, provenance_words
         from strikewave.reporting.parts import Picture
 
         made, figures = outlines(case), machine_drawings(case)

@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 
 import strikewave
-from strikewave.analyses.machine.figures_of import figures_of
+from strikewave.analyses.machine.band import PULSE_TOLERANCE, quick_look
 from strikewave.analyses.machine.kind import kind_of
-from strikewave.analyses.machine.quick_look import PULSE_TOLERANCE, quick_look
-from strikewave.analyses.machine.result import INTERVAL, SHOWN_WIDTHS, Solution, blow_history
+from strikewave.analyses.machine.result import INTERVAL, SHOWN_WIDTHS, Solution, blow_history, figures_of
 from strikewave.analyses.machine.run import run_case
 from strikewave.analyses.machine.words import blow_columns
 from strikewave.base.compiled import is_cold
@@ -61,7 +60,7 @@ def warm_kernels(say: Say) -> None:
 
 
 def look(source: CaseSource) -> dict[str, Any]:
-    """Return a first look at a machine; see `strikewave.analyses.machine.quick_look`."""
+    """Return a first look at a machine; see `strikewave.analyses.machine.band`."""
     seen = quick_look(loaded(source))
     left_out = "; bodies only, without the waves of the stack" if seen.bodies_only else ""
     engine = "the fast engine" if seen.fast else f"its bodies, local error {PULSE_TOLERANCE:.0e}"
