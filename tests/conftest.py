@@ -3,6 +3,7 @@
 import gc
 import html
 import importlib
+import itertools
 import lzma
 import os
 import re
@@ -26,7 +27,13 @@ settings.register_profile(
 )
 settings.load_profile("strikewave")
 
+gc.set_threshold(
+    50_000, *gc.get_threshold()[1:]
+)  # as the command line does: a thousand walks while modules are imported
+
 HERE = Path(__file__).parent
+NUMBERS = itertools.count()
+"""Of the folders of tests."""
 
 collect_ignore = ["fem/simulated_gpu.py"]
 """A script that leaves kernels as they are written: imported here, it would do so for all tests."""
@@ -60,6 +67,15 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def pytest_collection_finish(session: pytest.Session) -> None:
     gc.collect()
     gc.freeze()  # 14 000 items and all modules are walked by each whole collection otherwise
+
+
+@pytest.fixture
+def tmp_path(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
+    """A new folder, as pytest's own, which looks through the folders of all tests before and makes a link to it."""
+    name = re.sub(r"\W", "_", request.node.name)[:30]
+    folder = tmp_path_factory.getbasetemp() / f"{name}{next(NUMBERS)}"
+    folder.mkdir(mode=0o700)
+    return folder
 
 
 @pytest.fixture

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -104,6 +105,7 @@ def command_function(module: str) -> Callable[..., Any]:
     return function
 
 
+@functools.cache
 def whole_command(name: str, module: str) -> Command:
     """Return the command of a module with all its options."""
     one = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
