@@ -1,5 +1,6 @@
 """Markers by folder, fixed seeds, and one run of the published case shared by all tests."""
 
+import contextlib
 import gc
 import html
 import importlib
@@ -125,6 +126,35 @@ def read_page():
         )
 
     return read
+
+
+BLANK = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {:g} {:g}"><g/></svg>'
+
+
+@pytest.fixture(scope="session")
+def without_lines():
+    """Return a context in which figures are made and their files written, but nothing is drawn: half the time of a page."""
+
+    @contextlib.contextmanager
+    def context():
+        from matplotlib.figure import Figure
+
+        def blank(figure, target, **_):
+            text = BLANK.format(*72.0 * figure.get_size_inches())
+            target.write(text) if hasattr(target, "write") else Path(target).write_text(text)
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(Figure, "savefig", blank)
+            yield
+
+    return context
+
+
+@pytest.fixture
+def undrawn(without_lines):
+    """Leave the lines out of pictures, where words and tables of a page or the files of a folder are what is asked."""
+    with without_lines():
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -6,6 +6,8 @@ import pytest
 
 from .each_command import CHEAP, write_inputs
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 @pytest.mark.parametrize("force", [(), ("--force",)])
 def test_a_result_that_holds_an_input_of_the_new_one_stays(strikewave, force):

@@ -85,13 +85,6 @@ duration = "{duration}"
 """
 
 
-@pytest.fixture
-def undrawn(monkeypatch):
-    """Leave pages and pictures out: whose folder it is, the other files show."""
-    for drawing in ("wave.drawn.draw_result", "record.drawn.draw_result"):
-        monkeypatch.setattr(f"strikewave.analyses.{drawing}", lambda *_: [])
-
-
 @pytest.mark.usefixtures("undrawn")
 def test_two_cases_of_one_name_do_not_share_a_folder_in_silence(strikewave):
     """An edited case runs again into its folder; another file whose case has the same name is refused."""

@@ -237,6 +237,7 @@ def test_the_report_shows_the_numbers_of_whole_bodies(solved):
         assert got[line] == pytest.approx(values, rel=SAME), line
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_parts_and_their_solids_stand_on_the_page_in_the_chosen_units(solved):
     with showing(ShownUnits.read("Pa,km/h,gram/cm^3")):
         page = fem_report(solved("quarter"))

@@ -246,6 +246,7 @@ def test_hostile_words_come_out_as_text(solution):
     hostile = dataclasses.replace(
         solution,
         case=case,
+        sampled={},
         notices=(Notice(HOSTILE, HOSTILE, 1.0, 2.0),),
         phases=((HOSTILE, 0.0),),
         masses={HOSTILE: 1.0},
@@ -278,6 +279,7 @@ def test_hostile_words_come_out_as_text(solution):
     assert any("alert(" in words for words in read.svg_words)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_sections_of_the_caller_are_shown_in_order_and_counted(solution):
     figure = Figure(figsize=(9, 3))
     figure.add_subplot().plot([0, 1], [0, 1])
@@ -320,6 +322,7 @@ def test_pictures_share_no_identifier():
     assert "DejaVu Sans" in one
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_solution_without_any_blow_says_so(solution):
     none = dataclasses.replace(
         solution,
@@ -348,6 +351,7 @@ def test_solution_without_any_blow_says_so(solution):
     assert page.count("<svg") == 3  # the train and two drawings
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_histories_may_be_missing(solution):
     """What is not there is said in words."""
     bare = dataclasses.replace(solution, sampled={}, notices=())

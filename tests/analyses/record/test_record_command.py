@@ -239,15 +239,20 @@ def test_files_of_which_none_can_be_read_are_bad_input(strikewave):
         (("--cfc", "1000", "--filter", "1 kHz"), "--cfc", '"1000"', "either --filter or --cfc"),
     ],
 )
-@pytest.mark.parametrize("json_too", [(), ("--json",)])
-def test_wrong_input_says_field_what_came_and_what_is_allowed(strikewave, volts, words, field, came, allowed, json_too):
-    code, out, err = strikewave("record", volts, *words, *json_too)
+def test_wrong_input_says_field_what_came_and_what_is_allowed(strikewave, volts, words, field, came, allowed):
+    code, out, err = strikewave("record", volts, *words, "--json")
     assert (code, out) == (2, "")
     assert field in err
     assert came in err
     assert allowed in err
     assert "Traceback" not in err
     assert os.listdir() == ["shot.csv"]
+
+
+def test_wrong_input_is_as_short_without_json(strikewave, volts):
+    code, out, err = strikewave("record", volts, "--channel", "bord")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert '"bord"' in err
 
 
 def test_a_wrong_option_and_no_file_are_bad_input(strikewave):

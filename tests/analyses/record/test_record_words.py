@@ -27,6 +27,7 @@ def written(path, unit="g", begin=0.0):
     return path
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_peak_in_doubt_is_told_beside_what_it_is_without_ringing(tmp_path):
     """A blow that rings by a tenth goes into no mean; its peak is as read, and without ringing as it was planted."""
     result = strikewave.record(written(tmp_path / "shot.csv"))
@@ -65,6 +66,7 @@ def test_a_record_that_begins_in_its_blow_is_said_to(tmp_path):
     assert "late.csv is bad: the record begins in a blow" in words
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_copies_of_a_record_are_named_where_they_are_summed_up(tmp_path, capsys):
     """Three copies scatter by nothing, and are no three tests: first sentence, screen, JSON and report say so."""
     files = [written(tmp_path / f"{k}.csv") for k in range(3)]

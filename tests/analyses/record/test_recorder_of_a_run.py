@@ -43,12 +43,18 @@ def given(solution):
     return np.array(found)
 
 
+WRITTEN = {}
+"""Texts of the files of runs, by the identity of their solutions."""
+
+
 def read_back(solution, folder, broken=lambda text: text):
     """What `record` reads of the file that the run writes of its recorder."""
     folder.mkdir(exist_ok=True)
-    write_histories(solution, folder, "csv")
     file = folder / "histories-record.csv"
-    file.write_text(broken(file.read_text("utf-8")), "utf-8")
+    if id(solution) not in WRITTEN:
+        write_histories(solution, folder, "csv")
+        WRITTEN[id(solution)] = file.read_text("utf-8")
+    file.write_text(broken(WRITTEN[id(solution)]), "utf-8")
     return strikewave.record(str(file))
 
 

@@ -179,15 +179,20 @@ def test_what_harms_a_spectrum_is_warned_of(strikewave, shot):
         (("--rate", "0"), "--rate", '"0"', "above zero"),
     ],
 )
-@pytest.mark.parametrize("json_too", [(), ("--json",)])
-def test_wrong_input_says_field_what_came_and_what_is_allowed(strikewave, shot, words, field, came, allowed, json_too):
-    code, out, err = strikewave("srs", shot, *words, *json_too)
+def test_wrong_input_says_field_what_came_and_what_is_allowed(strikewave, shot, words, field, came, allowed):
+    code, out, err = strikewave("srs", shot, *words, "--json")
     assert (code, out) == (2, "")
     assert field in err
     assert came in err
     assert allowed in err
     assert "Traceback" not in err
     assert os.listdir() == ["shot.csv"]
+
+
+def test_wrong_input_is_as_short_without_json(strikewave, shot):
+    code, out, err = strikewave("srs", shot, "--channel", "bord")
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert '"bord"' in err
 
 
 def test_a_file_that_is_none_is_bad_input(strikewave):

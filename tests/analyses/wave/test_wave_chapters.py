@@ -95,6 +95,7 @@ def test_the_same_run_gives_the_same_page(bar):
     assert wave_report(bar) == wave_report(run_wave(load_case("li-ma-2019-fig13-bar")))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_key_numbers_are_those_of_the_first_tap_and_of_each_sensor(read_page, tmp_path):
     """On the page as in Python; the band of the stress is that of the force over the area, with the sign of the value."""
     solution = run_wave(load_case("li-ma-2019-fig13-bar"))
