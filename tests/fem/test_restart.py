@@ -150,10 +150,10 @@ def test_nothing_that_the_model_fixes_is_kept(kept):
 
 
 def test_bytes_that_changed_end_in_one_word(kept, tmp_path):
-    """100 files with up to 20 other bytes each, some cut short, are read or refused."""
+    """50 files with up to 20 other bytes each, some cut short, are read or refused."""
     rng, raw, refused = np.random.default_rng(0), kept.read_bytes(), 0
     engine, path = Engine(model()), tmp_path / "changed.h5"
-    for k in range(100):
+    for k in range(50):
         data = bytearray(raw)
         for place in rng.integers(0, min(len(data), 30_000), rng.integers(1, 20)):
             data[place] = rng.integers(0, 256)
@@ -163,7 +163,7 @@ def test_bytes_that_changed_end_in_one_word(kept, tmp_path):
             read_restart(path, engine)
         except InputError:
             refused += 1
-    assert refused > 25
+    assert refused > 12
 
 
 def test_one_bit_that_changed_is_refused(kept, tmp_path):

@@ -120,10 +120,17 @@ def both(spectrum):
 )
 @pytest.mark.parametrize("part", [pytest.param("primary", marks=pytest.mark.verify), "residual"])
 @pytest.mark.parametrize("shape", ["saw-tooth", pytest.param("rectangle", marks=pytest.mark.verify)])
-@pytest.mark.parametrize("q", [*(pytest.param(q, marks=pytest.mark.verify) for q in (0.3, 0.5, math.inf)), 10.0])
-def test_straight_lines_are_exact_at_every_rate(shape, part, kind, q):
+@pytest.mark.parametrize(
+    ("q", "rates"),
+    [
+        *(pytest.param(q, RATES, marks=pytest.mark.verify) for q in (0.3, 0.5, math.inf)),
+        pytest.param(10.0, RATES[1::2], marks=pytest.mark.verify),
+        (10.0, RATES[::2]),
+    ],
+)
+def test_straight_lines_are_exact_at_every_rate(shape, part, kind, q, rates):
     values, terms = sampled(shape, 50)
-    for rate in RATES:
+    for rate in rates:
         wanted = expected(terms, -1, 50, 51, rate, q, kind, part)
         got = both(srs(values, 1.0, [1.0 / rate], q, kind, Scope(part)))
         assert got == pytest.approx(wanted, rel=1e-7, abs=1e-8 * max(wanted)), rate
@@ -330,8 +337,8 @@ def test_scale_polarity_and_order(record, q, kind):
     assert np.allclose(scaled.positive, 8.0 * plain.negative, rtol=1e-12, atol=0)
     mixed = np.random.default_rng(1).permutation(FN.size)
     assert np.allclose(srs(record, 1e-5, FN[mixed], q, kind).maximax, plain.maximax[mixed], rtol=1e-12, atol=0)
-    one = [srs(record, 1e-5, f, q, kind).maximax[0] for f in FN]
-    assert np.allclose(one, plain.maximax, rtol=1e-12, atol=0)
+    one = [srs(record, 1e-5, f, q, kind).maximax[0] for f in FN[::5]]
+    assert np.allclose(one, plain.maximax[::5], rtol=1e-12, atol=0)
     late = srs(np.concatenate([np.zeros(777), record]), 1e-5, FN[:30], q, kind)
     assert np.allclose(late.maximax, plain.maximax[:30], rtol=1e-9, atol=0)
 

@@ -51,6 +51,7 @@ STUDIES = {
 }  # fmt: skip
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     "which", [pytest.param(one, marks=[pytest.mark.verify] if one != "sweep" else []) for one in STUDIES]
 )

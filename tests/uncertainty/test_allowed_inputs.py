@@ -117,6 +117,7 @@ def test_of_a_case_that_is_refused_as_it_is_no_input_is_changed():
     assert allowed_inputs(case, (), refuse) == ()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_result_without_a_band_says_why_on_screen_and_in_json_and_report(strikewave, monkeypatch, tmp_path):
     def refuse(*_):
         raise ValueError("the pad is gone")

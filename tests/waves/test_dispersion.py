@@ -44,7 +44,7 @@ def lowest_root(ka, nu):
         beta = np.sqrt(2 * (1 + nu) * ratio**2 - 1 + 0j) * ka
         return (characteristic(ratio * ka, ka, nu) / beta * abs(beta)).real
 
-    ratios = np.linspace(0.6, 2.2, 4000) / s
+    ratios = np.linspace(0.6, 2.2, 1000) / s
     values = np.array([value(ratio) for ratio in ratios])
     k = int(np.flatnonzero(values[1:] * values[:-1] < 0)[0])
     return optimize.brentq(value, ratios[k], ratios[k + 1], xtol=1e-13)

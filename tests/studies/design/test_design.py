@@ -94,7 +94,7 @@ def test_goals_that_exclude_each_other_are_named_with_what_each_comes_to():
 
 
 def test_a_goal_that_cannot_be_reached_alone_says_what_it_comes_to():
-    study = design(BALL, HEIGHT, ["approach_speed > 8 m/s", "duration < 1 s"], analysis="impact", runs=64)
+    study = design(BALL, HEIGHT, ["approach_speed > 8 m/s", "duration < 1 s"], analysis="impact", runs=32)
     assert [goal.typed for goal in study.conflict.goals] == ["approach_speed > 8 m/s"]
     assert study.conflict.reaches[0].value == pytest.approx(math.sqrt(2.0 * G * 2.0), rel=1e-3)
     assert "cannot be reached alone" in study.notices[0].message
@@ -336,11 +336,17 @@ def test_the_front_is_what_no_other_beats(points):
         assert _beaten(value, values) == beaten
 
 
-def test_two_objectives_give_a_front_of_runs():
+@pytest.fixture(scope="module")
+def two_aims():
+    goals = ["approach_speed > 2 m/s", "peak_force smallest", "approach_speed largest"]
+    return design(BALL, HEIGHT, goals, analysis="impact", runs=32)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_two_objectives_give_a_front_of_runs(two_aims):
     """A larger fall gives a higher speed and a larger force: no run is better in both, and all that meet the goal are
     on the front, down to its lower end."""
-    goals = ["approach_speed > 2 m/s", "peak_force smallest", "approach_speed largest"]
-    study = design(BALL, HEIGHT, goals, analysis="impact", runs=32)
+    study = two_aims
     speed, force = study.numbers[list(study.front)].T
     assert len(study.front) == study.met
     assert (np.diff(force) > 0.0).all()
@@ -395,10 +401,9 @@ def test_where_only_runs_that_fail_a_check_meet_the_goals_it_is_said_and_the_nea
     assert study.notices[0].message.startswith(f"n{none}")
 
 
-def test_a_broken_run_is_ahead_of_no_other_on_a_front(monkeypatch):
+def test_a_broken_run_is_ahead_of_no_other_on_a_front(two_aims):
     """One run of a front is taken as broken: it leaves the front to the others."""
-    goals = ["approach_speed smallest", "peak_force largest", "duration < 1 s"]
-    study = design(BALL, HEIGHT, goals, analysis="impact", runs=32)
+    study = two_aims
     best = study.front[0]
     verdicts = ["broken: blow-count" if run == best else "passed" for run in range(len(study.rows))]
     runs = SimpleNamespace(plan=study.plan, rows=study.rows, numbers=study.numbers, verdicts=verdicts)

@@ -271,9 +271,15 @@ def test_ranking_is_by_goal_then_scatter_then_stop_force(study_of):
         assert keys == sorted(keys)
 
 
-def test_chosen_values_say_so_and_nothing_else_changes(machine, study_of):
-    study = study_of(0)
-    case, origin = study.case_of(), machine.values()
+@pytest.fixture(scope="module")
+def of_two_blows():
+    """The study of the first goal, with a machine of two blows."""
+    return design_settings(load_case("li-ma-2019", ["feed.blows=2"]), GOALS[0][0], SettingsChoices((4,), (1.0,)))
+
+
+def test_chosen_values_say_so_and_nothing_else_changes(of_two_blows):
+    study = of_two_blows
+    case, origin = study.case_of(), load_case("li-ma-2019", ["feed.blows=2"]).values()
     for path, value in case.values().items():
         if path in study.candidates[0].chosen:
             assert value.provenance == "assumed"
@@ -466,9 +472,9 @@ def test_stop_limit_is_kept_or_named(machine, study_of):
 # what is refused
 
 
-def test_estimates_begin_within_a_third(study_of):
+def test_estimates_begin_within_a_third(of_two_blows):
     """The closed forms of approach and stiffness are first guesses: within a third of what full runs ask for."""
-    best = study_of(0).best
+    best = of_two_blows.best
     assert best.estimate.approach == pytest.approx(best.observation.approach, rel=0.33)
     assert best.estimate.stiffness == pytest.approx(best.case.values()["object.frame_stiffness"].si, rel=0.33)
     assert best.estimate.velocity_change == pytest.approx(best.observation.velocity_change, rel=0.15)
