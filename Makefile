@@ -39,6 +39,7 @@ demo: $(VENV)/core
 	@for case in $(CASES); do echo "open in a browser: out/$$case/report.html"; done
 
 test: $(VENV)/dev
+	@$(BIN)/python -m compileall -q -j $(JOBS) src tests
 	@$(BIN)/python scripts/compile_kernels.py $(JOBS)
 	$(PYTEST) || { $(BIN)/python -m pytest --last-failed; exit 1; }
 

@@ -80,7 +80,7 @@ def run_fem(case: Case, threads: int = 1, device: str | None = None) -> FemSolut
     Examples
     --------
     >>> from strikewave import load_case
-    >>> solution = run_fem(load_case("two-bars-fem", ["fem.duration=20 us"]))
+    >>> solution = run_fem(load_case("two-bars-fem", ["fem.duration=5 us"]))
     >>> solution.run.momentum_error < 1e-9
     True
     """
