@@ -172,19 +172,20 @@ def test_boundaries_say_which_ways_a_body_may_go_back():
 # --- what yields remembers ------------------------------------------------------------------------------------------
 
 
-def dents(count):
+def dents(count, size):
     """Blows of an elastic ball on a half-space that yields."""
-    return blows(ball_on_base(Ball(size=6e-4, base=SOFT, speed=3.0), reach=15.0), count, frames=2)
+    return blows(ball_on_base(Ball(size=size, base=SOFT, speed=3.0), reach=15.0), count, frames=2)
 
 
 @pytest.fixture(scope="module")
 def dented():
-    return dents(4)
+    return dents(4, 6e-4)
 
 
 @pytest.fixture(scope="module")
-def dented_twice():
-    return dents(2)
+def roughly_dented():
+    """The blows on elements half as large again: balances hold on any, and a sum of what was before needs two."""
+    return dents(3, 9e-4)
 
 
 @pytest.mark.verify
@@ -211,10 +212,10 @@ def test_what_is_kept_only_grows(dented):
     assert depths[1] < -5e-6
 
 
-def test_each_blow_keeps_its_own_balance(dented_twice):
+def test_each_blow_keeps_its_own_balance(roughly_dented):
     """Energy within 1e-5; it begins with the blow and what residual stress holds; momentum to rounding."""
-    blow = 0.5 * dented_twice[0].parts["ball"].mass * 3.0**2
-    for run in dented_twice:
+    blow = 0.5 * roughly_dented[0].parts["ball"].mass * 3.0**2
+    for run in roughly_dented:
         assert abs(balance_measure(run).energy) < 1e-5
         assert run.momentum_error < 1e-12
         assert run.energy["plastic"][0] == run.energy["viscous"][0] == 0.0
@@ -222,18 +223,18 @@ def test_each_blow_keeps_its_own_balance(dented_twice):
         assert run.initial_energy == pytest.approx(held, rel=1e-12)
         assert run.energy["kinetic"][0] == pytest.approx(blow, rel=1e-9)
         assert sum(run.plastic_work.values()) == pytest.approx(run.energy["plastic"][-1], rel=1e-12)
-    before = [run.rest.plastic_before for run in dented_twice[1:]]
-    assert before == pytest.approx(np.cumsum([run.energy["plastic"][-1] for run in dented_twice[:-1]]), rel=1e-9)
-    assert all(run.rest.plastic_energy <= 1e-9 * blow for run in dented_twice[1:])  # coming to rest yields nothing
+    before = [run.rest.plastic_before for run in roughly_dented[1:]]
+    assert before == pytest.approx(np.cumsum([run.energy["plastic"][-1] for run in roughly_dented[:-1]]), rel=1e-9)
+    assert all(run.rest.plastic_energy <= 1e-9 * blow for run in roughly_dented[1:])  # coming to rest yields nothing
 
 
-def test_measures_of_a_blow(dented_twice):
-    found = blow_measure(dented_twice[1], {CONTACT: ("ball.round", "base.top")})
+def test_measures_of_a_blow(roughly_dented):
+    found = blow_measure(roughly_dented[1], {CONTACT: ("ball.round", "base.top")})
     assert found.blow == 2
     assert found.plastic_strain["ball"] == found.plastic_energy["ball"] == 0.0
-    assert found.plastic_strain["base"] == dented_twice[1].plastic_strain["base"][-1] > 0.0
-    assert not still_presses(dented_twice[1], CONTACT)
-    assert found.restitution[CONTACT] == restitution(dented_twice[1], CONTACT, ("ball.round", "base.top"))
+    assert found.plastic_strain["base"] == roughly_dented[1].plastic_strain["base"][-1] > 0.0
+    assert not still_presses(roughly_dented[1], CONTACT)
+    assert found.restitution[CONTACT] == restitution(roughly_dented[1], CONTACT, ("ball.round", "base.top"))
 
 
 @pytest.mark.verify
