@@ -85,7 +85,7 @@ def test_planted_materials_lie_in_the_band_as_often_as_it_says():
 
 
 def test_numbers_of_a_pad_move_the_most_where_nothing_else_does(monkeypatch):
-    monkeypatch.setattr(bar_run, "RUNS", 24)  # the fewest of a band
+    monkeypatch.setattr(bar_run, "BAND_RUNS", 24)  # the fewest of a band
     solution = with_bands(run_wave(parse_case(BAR, "bar")))
     assert {one.field for one in solution.band_method.inputs} >= {
         *(f"{MATERIAL}.PTFE.{key}" for key in ("modulus", "loss_factor")),
