@@ -10,10 +10,10 @@ from scipy.optimize import brentq
 
 from strikewave.base.percents import percent
 from strikewave.records.baseline import LocalBaseline
-from strikewave.records.health import blow_shape, examine, limits, noise, sampled_record, sampling, zero
 from strikewave.records.health import blows as blow_checks
+from strikewave.records.health import examine, limits, noise, sampled_record, sampling, zero
 from strikewave.records.health import ringing as ringing_checks
-from strikewave.records.health.blow_shape import BlowShape
+from strikewave.records.health.limits import BlowShape
 from strikewave.records.health.ringing import _doubt_of_smooth, _swing_after, goes_back, larger_elsewhere
 from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.health_notice import BLOW, FIGURES
@@ -39,9 +39,9 @@ OF_A_SHIFT = (zero.step_with_blow, zero.step_alone, zero.drift_after, zero.zero_
 @pytest.fixture(autouse=True)
 def nothing_kept():
     """Let each test compute what is kept for the next blow."""
-    blow_shape._legendre_fit.cache_clear()
-    blow_shape._legendre.cache_clear()
-    blow_shape._powers_of_a_sine.cache_clear()
+    limits._legendre_fit.cache_clear()
+    limits._legendre.cache_clear()
+    limits._powers_of_a_sine.cache_clear()
 
 
 def blow(first, last, peak=4.0, top=None, **more):
@@ -151,10 +151,10 @@ def test_three_values_stand_among_four_thousand_samples_of_a_rail():
 
 def test_the_last_sample_below_a_level():
     heights = np.array([0.0, 0.1, 0.3, 0.2, 0.6, 1.0])
-    assert blow_shape._last_below(heights, np.array([0.05, 0.15, 0.25, 0.5, 0.7, 2.0])).tolist() == [0, 1, 3, 3, 4, 5]
-    assert blow_shape._last_below(heights + 1.0, np.array([0.5])).tolist() == [0]
-    assert blow_shape._to_both_sides(np.array([-2.0, 3.0])) == 2.0
-    assert blow_shape._to_both_sides(np.array([1.0, 3.0])) == -1.0
+    assert limits._last_below(heights, np.array([0.05, 0.15, 0.25, 0.5, 0.7, 2.0])).tolist() == [0, 1, 3, 3, 4, 5]
+    assert limits._last_below(heights + 1.0, np.array([0.5])).tolist() == [0]
+    assert limits._to_both_sides(np.array([-2.0, 3.0])) == 2.0
+    assert limits._to_both_sides(np.array([1.0, 3.0])) == -1.0
 
 
 def half_sine(power=1.0, most=math.inf):
@@ -1240,7 +1240,7 @@ def test_the_usual_tip_is_that_of_a_power_with_the_same_widths_of_both_sides_tog
 def looks(tip=0.43, usual=0.43, noise_of_top=0.0, swing=0.0, higher=1.0, flanks=None, halfway=(4.0, 4.0), rigid=None):
     """Return a blow with a shape that is put in; flanks are slope, bend and how far each goes on."""
     one = blow(300, 500, rigid=rigid)
-    sides = tuple(blow_shape.Flank(*each) for each in (flanks or ((40.0, 0.05, 1.0), (40.0, 0.05, 1.0))))
+    sides = tuple(limits.Flank(*each) for each in (flanks or ((40.0, 0.05, 1.0), (40.0, 0.05, 1.0))))
     seen = record(np.zeros(900), one)
     return SimpleNamespace(
         **{"tip": tip, "usual_tip": usual, "noise_of_top": noise_of_top, "swing_to_both_sides": swing},

@@ -21,7 +21,7 @@ from strikewave.records import (
     summed,
 )
 from strikewave.records.health import examine, limits
-from strikewave.records.health.blow_shape import BlowShape
+from strikewave.records.health.limits import BlowShape
 from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.pulses import Baseline, find_boxes
 from strikewave.records.readers import Options, common, read_record, recorders

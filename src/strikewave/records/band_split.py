@@ -20,18 +20,16 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, OF_CHANNEL, RATIO
+from strikewave.records.record import Array
 from strikewave.records.ringing import RINGS_WITHIN, Stretch, spectrum_after, swings_after
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.records.thresholds import OfRingingSought
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import HALF_SINE_WIDTH, crossing, measure_pulse
-
-Array = NDArray[np.float64]
 
 FAMILY = tuple(SmoothPulse(1.0, 0.0, 1.0, rise, power) for power in (0.7, 1.0, 1.5, 2.0, 3.0) for rise in (0.25, 0.5))
 """Ideal pulses of one length: flatter than a half-sine to peaked, leaning or not (early and late are alike to a filter

@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
-
-Array = NDArray[np.float64]
+from strikewave.records.record import Array
 
 Model = Callable[[Array], Array]
 """Rows of inputs in, rows of quantities out."""

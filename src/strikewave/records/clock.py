@@ -6,15 +6,12 @@ import dataclasses
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
 from strikewave.base.percents import percent
 from strikewave.records.health_notice import FIGURES, HealthNotice
-from strikewave.records.record import Channel
+from strikewave.records.record import Array, Channel
 from strikewave.records.thresholds import OfClock
-
-Array = NDArray[np.float64]
 
 SENSELESS = 1e30
 """No time, and no sample, is as large: instruments write such numbers for none (9.9e37)."""

@@ -38,10 +38,8 @@ from strikewave.records.budget import (
 )
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.noisy_pulse import figures_of, without_noise
-from strikewave.records.record import Channel
+from strikewave.records.record import Array, Channel
 from strikewave.records.smooth_pulse import BUDGETED
-
-Array = NDArray[np.float64]
 
 FIGURES = BUDGETED
 """Figures of a blow that have a budget."""

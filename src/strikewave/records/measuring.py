@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, Quantity
@@ -30,13 +29,12 @@ from strikewave.records.band_split import BandSplit, split_bands
 from strikewave.records.baseline import LocalBaseline, baseline_before, noise_before
 from strikewave.records.noisy_pulse import LONGEST, ReadPulse, SmoothingWindow, Surroundings, read_pulse
 from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
+from strikewave.records.record import Array
 from strikewave.records.ringing import RINGS_WITHIN, RigidPulse, Stretch, rigid_pulse, ringing_of
 from strikewave.records.smooth_pulse import BUDGETED, PulseUncertainty, SmoothPulse, fit_smooth_pulse
 from strikewave.records.thresholds import HARMED
 from strikewave.records.trains import Contacts, sort_contacts
 from strikewave.signal.pulse import FOOT, WIDTH_FRACTION, area_between, crossing
-
-Array = NDArray[np.float64]
 
 FEWEST = 16
 """Samples that a record needs: a blow of three, and as much beside it as its noise is estimated from."""

@@ -15,12 +15,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.records._pulse_kernels import strongest_boxes
+from strikewave.records.record import Array
 from strikewave.records.thresholds import OfBoxes
-
-Array = NDArray[np.float64]
 
 MAD_TO_SIGMA = 1.4826
 """Standard deviation of normal noise over the median of its size, 1 / Phi^-1(3/4): a median ignores the blows."""

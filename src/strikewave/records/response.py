@@ -29,9 +29,8 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN
 from strikewave.base.shock_quantities import FREQUENCY, MILLISECONDS, OF_CHANNEL, RATIO, SECONDS
+from strikewave.records.record import Array
 from strikewave.records.thresholds import OfAnswers
-
-Array = NDArray[np.float64]
 
 MOST_MODES, MOST_POLES = 3, 12
 """Modes reported, and decaying exponentials sought at most."""

@@ -24,14 +24,12 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.records._pulse_kernels import unit_pulses
+from strikewave.records.record import Array
 from strikewave.records.robust import alike_as_one
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.records.thresholds import OfRingingSought
-
-Array = NDArray[np.float64]
 
 QUICKLY = 0.2
 """Damping ratio above which what is seen in a blow alone is its shape, no ringing."""

@@ -6,16 +6,14 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.shock_quantities import MICROSECONDS, OF_CHANNEL, OF_INTEGRAL
 from strikewave.records._pulse_kernels import fit_pulse, unit_pulses
+from strikewave.records.record import Array
 
 if TYPE_CHECKING:
     from strikewave.signal.filters import Effect, Filter
-
-Array = NDArray[np.float64]
 
 MOST_SAMPLES = 240
 """A longer stretch is averaged down to this many before it is fitted: about 50 for each parameter, and means lose

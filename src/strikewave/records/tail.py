@@ -13,15 +13,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.records.measuring import RecordedPulse
+from strikewave.records.record import Array
 from strikewave.records.robust import alike_as_one
 from strikewave.records.thresholds import OfTails
 from strikewave.signal.coupling import ac_uncoupled
 from strikewave.signal.motion import integral
-
-Array = NDArray[np.float64]
 
 AFTER = 0.15
 """Widths after a blow from which on its tail is looked at."""

@@ -30,13 +30,12 @@ from strikewave.base.percents import beside_doubt, percent, plain
 from strikewave.records.band_split import UNKNOWN
 from strikewave.records.health.sampled_record import with_unit
 from strikewave.records.measuring import RecordedPulse, find_pulses
+from strikewave.records.record import Array
 from strikewave.records.robust import alike_as_one
 from strikewave.records.thresholds import OfTwoSensors
 from strikewave.signal.alignment import EvenHistory, by_correlation
 from strikewave.signal.filters import Filter, advised_cutoff
 from strikewave.signal.resampling import resampled
-
-Array = NDArray[np.float64]
 
 BEFORE, SHORTEST, LONGEST = 1.0, 20.0, 100.0
 """Widths before a blow that its window holds, and after its begin at least and at most: twenty give lines that are a

@@ -13,7 +13,6 @@ from functools import cached_property
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.base.constants import COVERAGE
 from strikewave.base.shock_quantities import ACCELERATION
@@ -21,13 +20,13 @@ from strikewave.base.units import in_unit
 from strikewave.records.health_notice import FIGURES, OF_BLOWS, OF_RESPONSES, RESPONSE_FIGURES
 from strikewave.records.measuring import RecordedPulse, contacts_of, find_pulses
 from strikewave.records.pulses import MAD_TO_SIGMA, Baseline, robust_line, sample_noise
+from strikewave.records.record import Array
 from strikewave.records.response import EFFECTIVE, FEWEST, BaseBlow, MeasuredResponse, measure_responses, zero_before
 from strikewave.records.tail import TailModel, model_of, tail_of, uncoupled
 from strikewave.records.thresholds import HARMED
 from strikewave.records.trains import Contacts
 from strikewave.signal.oscillators import acceleration, recursion
 
-Array = NDArray[np.float64]
 Made = TypeVar("Made")
 BEFORE, FEWEST_BEFORE = 2.0, 16
 """Widths before the first blow whose scatter is taken, of 16 samples at least: known to a fifth, and no drift in it."""

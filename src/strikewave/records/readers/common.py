@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.first_few import first_few
@@ -20,9 +19,7 @@ from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.readers.headings import PICO, is_time, name_and_unit, seconds_in, step_of, to_seconds
 from strikewave.records.readers.long_table import Labels, as_asked, as_long_table, labels_of, may_count
-from strikewave.records.record import Channel, Record
-
-Array = NDArray[np.float64]
+from strikewave.records.record import Array, Channel, Record
 
 MOST_ARRAYS = 10_000
 """A file with more arrays is refused: no recorder has as many channels, and each takes time to look at."""
