@@ -124,7 +124,7 @@ class Fault(NamedTuple):
     ----------
     value : float
         The number that raised it, SI.
-    said : mapping
+    details : mapping
         What the message takes besides.
     severity : str
         That of the row, or of the effects, where it is empty.
@@ -143,7 +143,7 @@ class Fault(NamedTuple):
     """
 
     value: float
-    said: Mapping[str, Any] = {}
+    details: Mapping[str, Any] = {}
     severity: str = ""
     harms: tuple[str, ...] = ()
     start: float = nan
@@ -189,14 +189,14 @@ class Check(NamedTuple):
         return [self._notice(record, fault) for fault in self.find(record)]
 
     def _notice(self, record: Any, fault: Fault) -> HealthNotice:
-        words = _Wording(record).format(fault.message or self.message, value=fault.value, **fault.said)
+        message = _Wording(record).format(fault.message or self.message, value=fault.value, **fault.details)
         harms = {*self.harms, *fault.harms}
         if fault.effects is None:
             chosen = record.figures if {*EVERY} <= harms else tuple(name for name in record.figures if name in harms)
             severity = fault.severity or self.severity
-            return HealthNotice(self.name, words, fault.value, severity, chosen, fault.start, fault.end)
+            return HealthNotice(self.name, message, fault.value, severity, chosen, fault.start, fault.end)
         place = {"start": fault.start, "end": fault.end, "figures": record.figures}
-        notice = by_effect(self.name, words, fault.value, fault.effects, fault.signed, fault.doubt, **place)
+        notice = by_effect(self.name, message, fault.value, fault.effects, fault.signed, fault.doubt, **place)
         only_timing = set(notice.harms) <= set(record.jumping)  # withheld, and nothing is suspect for it
         return replace(
             notice,

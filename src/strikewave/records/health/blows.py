@@ -107,8 +107,8 @@ def rebounds(record: BlowRecord) -> Iterator[Fault]:
         share = float(np.median([rebound.peak / pulse.peak for rebound, pulse in pairs]))
         lag = 1e3 * float(np.median([rebound.time - pulse.time for rebound, pulse in pairs]))
         where = f"{len(owners)} of {len(record.pulses)} blows" if len(record.pulses) > 1 else "the blow"
-        said = {"count": len(pairs), "several": "s" if len(pairs) > 1 else "", "where": where, "lag": lag}
-        yield Fault(share, said, start=pairs[0][0].time, end=pairs[-1][0].time)
+        details = {"count": len(pairs), "several": "s" if len(pairs) > 1 else "", "where": where, "lag": lag}
+        yield Fault(share, details, start=pairs[0][0].time, end=pairs[-1][0].time)
 
 
 def double_hit(record: BlowRecord) -> Iterator[Fault]:
@@ -117,7 +117,7 @@ def double_hit(record: BlowRecord) -> Iterator[Fault]:
     if double:
         later, earlier = min(double.items())
         first, second = record.pulses[earlier], record.pulses[later]
-        said = {
+        details = {
             "first": first.time,
             "second": second.time,
             "several": f" and {len(double) - 1} more" if len(double) > 1 else "",
@@ -125,7 +125,7 @@ def double_hit(record: BlowRecord) -> Iterator[Fault]:
             "other": second.peak,
             "apart": 1e3 * abs(second.time - first.time),
         }
-        yield Fault(len(double), said, start=first.begin, end=second.end)
+        yield Fault(len(double), details, start=first.begin, end=second.end)
 
 
 def missing_blow(record: BlowRecord) -> Iterator[Fault]:
@@ -135,8 +135,8 @@ def missing_blow(record: BlowRecord) -> Iterator[Fault]:
     if places and contacts.train is not None:
         listed = ", ".join(f"{place:.6g}\xa0s" for place in places[:LISTED])
         more = f" and {len(places) - LISTED} more" if len(places) > LISTED else ""
-        said = {"places": listed + more, "period": 1e3 * contacts.train.period}
-        yield Fault(len(places), said, start=places[0], end=places[-1])
+        details = {"places": listed + more, "period": 1e3 * contacts.train.period}
+        yield Fault(len(places), details, start=places[0], end=places[-1])
 
 
 def mains_blips(record: BlowRecord) -> Iterator[Fault]:
@@ -144,8 +144,8 @@ def mains_blips(record: BlowRecord) -> Iterator[Fault]:
     times = np.array([pulse.time for pulse in record.pulses])
     period = mains_period(times, np.array([pulse.smooth.width() for pulse in record.pulses]), locked=True)
     if period > 0.0 and not _struck(record, times, period):
-        said = {"count": len(record.pulses), "period": 1e3 * period, "frequency": 1.0 / period}
-        yield Fault(period, said, start=record.pulses[0].begin, end=record.pulses[-1].end)
+        details = {"count": len(record.pulses), "period": 1e3 * period, "frequency": 1.0 / period}
+        yield Fault(period, details, start=record.pulses[0].begin, end=record.pulses[-1].end)
 
 
 def _struck(record: BlowRecord, times: Array, period: float) -> bool:
@@ -203,11 +203,11 @@ def cut_response(record: ResponseRecord) -> Iterator[Fault]:
     if lasting:
         first, count = lasting[0], len(record.responses)
         at_end = record.span(first)[1] == record.values.size
-        said = {
+        details = {
             "what": "the record ends" if at_end else "the next blow comes",
             "several": f" ({len(lasting)} of {count} responses)" if count > 1 else "",
         }
-        yield Fault(first.begin + first.duration, said, start=first.begin + first.duration)
+        yield Fault(first.begin + first.duration, details, start=first.begin + first.duration)
 
 
 def _goes_on(record: ResponseRecord, response: MeasuredResponse) -> bool:

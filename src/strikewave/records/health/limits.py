@@ -318,8 +318,8 @@ def _shapes(record: BlowRecord) -> list[BlowShape]:
     return [BlowShape(record, pulse) for pulse in record.pulses if pulse.method == "record" and pulse.width > 0.0]
 
 
-def _of_shapes(value: float, shapes: Sequence[BlowShape], **said: object) -> Fault:
-    return Fault(value, said, start=shapes[0].pulse.begin, end=shapes[-1].pulse.end)
+def _of_shapes(value: float, shapes: Sequence[BlowShape], **details: object) -> Fault:
+    return Fault(value, details, start=shapes[0].pulse.begin, end=shapes[-1].pulse.end)
 
 
 def flat_top(record: BlowRecord) -> Iterator[Fault]:
@@ -450,13 +450,13 @@ def compressed(record: ResponseRecord) -> Iterator[Fault]:
     Fitted are the base and the absolute accelerations of the modes on it to the samples below `OfSwings.LOWER` of the
     peak, so that only the level is carried on. What they miss of these is the doubt.
     """
-    one = record.largest
-    begin, end = record.span(one)
-    end = min(end, record.place(one.decay.end) + 1)
+    response = record.largest
+    begin, end = record.span(response)
+    end = min(end, record.place(response.decay.end) + 1)
     through = record.driven(end)
     if through is None:
         return
-    values, peak = record.above[begin:end], abs(one.peak)
+    values, peak = record.above[begin:end], abs(response.peak)
     low = np.abs(values) < OfSwings.LOWER * peak
     if np.count_nonzero(~low) < OfSwings.FEWEST_OF_TOPS or np.count_nonzero(low) < FEWEST:
         return
@@ -469,7 +469,7 @@ def compressed(record: ResponseRecord) -> Iterator[Fault]:
     worse = math.sqrt(float(np.mean(all_missed**2))) / peak
     if lost > max(OfNoise.NOTED, OfSwings.MISSES * missed) and worse > OfSwings.WORSE * missed:
         effects = {**record.moved_by(lost * peak), "peak": -lost}
-        yield Fault(lost, start=one.time, effects=effects, harms=record.figures if lost > HARMED else ())
+        yield Fault(lost, start=response.time, effects=effects, harms=record.figures if lost > HARMED else ())
 
 
 def slew_limited(record: ResponseRecord) -> Iterator[Fault]:

@@ -37,13 +37,13 @@ def noisy(record: BlowRecord) -> Iterator[Fault]:
 
 def hum(record: BlowRecord) -> Iterator[Fault]:
     """Find hum beside the blows that may move a figure."""
-    found = record.once(_noted_hum)
-    if found is not None:
-        frequency, amplitude = found
+    line = record.once(_noted_hum)
+    if line is not None:
+        frequency, amplitude = line
         peak = min((abs(pulse.peak) for pulse in record.pulses), default=math.nan)
         share = f", {percent(amplitude / peak)} of the peak" if record.pulses else f" and {record.text(amplitude)}"
-        said = {"frequency": frequency, "share": share}
-        yield Fault(amplitude, said, effects=record.once(worst_effects), signed=False)
+        details = {"frequency": frequency, "share": share}
+        yield Fault(amplitude, details, effects=record.once(worst_effects), signed=False)
 
 
 def _noted_hum(record: BlowRecord) -> tuple[float, float] | None:
@@ -73,12 +73,14 @@ def short_before(record: BlowRecord) -> Iterator[Fault]:
 
 def hum_of_response(record: ResponseRecord) -> Iterator[Fault]:
     """Find a line of the mains beside the response."""
-    spans = [(record.blows[one.blow - 1].begin, one.begin + one.duration) for one in record.responses]
+    spans = [
+        (record.blows[response.blow - 1].begin, response.begin + response.duration) for response in record.responses
+    ]
     line = hum_beside(record.values, record.step, record.start, spans)
     if line is not None and not line[1] < OfNoise.NOTED_HUM * record.peak:
         frequency, amplitude = line
-        said = {"frequency": frequency, "share": amplitude / record.peak}
-        yield Fault(amplitude, said, effects=record.moved_by(amplitude), signed=False)
+        details = {"frequency": frequency, "share": amplitude / record.peak}
+        yield Fault(amplitude, details, effects=record.moved_by(amplitude), signed=False)
 
 
 def noise_of_response(record: ResponseRecord) -> Iterator[Fault]:

@@ -25,17 +25,17 @@ SLOW = (
     "after the blow the record swings by {value:%0} of the peak, about as slowly as the blow itself, and no single "
     "mode explains it: peak, rise and width may hold such ringing too; a smooth pulse misses the blow by {misfit:%0}"
 )
-"""What is said of ringing that no model tells from the blow."""
+"""What is details of ringing that no model tells from the blow."""
 NO_MODE = (
     "the blow rings at about {frequency}, by {of_peak:%0} of the peak, and no single mode explains it; against the "
     "smooth pulse"
 )
-"""What is said of ringing that is distinct from the blow, though of no single mode."""
+"""What is details of ringing that is distinct from the blow, though of no single mode."""
 WITHIN = (
     "on its way up to the peak and down from it the record goes back, and a contact pushes once: the blow rings, too "
     "fast for this rate or too briefly to be taken off, which may make"
 )
-"""What is said of ringing that has died out when the blow ends."""
+"""What is details of ringing that has died out when the blow ends."""
 
 
 def ringing(record: BlowRecord) -> Iterator[Fault]:
@@ -60,14 +60,14 @@ def _ringing_of(record: BlowRecord, pulse: RecordedPulse) -> Fault | None:
         if max(map(abs, effects.values())) < OfRinging.NOTED_EFFECT and share < OfRinging.NOTED:
             return None
         frequency = pulse.ringing_frequency if pulse.ringing_frequency > 0.0 else rigid.frequency
-        said = {
+        details = {
             "time": pulse.time,
             "frequency": with_unit(frequency, "Hz"),
             "peak": rigid.peak,
             "width": with_unit(rigid.width, "s"),
         }
         doubt = {name: getattr(rigid, f"{name}_uncertainty") / abs(getattr(rigid, name)) for name in effects}
-        return Fault(share, said, start=pulse.begin, effects=effects, doubt=doubt)
+        return Fault(share, details, start=pulse.begin, effects=effects, doubt=doubt)
     within = smooth.misfit > OfRinging.STRAYS and pulse.method == "record"
     if share < OfRinging.NOTED and not within:
         return _dead_within(record, pulse)
@@ -80,9 +80,9 @@ def _ringing_of(record: BlowRecord, pulse: RecordedPulse) -> Fault | None:
         return Fault(share, {"misfit": smooth.misfit}, severity, harms, pulse.end, message=SLOW)
     figures = {"peak": smooth.peak, "width": smooth.width(), "velocity_change": smooth.area()}
     effects = {name: getattr(pulse, name) / value - 1.0 for name, value in figures.items() if value}
-    said = {"frequency": with_unit(frequency, "Hz"), "of_peak": max(share, smooth.misfit)}
+    details = {"frequency": with_unit(frequency, "Hz"), "of_peak": max(share, smooth.misfit)}
     doubt = _doubt_of_smooth(pulse, frequency)
-    return Fault(share, said, start=pulse.end, effects=effects, doubt=doubt, message=NO_MODE)
+    return Fault(share, details, start=pulse.end, effects=effects, doubt=doubt, message=NO_MODE)
 
 
 def _dead_within(record: BlowRecord, pulse: RecordedPulse) -> Fault | None:

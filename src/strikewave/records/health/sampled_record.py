@@ -266,12 +266,12 @@ class ResponseRecord(SampledRecord):
     @cached_property
     def largest(self) -> MeasuredResponse:
         """The response with the highest peak."""
-        return max(self.responses, key=lambda one: abs(one.peak))
+        return max(self.responses, key=lambda response: abs(response.peak))
 
     @cached_property
     def peak(self) -> float:
         """The lowest of the peaks: what a level does is largest for it."""
-        return min(abs(one.peak) for one in self.responses)
+        return min(abs(response.peak) for response in self.responses)
 
     @cached_property
     def first(self) -> int:
@@ -302,17 +302,17 @@ class ResponseRecord(SampledRecord):
     @cached_property
     def period(self) -> float:
         """A swing of the strongest mode, s; where none is known, twice the mean time between crossings of the zero."""
-        one = self.largest
-        if one.modes:
-            return 1.0 / one.modes[0].frequency
-        part = self.above[self.place(one.begin) : self.place(one.begin + one.duration) + 1]
+        response = self.largest
+        if response.modes:
+            return 1.0 / response.modes[0].frequency
+        part = self.above[self.place(response.begin) : self.place(response.begin + response.duration) + 1]
         crossings = int(np.count_nonzero(np.diff(np.signbit(part))))
-        return 2.0 * max(one.duration, self.step) / max(crossings, 1)
+        return 2.0 * max(response.duration, self.step) / max(crossings, 1)
 
-    def span(self, one: MeasuredResponse) -> tuple[int, int]:
+    def span(self, response: MeasuredResponse) -> tuple[int, int]:
         """Return first sample of what follows a blow, and the one after the last."""
-        begin = self.place(self.blows[one.blow - 1].begin)
-        later = [self.place(blow.begin) for blow in self.blows if blow.begin > self.blows[one.blow - 1].begin]
+        begin = self.place(self.blows[response.blow - 1].begin)
+        later = [self.place(blow.begin) for blow in self.blows if blow.begin > self.blows[response.blow - 1].begin]
         return begin, min(later, default=self.values.size)
 
     def driven(self, end: int) -> Array | None:
@@ -338,34 +338,34 @@ class ResponseRecord(SampledRecord):
         """Return what the figures are off against those of other values, the largest of all blows."""
         others = measure_responses(values, self.step, self.start, self.blows)
         effects: dict[str, float] = {}
-        for one, other in zip(self.responses, others, strict=True):
-            pairs = {name: (getattr(one, name), getattr(other, name)) for name in ("peak", "duration", "rms")}
-            found = {name: abs(a / b) - 1.0 for name, (a, b) in pairs.items() if b}
-            found["delay"] = (one.delay - other.delay) / self.period
-            if one.modes and other.modes:
+        for response, other in zip(self.responses, others, strict=True):
+            pairs = {name: (getattr(response, name), getattr(other, name)) for name in ("peak", "duration", "rms")}
+            changes = {name: abs(a / b) - 1.0 for name, (a, b) in pairs.items() if b}
+            changes["delay"] = (response.delay - other.delay) / self.period
+            if response.modes and other.modes:
                 for name in ("frequency", "damping"):
-                    found[name] = getattr(one.modes[0], name) / getattr(other.modes[0], name) - 1.0
+                    changes[name] = getattr(response.modes[0], name) / getattr(other.modes[0], name) - 1.0
             effects = {
-                name: max(effects.get(name, 0.0), found.get(name, 0.0), key=abs) for name in {**effects, **found}
+                name: max(effects.get(name, 0.0), changes.get(name, 0.0), key=abs) for name in {**effects, **changes}
             }
         return effects
 
     def moved_by(self, reach: float) -> dict[str, float]:
         """Return what values that may be off by so much do to the figures, the largest of all blows."""
         effects = {"peak": reach / self.peak, "delay": 0.0, "duration": 0.0, "rms": 0.0}
-        for one in self.responses:
-            begin, end = self.span(one)
+        for response in self.responses:
+            begin, end = self.span(response)
             size = np.abs(self.above[begin:end])
-            spans = [_above(size, EFFECTIVE * abs(one.peak) + sign * reach) for sign in (1.0, -1.0)]
-            for first, last in spans if one.duration > 0.0 and one.rms > 0.0 else ():
-                longer = (last - first) * self.step / one.duration - 1.0
-                stronger = math.sqrt(float(np.mean(size[first : last + 1] ** 2))) / one.rms - 1.0
+            spans = [_above(size, EFFECTIVE * abs(response.peak) + sign * reach) for sign in (1.0, -1.0)]
+            for first, last in spans if response.duration > 0.0 and response.rms > 0.0 else ():
+                longer = (last - first) * self.step / response.duration - 1.0
+                stronger = math.sqrt(float(np.mean(size[first : last + 1] ** 2))) / response.rms - 1.0
                 effects["duration"] = max(effects["duration"], abs(longer))
                 effects["rms"] = max(effects["rms"], abs(stronger))
-            ties = np.flatnonzero(size > abs(one.peak) - 2.0 * reach)
-            away = np.abs(ties - (one.time - self.start) / self.step + begin) * self.step / self.period
+            ties = np.flatnonzero(size > abs(response.peak) - 2.0 * reach)
+            away = np.abs(ties - (response.time - self.start) / self.step + begin) * self.step / self.period
             effects["delay"] = max(effects["delay"], float(np.max(away[away > HARMED], initial=0.0)))
-            effects["rms"] = max(effects["rms"], 0.5 * (reach / COVERAGE / one.rms) ** 2 if one.rms else 0.0)
+            effects["rms"] = max(effects["rms"], 0.5 * (reach / COVERAGE / response.rms) ** 2 if response.rms else 0.0)
         return effects
 
 

@@ -196,13 +196,13 @@ def ac_coupling(record: BlowRecord) -> Iterator[Fault]:
     if not effects:  # nothing can be measured without it: half of a length over tau is what it takes off at least
         length = max(pulse.smooth.length for pulse in record.pulses)
         effects = {name: -min(0.5 * length / model.constant, 1.0) for name in ("peak", "width", "velocity_change")}
-    said = {
+    details = {
         "level": model.level,
         "cutoff": 1.0 / (2.0 * math.pi * model.constant),
         "constant": 1e3 * model.constant,
         "doubt": 2e3 * model.constant_error,
     }
-    yield Fault(model.constant, said, start=record.pulses[0].begin, effects=effects)
+    yield Fault(model.constant, details, start=record.pulses[0].begin, effects=effects)
 
 
 def velocity_drift(record: BlowRecord) -> Iterator[Fault]:
@@ -359,8 +359,8 @@ def ac_coupling_of_response(record: ResponseRecord) -> Iterator[Fault]:
     if after is not None and record.once(_coupled):
         plain = record.against(ac_uncoupled(after.above, record.step, after.constant))
         effects = _larger(plain, record.moved_by(after.size(record.step)))
-        said = {"decay": after.decay, "cutoff": 1.0 / (2.0 * math.pi * after.constant)}
-        yield Fault(after.constant, said, start=record.blows[-1].end, effects=effects)
+        details = {"decay": after.decay, "cutoff": 1.0 / (2.0 * math.pi * after.constant)}
+        yield Fault(after.constant, details, start=record.blows[-1].end, effects=effects)
 
 
 def shift_after_response(record: ResponseRecord) -> Iterator[Fault]:
@@ -376,9 +376,9 @@ def shift_after_response(record: ResponseRecord) -> Iterator[Fault]:
     share = size / record.peak
     effects = _larger({**effects, "peak": max(effects.get("peak", 0.0), share)}, record.moved_by(size))
     back = f", and comes back with a time constant of {1e3 * after.constant:.3g} ms" if after.decay else ""
-    said = {"share": share, "back": back}
+    details = {"share": share, "back": back}
     start = record.blows[-1].end
-    yield Fault(after.level + after.decay, said, start=start, effects=effects, signed=False)
+    yield Fault(after.level + after.decay, details, start=start, effects=effects, signed=False)
 
 
 def _line_before(record: ResponseRecord) -> tuple[float, float] | None:
@@ -416,9 +416,9 @@ class _FreeDecay(NamedTuple):
     def beside(self, *more: Array) -> tuple[float, Array, Array]:
         """Fit the modes with further columns; return squares left, amplitudes, and what is left."""
         columns = np.hstack([self.swinging, *(column[:, None] for column in more)])
-        found = np.asarray(np.linalg.lstsq(columns, self.values, rcond=None)[0], dtype=np.float64)
-        rest = np.asarray(self.values - columns @ found, dtype=np.float64)
-        return float(rest @ rest), found, rest
+        amplitudes = np.asarray(np.linalg.lstsq(columns, self.values, rcond=None)[0], dtype=np.float64)
+        rest = np.asarray(self.values - columns @ amplitudes, dtype=np.float64)
+        return float(rest @ rest), amplitudes, rest
 
     def decayed(self, constant: float) -> tuple[float, Array, Array]:
         """Fit the modes with a constant and a decay."""
