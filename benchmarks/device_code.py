@@ -18,16 +18,21 @@ from numba import types
 from numba.cuda import compile_ptx, cudadrv, dispatcher
 from numba.np.numpy_support import from_dtype
 
-from strikewave.fem._boundary_kernels import absorb_node, add_row, hold_node, take_row
-from strikewave.fem._contact_kernels import predict_node, press_node, speed_share
+from strikewave.fem._contact_kernels import Step, predict_node, press_node, speed_share, wall_node
 from strikewave.fem._history_kernels import kinetic_share, peak_of_chunk, touch_share, velocity_of, watch_share
-from strikewave.fem._node_kernels import move_node
-from strikewave.fem._rigid_kernels import bring_node, sum_share
-from strikewave.fem._tie_kernels import move_tied_node
-from strikewave.fem._touch_kernels import Step, wall_node
+from strikewave.fem._node_kernels import (
+    absorb_node,
+    add_row,
+    bring_node,
+    hold_node,
+    move_node,
+    move_tied_node,
+    sum_share,
+    take_row,
+)
 from strikewave.fem.contact import prepare, prepare_wall
 from strikewave.fem.device import _bodies as bodies
-from strikewave.fem.device import _search_bodies as searching
+from strikewave.fem.device import _bodies as searching
 from strikewave.fem.device.gpu import kernel_of, scratch_kernel_of
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined

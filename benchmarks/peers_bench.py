@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from timing import best, write
 
 from strikewave.contact import Contact, exact, solve_impact
-from strikewave.contact.dampers import cut_off_damping_ratio
+from strikewave.contact.damping import cut_off_damping_ratio
 
 STIFFNESS, EXPONENT, RESTITUTION, M1, M2, SPEED = 4.7e9, 10 / 9, 0.5, 0.2, 0.459, 20.0
 CHI = float(exact(RESTITUTION))

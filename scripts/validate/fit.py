@@ -33,7 +33,7 @@ from scipy.signal import lfilter
 from strikewave import FitStudy, fit, load_case
 from strikewave.base.errors import StrikewaveError
 from strikewave.cases.case import Case
-from strikewave.signal.resampling import resampled
+from strikewave.signal.interpolation import resampled
 from strikewave.studies.simulation import Simulation
 
 CASES = Path(__file__).parent / "cases"

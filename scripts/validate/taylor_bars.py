@@ -18,7 +18,7 @@ from kit import IMAGES, ROOT, Comparison, cells_of, keep, table, write_into
 from kit.evidence import LARGE
 
 from strikewave.fem.model import Controls, Model, RigidWall, Symmetry
-from strikewave.fem.round_shapes import cylinder
+from strikewave.fem.shapes import cylinder
 from strikewave.fem.solids import HeatedSolid, JohnsonCook, ZerilliArmstrong
 from strikewave.fem.solve import RunOptions, solve
 from strikewave.reporting.style import BLUE, RED, legend_below, new_figure, quiet, save

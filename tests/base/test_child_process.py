@@ -89,7 +89,7 @@ def test_no_worker_outlives_its_parent(tmp_path, number):
 @pytest.mark.skipif(sys.platform != "linux", reason="copies of a process are made on Linux alone")
 def test_no_copy_outlives_the_process_it_is_of():
     program = (
-        "import os, time; from strikewave.uncertainty.beside import computed_beside\n"
+        "import os, time; from strikewave.uncertainty.runs import computed_beside\n"
         "os.sched_getaffinity = lambda process: {0, 1}\n"
         "with computed_beside(lambda: os.write(1, b'copied\\n') and time.sleep(600.0)):\n"
         "    time.sleep(600.0)\n"

@@ -7,7 +7,7 @@ import pytest
 from strikewave.base.citations import CHECKED, FROM_MEMORY, QUOTED
 from strikewave.base.errors import InputError
 from strikewave.base.materials import material, materials
-from strikewave.sensors.catalogue import accelerometers
+from strikewave.sensors.chain import accelerometers
 
 
 @pytest.mark.parametrize(

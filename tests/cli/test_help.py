@@ -136,7 +136,7 @@ def test_completion_names_what_the_libraries_know():
     from strikewave.papers.li_ma_2019.result import PAPER
     from strikewave.reporting.options.shared import complete_case
     from strikewave.reporting.wave_field import QUANTITIES
-    from strikewave.signal.oscillator_groups import KINDS
+    from strikewave.signal.oscillators import KINDS
     from strikewave.signal.srs import PARTS
     from strikewave.studies.buffer.candidate import RANKS
     from strikewave.studies.map.figures import COLOURS

@@ -36,7 +36,7 @@ from strikewave.contact._chain_kernels import (
     link_of,
     never_touches,
 )
-from strikewave.contact._dop853 import A, B, C
+from strikewave.contact._integrator import A, B, C
 from strikewave.contact.chain import (
     _longest_step,
     _speed_scale,
@@ -47,7 +47,7 @@ from strikewave.contact.chain import (
     shortest_time,
     stored_energy,
 )
-from strikewave.contact.dampers import cut_off_damping_ratio, cut_off_restitution
+from strikewave.contact.damping import cut_off_damping_ratio, cut_off_restitution
 
 
 def two_bodies(contact, m1, m2, speed, duration, tolerance):

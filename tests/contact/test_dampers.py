@@ -20,7 +20,7 @@ from strikewave.contact import (
     simulate,
     solve_impact,
 )
-from strikewave.contact.dampers import (
+from strikewave.contact.damping import (
     approach_restitution,
     cut_off_damping_ratio,
     cut_off_restitution,
@@ -191,7 +191,7 @@ def test_jankowski_2006_at_a_half_and_at_both_ends():
 @pytest.mark.parametrize("zeta", [0.05, 0.4, 0.97, 1.03, 2.5, 30.0])
 def test_decay_to_turning_and_its_slope_by_mpmath(zeta):
     """arccos(zeta)/sqrt(1 - zeta^2) is one analytic function through zeta = 1, real on both sides."""
-    from strikewave.contact.dampers import _decay_and_slope
+    from strikewave.contact.damping import _decay_and_slope
 
     def decay(z):
         return mpmath.re(z * mpmath.acos(z) / mpmath.sqrt(1 - z * z))
@@ -203,7 +203,7 @@ def test_decay_to_turning_and_its_slope_by_mpmath(zeta):
 
 
 def test_decay_to_turning_at_critical_damping_is_one_with_slope_two_thirds():
-    from strikewave.contact.dampers import _decay_and_slope
+    from strikewave.contact.damping import _decay_and_slope
 
     assert [float(x) for x in _decay_and_slope(np.array(1.0))] == [1.0, pytest.approx(2 / 3, rel=1e-15)]
 

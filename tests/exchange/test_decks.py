@@ -9,7 +9,7 @@ import pytest
 from strikewave.base.errors import InputError
 from strikewave.exchange.deck import Heading, real
 from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
-from strikewave.exchange.radioss.deck import radioss_deck
+from strikewave.exchange.radioss import radioss_deck
 from strikewave.exchange.units import SYSTEMS, unit_system
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.model import Controls, Model, Rigid, RigidWall, SurfaceContact

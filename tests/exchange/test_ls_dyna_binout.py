@@ -8,9 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from strikewave.base.errors import InputError
-from strikewave.exchange.ls_dyna.binout import read_binout
 from strikewave.exchange.ls_dyna.folder import read_folder
-from strikewave.exchange.ls_dyna.lsda import archived
+from strikewave.exchange.ls_dyna.histories import archived, read_binout
 from strikewave.exchange.units import SYSTEMS
 
 from .ls_dyna_files import binout

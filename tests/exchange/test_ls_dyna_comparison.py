@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.exchange.ls_dyna.agreement import agreement
-from strikewave.exchange.ls_dyna.comparison import StrikewaveRun, compare_runs, read_strikewave, slip
+from strikewave.exchange.ls_dyna.comparison import StrikewaveRun, agreement, compare_runs, read_strikewave, slip
 from strikewave.exchange.ls_dyna.folder import ENERGIES, EnergyHistory, Force, pulse_of, read_folder
 from strikewave.exchange.units import SYSTEMS
-from strikewave.fem.measures import contact_measure
+from strikewave.fem.run import contact_measure
 
 from .ls_dyna_files import binout, d3plot, glstat, rcforc
 

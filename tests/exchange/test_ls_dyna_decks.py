@@ -11,8 +11,7 @@ from strikewave.exchange.deck import Heading
 from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
 from strikewave.exchange.units import SYSTEMS
 from strikewave.fem.boundary import area_vectors
-from strikewave.fem.hexahedron import element_masses
-from strikewave.fem.masses import first_steps
+from strikewave.fem.hexahedron import element_masses, first_steps
 from strikewave.fem.mesh import Mesh, volumes
 from strikewave.fem.model import Model, RigidWall
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as some
 
 from strikewave.base.errors import InputError
-from strikewave.exchange.ls_dyna import ascii as ls_dyna_ascii
-from strikewave.exchange.ls_dyna.ascii import read_glstat, read_rcforc
+from strikewave.exchange.ls_dyna import histories as ls_dyna_ascii
+from strikewave.exchange.ls_dyna.histories import read_glstat, read_rcforc
 
 from .ls_dyna_files import NEW, OLD, glstat, rcforc
 

@@ -8,13 +8,12 @@ import pytest
 from strikewave import load_case
 from strikewave.analyses.fem.build import build_model
 from strikewave.exchange.deck import Heading
-from strikewave.exchange.radioss.deck import radioss_deck
+from strikewave.exchange.radioss import radioss_deck
 from strikewave.exchange.units import SYSTEMS
-from strikewave.fem.hexahedron import element_masses
-from strikewave.fem.masses import first_steps
+from strikewave.fem.bodies import RigidBody
+from strikewave.fem.hexahedron import element_masses, first_steps
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.model import Model
-from strikewave.fem.rigid import RigidBody
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
 
 from .decks import TILT, Radioss, everything, fields, outward, reals, tens, unit_of

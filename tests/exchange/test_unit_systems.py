@@ -5,7 +5,7 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.exchange.deck import LARGEST_ID, check_ids, lasting, plain, real, rows
-from strikewave.exchange.ls_dyna.cards import keyword
+from strikewave.exchange.ls_dyna.deck import keyword
 from strikewave.exchange.units import SYSTEMS, unit_system
 from strikewave.fem.model import TimeCurve
 

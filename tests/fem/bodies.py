@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from strikewave.fem.grading import Grading
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import Controls, CutSection, Model, NonReflecting, Point, RigidWall, SurfaceContact, Symmetry
-from strikewave.fem.round_shapes import ball, half_cylinder, half_space
-from strikewave.fem.shapes import block, moved, turned
+from strikewave.fem.sections import Grading
+from strikewave.fem.shapes import ball, block, half_cylinder, half_space, moved, turned
 from strikewave.fem.solids import Elastic
 
 STEEL = Elastic(7820.0, 211e9, 0.288)

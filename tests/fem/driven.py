@@ -7,8 +7,14 @@ from scipy import sparse
 
 from strikewave.fem import _layout as layout
 from strikewave.fem._solid_kernels import update_stress
-from strikewave.fem.full import FullyIntegrated
-from strikewave.fem.hexahedron import OnePoint, build_blocks, element_masses, one_point_constants, solid_row
+from strikewave.fem.hexahedron import (
+    FullyIntegrated,
+    OnePoint,
+    build_blocks,
+    element_masses,
+    one_point_constants,
+    solid_row,
+)
 from strikewave.fem.mesh import Mesh
 
 SORTS = ("one point", "full")

@@ -8,10 +8,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from strikewave.fem import _layout as layout
-from strikewave.fem import repeated_blows
-from strikewave.fem.blow_measures import restitution, still_presses
+from strikewave.fem import solve
 from strikewave.fem.bodies import way_back
-from strikewave.fem.dynamic_relaxation import _Watch, settle
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import Mesh, joined
 from strikewave.fem.model import (
@@ -27,11 +25,11 @@ from strikewave.fem.model import (
     Symmetry,
     TimeCurve,
 )
-from strikewave.fem.repeated_blows import bodies_of_engine, next_blow, quiet
 from strikewave.fem.restart import put_back, state_of
+from strikewave.fem.run import restitution, still_presses
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
-from strikewave.fem.solve import RunOptions, solve_blows
+from strikewave.fem.solve import RunOptions, _Watch, bodies_of_engine, next_blow, quiet, settle, solve_blows
 
 from .bodies import STEEL
 
@@ -103,7 +101,7 @@ def test_pieces_of_a_part_that_nothing_joins_go_back_by_themselves():
     engine.x[:half] += [0.0, 1e-3, 2e-3]
     engine.x[half:] = engine.x[half:] @ turn.T
     bodies = bodies_of_engine(engine)
-    repeated_blows._bring_back(engine, bodies)
+    solve._bring_back(engine, bodies)
     assert [body.parts for body in bodies] == [("cubes",), ("cubes",)]
     assert engine.x == pytest.approx(mesh.points, abs=1e-15)
     found, _ = engine.solid.cell_values(engine.elements)
@@ -176,7 +174,7 @@ def test_stress_turns_with_a_body_that_goes_back():
         given = np.array([5e6, 1e6, 2e6, 3e6, 4e6, 6e6])
         give_stress(engine, np.tile(given, (engine.elements, 1)))
         engine.x[:] = engine.x @ turn.T
-        repeated_blows._bring_back(engine, bodies_of_engine(engine))
+        solve._bring_back(engine, bodies_of_engine(engine))
         found, _ = engine.solid.cell_values(engine.elements)
         expected = (1e6, 5e6, 2e6, -3e6, -6e6, 4e6)  # by R s R^T: yy xx zz -xy -zx yz
         assert found == pytest.approx(np.tile(expected, (engine.elements, 1)), rel=1e-9)
@@ -225,8 +223,8 @@ def test_a_later_blow_from_a_file_tells_no_overlap_of_the_mesh():
 def test_where_nothing_is_too_deep_nothing_is_tried_twice(monkeypatch):
     """One round over the contacts, not 30."""
     engine, rounds = Engine(plate_on_base()), []
-    monkeypatch.setattr(repeated_blows, "_depths", lambda engine: rounds.append(1) or {})
-    assert repeated_blows._step_back(engine, bodies_of_engine(engine), {}) == 0.0
+    monkeypatch.setattr(solve, "_depths", lambda engine: rounds.append(1) or {})
+    assert solve._step_back(engine, bodies_of_engine(engine), {}) == 0.0
     assert len(rounds) == 1
 
 
@@ -331,7 +329,7 @@ def test_bodies_that_touch_come_to_rest_again_once_they_are_back(monkeypatch, co
         calls.append(given[0])
         return settle(*given)
 
-    monkeypatch.setattr(repeated_blows, "settle", counted)
+    monkeypatch.setattr(solve, "settle", counted)
     engine = Engine(replace(plate_on_base(speed=0.0), velocity={}, contacts=contacts))
     next_blow(engine, 1.0)
     assert len(calls) == times

@@ -8,7 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from strikewave.base.errors import InputError
+from strikewave.fem.bodies import RigidBody
 from strikewave.fem.boundary import Dashpots, Held, Now, Pressed, Weight, dashpots, held_nodes
+from strikewave.fem.contact import prepare_ties
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
@@ -27,12 +29,9 @@ from strikewave.fem.model import (
     Tie,
     TimeCurve,
 )
-from strikewave.fem.rigid import RigidBody
-from strikewave.fem.round_shapes import cylinder
-from strikewave.fem.shapes import block, moved, turned
+from strikewave.fem.shapes import block, cylinder, moved, turned
 from strikewave.fem.solids import Elastic
 from strikewave.fem.solve import solve
-from strikewave.fem.tie import prepare_ties
 
 from .bodies import STEEL
 

@@ -17,6 +17,7 @@ from strikewave.fem.contact import (
     contact_work,
     initial_overlaps,
     prepare,
+    prepare_ties,
     prepare_wall,
     searched,
     two_surfaces,
@@ -26,7 +27,6 @@ from strikewave.fem.model import Controls, Model, RigidWall, SurfaceContact, Tie
 from strikewave.fem.solids import Elastic
 from strikewave.fem.solve import solve
 from strikewave.fem.threads import on_all, spans
-from strikewave.fem.tie import prepare_ties
 
 from .blocks import Lattice, block, nodal_mass
 

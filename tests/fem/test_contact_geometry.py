@@ -10,12 +10,20 @@ from scipy.optimize import minimize
 
 from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as contact_kernels
+from strikewave.fem import _contact_kernels as touch_kernels
 from strikewave.fem import _surface_kernels as kernels
-from strikewave.fem import _touch_kernels as touch_kernels
-from strikewave.fem.contact import add_contact, prepare, searched, two_surfaces
+from strikewave.fem.contact import (
+    add_contact,
+    extents,
+    neighbours,
+    prepare,
+    searched,
+    surface_of,
+    thickness,
+    two_surfaces,
+)
 from strikewave.fem.mesh import Mesh, joined
 from strikewave.fem.model import SurfaceContact
-from strikewave.fem.surfaces import extents, neighbours, surface_of, thickness
 
 from .blocks import block
 from .driven import as_written

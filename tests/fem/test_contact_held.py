@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
+from strikewave.fem.bodies import RigidBody, surface_inverse_mass
 from strikewave.fem.contact import add_contact, add_wall, note_held, prepare, prepare_all, prepare_wall, searched
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
@@ -24,7 +25,6 @@ from strikewave.fem.model import (
     Tie,
     TimeCurve,
 )
-from strikewave.fem.rigid import RigidBody, surface_inverse_mass
 from strikewave.fem.shapes import block, moved, turned
 from strikewave.fem.solids import Bilinear, Elastic
 from strikewave.fem.solve import solve

@@ -21,9 +21,7 @@ from strikewave.fem.contact import prepare, searched
 from strikewave.fem.device import devices, gpu
 from strikewave.fem.device._bodies import one_point_element
 from strikewave.fem.device.devices import Loop, device_named
-from strikewave.fem.device.engine import DeviceEngine
-from strikewave.fem.device.parts import put_fields
-from strikewave.fem.device.search import FaceSearch
+from strikewave.fem.device.engine import DeviceEngine, FaceSearch, put_fields
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,

@@ -6,14 +6,12 @@ from scipy import sparse
 from scipy.linalg import eigh
 from scipy.sparse.linalg import spsolve
 
-from strikewave.fem.full import POINTS, mode_slopes
-from strikewave.fem.hexahedron import MODES, shapes
-from strikewave.fem.invariants import pressure
+from strikewave.fem.hexahedron import MODES, POINTS, mode_slopes, shapes
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import Controls, CutSection, Model, Pressure, RigidWall, Tie, TimeCurve
 from strikewave.fem.shapes import block as box
 from strikewave.fem.shapes import moved as shifted
-from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
+from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook, pressure
 from strikewave.fem.solve import Checkpoint, RunOptions, solve
 
 from .blocks import block

@@ -18,8 +18,8 @@ from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.run import run_model
 from strikewave.base.errors import InputError
 from strikewave.cases.case import parse_case
-from strikewave.fem.imported import read_mesh
 from strikewave.fem.mesh import volumes
+from strikewave.fem.mesh_files import read_mesh
 from strikewave.fem.model import Controls, Model, Point, RigidWall
 from strikewave.fem.quality import quality_report
 from strikewave.fem.solids import Elastic

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
-from strikewave.fem.grading import Grading, nodes_between, nodes_through
+from strikewave.fem.sections import Grading, nodes_between, nodes_through
 
 size = st.floats(1e-5, 1e-2)
 

@@ -14,14 +14,12 @@ from scipy.spatial.transform import Rotation
 from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem.contact import contact_force, contact_work, two_surfaces
 from strikewave.fem.engine import build_elements
-from strikewave.fem.full import critical_steps as full_critical_steps
-from strikewave.fem.full import mode_slopes
-from strikewave.fem.hexahedron import MODES, critical_steps, cut_slabs, element_masses, shapes
-from strikewave.fem.invariants import von_mises
+from strikewave.fem.hexahedron import MODES, critical_steps, cut_slabs, element_masses, mode_slopes, shapes
+from strikewave.fem.hexahedron import full_critical_steps as full_critical_steps
 from strikewave.fem.mesh import Mesh, joined, volumes
 from strikewave.fem.model import Controls, Model, SurfaceContact
 from strikewave.fem.recorder import felt_by, pressed
-from strikewave.fem.solids import Bilinear, Elastic
+from strikewave.fem.solids import Bilinear, Elastic, von_mises
 
 from .blocks import block
 from .driven import CUBE, SORTS, elements, mesh_of, moved, nodal_mass, random_hexahedra, stiffness

@@ -9,13 +9,11 @@ import pytest
 from scipy.spatial import cKDTree
 
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.fem import abaqus, meshio_child
-from strikewave.fem.imported import ordered_mesh, read_mesh
+from strikewave.fem import mesh_files, meshio_child
 from strikewave.fem.mesh import Mesh, exterior_faces, joined, volumes
-from strikewave.fem.raw_mesh import RawMesh
-from strikewave.fem.round_shapes import cylinder
+from strikewave.fem.mesh_files import RawMesh, ordered_mesh, read_mesh
 from strikewave.fem.sections import FLIPPED
-from strikewave.fem.shapes import block, moved
+from strikewave.fem.shapes import block, cylinder, moved
 
 
 @pytest.fixture(scope="module")
@@ -350,7 +348,7 @@ def test_a_flat_element_is_named_with_its_place(tmp_path):
 
 
 def test_sets_of_sets_do_not_fill_the_memory(tmp_path, monkeypatch):
-    monkeypatch.setattr(abaqus, "LARGEST_SETS", 100)
+    monkeypatch.setattr(mesh_files, "LARGEST_SETS", 100)
     many = "".join(f"*ELSET, ELSET=E{k}\n Everything\n" for k in range(100))
     with pytest.raises(InputError, match="members of all sets"):
         read_mesh(written(tmp_path, TWO_CUBES.replace("*STEP", many + "*STEP")))
@@ -371,9 +369,9 @@ def test_tetrahedra_are_refused_with_their_count(meshio, tmp_path):
 
 @pytest.mark.verify
 def test_a_packed_file_that_unpacks_to_more_than_the_bound_is_refused(meshio, tmp_path, monkeypatch):
-    from strikewave.fem import imported
+    from strikewave.fem import mesh_files
 
-    monkeypatch.setattr(imported, "LEAST_MEMORY", 1 << 29)
+    monkeypatch.setattr(mesh_files, "LEAST_MEMORY", 1 << 29)
     cube = block("a", (1.0, 1.0, 1.0), 0.5, 0.5, 0.5)
     path = tmp_path / "bomb.vtu"
     meshio.Mesh(cube.points, [("hexahedron", cube.hexahedra)]).write(path)
@@ -585,13 +583,13 @@ def test_bounds_of_an_abaqus_file_are_two_million_elements_and_a_hundred_million
         def __len__(self):
             return 18_000_000 - 9 + super().__len__()
 
-    contents = abaqus._Contents()
+    contents = mesh_files._Contents()
     contents.hexahedra = Many()
     row = ["1, 1, 2, 3, 4, 5, 6, 7, 8"]
-    abaqus._elements(contents, {"TYPE": "C3D8"}, row)
+    mesh_files._elements(contents, {"TYPE": "C3D8"}, row)
     with pytest.raises(InputError, match="2000001 hexahedra"):
-        abaqus._elements(contents, {"TYPE": "C3D8"}, row)
-    resolver = abaqus._Resolver(abaqus._Contents())
+        mesh_files._elements(contents, {"TYPE": "C3D8"}, row)
+    resolver = mesh_files._Resolver(mesh_files._Contents())
     resolver._spend(99_999_990)
     resolver._spend(10)
     with pytest.raises(InputError, match="at most 100000000 members"):
@@ -727,7 +725,7 @@ def test_a_file_may_take_memory_and_time_by_its_size(tmp_path, monkeypatch):
         asked.append((*words[-2:], timeout))
         raise subprocess.TimeoutExpired(words, timeout)
 
-    monkeypatch.setattr("strikewave.fem.imported.subprocess.run", run)
+    monkeypatch.setattr("strikewave.fem.mesh_files.subprocess.run", run)
     pytest.importorskip("meshio")
     with pytest.raises(InputError, match="it takes too long; gmsh writes"):
         read_mesh(written(tmp_path, b"x" * 2_400_000, "large.msh"))

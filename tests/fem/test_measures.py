@@ -9,11 +9,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from strikewave.fem.blow_measures import blow_measure, pressing_at_end, restitution, still_presses
-from strikewave.fem.invariants import von_mises
-from strikewave.fem.measures import (
+from strikewave.fem.mesh import joined
+from strikewave.fem.model import Controls, Model, Rigid, RigidWall, SurfaceContact
+from strikewave.fem.recorder import assembly, average_acceleration
+from strikewave.fem.run import (
+    FemRun,
+    PartHistory,
     balance_measure,
     blow_axis,
+    blow_measure,
     contact_measure,
     interval_means,
     mean_acceleration,
@@ -21,15 +25,13 @@ from strikewave.fem.measures import (
     middles,
     near_axis,
     part_measure,
+    pressing_at_end,
+    restitution,
+    still_presses,
     top_duration,
 )
-from strikewave.fem.mesh import joined
-from strikewave.fem.model import Controls, Model, Rigid, RigidWall, SurfaceContact
-from strikewave.fem.recorder import assembly, average_acceleration
-from strikewave.fem.round_shapes import TubeSize, tube
-from strikewave.fem.run import FemRun, PartHistory
-from strikewave.fem.shapes import block
-from strikewave.fem.solids import Bilinear
+from strikewave.fem.shapes import TubeSize, block, tube
+from strikewave.fem.solids import Bilinear, von_mises
 from strikewave.fem.solve import RunOptions, solve
 
 from .bodies import BAR_SPEED, STEEL, THIN_STEEL, WIDTH, Bar, two_bars

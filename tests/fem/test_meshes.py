@@ -10,23 +10,38 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from strikewave.base.errors import InputError
-from strikewave.fem.grading import Grading, nodes_between, nodes_through
+from strikewave.fem.contact import extents, neighbours, surface_of, thickness
 from strikewave.fem.mesh import exterior, exterior_faces, joined, volumes
 from strikewave.fem.quality import check_mesh, quality_report
-from strikewave.fem.round_shapes import TubeSize, _half_ball, ball, cylinder, half_cylinder, half_space, tube
 from strikewave.fem.sections import (
     BULGE,
+    Grading,
     core_half_width,
     disc_section,
     edges,
     extruded,
     grid_section,
     merged_nodes,
+    nodes_between,
+    nodes_through,
     refuse_too_many,
     shell_radii,
 )
-from strikewave.fem.shapes import FrameSize, block, frame, moved, renamed, turned
-from strikewave.fem.surfaces import extents, neighbours, surface_of, thickness
+from strikewave.fem.shapes import (
+    FrameSize,
+    TubeSize,
+    _half_ball,
+    ball,
+    block,
+    cylinder,
+    frame,
+    half_cylinder,
+    half_space,
+    moved,
+    renamed,
+    tube,
+    turned,
+)
 
 SHARES = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
 TUBE = TubeSize(0.02, 0.024, 0.03)

@@ -8,12 +8,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from strikewave.base.errors import InputError
-from strikewave.fem import repeated_blows
+from strikewave.fem import solve
 from strikewave.fem import solve as solve_module
-from strikewave.fem.blow_measures import blow_measure, restitution, still_presses
 from strikewave.fem.bodies import way_back
 from strikewave.fem.engine import Engine
-from strikewave.fem.measures import balance_measure, contact_measure, mean_force
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
@@ -28,11 +26,11 @@ from strikewave.fem.model import (
     Tie,
     TimeCurve,
 )
-from strikewave.fem.repeated_blows import bodies_of_engine, next_blow
 from strikewave.fem.restart import path_of_blow
+from strikewave.fem.run import balance_measure, blow_measure, contact_measure, mean_force, restitution, still_presses
 from strikewave.fem.shapes import block, moved, turned
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook
-from strikewave.fem.solve import Checkpoint, RunOptions, solve_blows
+from strikewave.fem.solve import Checkpoint, RunOptions, bodies_of_engine, next_blow, solve_blows
 
 from .bodies import STEEL, Ball, ball_on_base, rod_on_wall
 
@@ -310,12 +308,8 @@ def test_a_bar_pulled_and_then_pressed_yields_early_where_hardening_is_kinematic
 def with_state_of(engine, model):
     """An engine of another model with the shape and the elements of one."""
     other = Engine(model)
-    left = {
-        key: value
-        for key, value in repeated_blows.state_of(engine).items()
-        if key == "x" or key.startswith("elements/")
-    }
-    repeated_blows.put_back(other, {**repeated_blows.state_of(other), **left})
+    left = {key: value for key, value in solve.state_of(engine).items() if key == "x" or key.startswith("elements/")}
+    solve.put_back(other, {**solve.state_of(other), **left})
     return other
 
 
@@ -354,12 +348,12 @@ def stacked(speed=4.0, solid=STEEL):
 
 
 def test_what_stands_goes_on_to_touch_and_what_strikes_does_not():
-    calm = repeated_blows.quiet(stacked())
+    calm = solve.quiet(stacked())
     assert [each.name for each in calm.contacts] == ["plate.z--base.z+"]
     assert calm.velocity == {}
     wall = RigidWall("up.z-", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
     floor = RigidWall("base.z-", (0.0, 0.0, -1.0), (0.0, 0.0, 1.0))
-    assert repeated_blows.quiet(replace(stacked(), walls=(wall, floor))).walls == (floor,)
+    assert solve.quiet(replace(stacked(), walls=(wall, floor))).walls == (floor,)
 
 
 def test_a_plate_that_stands_on_a_base_is_struck_again_alike():
@@ -380,7 +374,7 @@ def test_a_striker_that_would_stand_in_a_bulge_begins_farther_away():
     plate = next(body for body in bodies if body.parts == ("plate",))
     engine.x[plate.nodes, 2] += 50e-6
     engine.detect_contacts(engine.x)
-    added_distance = repeated_blows._step_back(engine, bodies, {})
+    added_distance = solve._step_back(engine, bodies, {})
     assert 50e-6 <= added_distance <= 51e-6
     assert not [each for each in engine.overlaps if each.contact == "up.z--plate.z+"]
 

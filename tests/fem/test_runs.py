@@ -14,10 +14,8 @@ import pytest
 from scipy.integrate import cumulative_trapezoid
 
 from strikewave.base.errors import InputError
-from strikewave.fem.checks import control_faults
 from strikewave.fem.engine import Engine
-from strikewave.fem.masses import fitting, nodal_sums, part_masses
-from strikewave.fem.measures import balance_measure
+from strikewave.fem.hexahedron import fitting, nodal_sums, part_masses
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (
     Controls,
@@ -32,10 +30,11 @@ from strikewave.fem.model import (
     SurfaceContact,
     Symmetry,
     TimeCurve,
+    control_faults,
     stays,
 )
 from strikewave.fem.recorder import section_elements, watched
-from strikewave.fem.run import ENERGIES
+from strikewave.fem.run import ENERGIES, balance_measure
 from strikewave.fem.shapes import block, moved
 from strikewave.fem.solids import Bilinear, Elastic
 from strikewave.fem.solve import Checkpoint, Progress, RunOptions, _of_blow, frame_instants, solve

@@ -17,27 +17,24 @@ from strikewave.fem.model import (
     Symmetry,
     TimeCurve,
 )
-from strikewave.fem.round_shapes import cylinder
-from strikewave.fem.shapes import block, moved
-from strikewave.fem.skin import (
+from strikewave.fem.shapes import block, cylinder, moved
+from strikewave.fem.snapshots import (
+    PER_TRANSIT,
+    WAVE_INSTANTS,
     Cut,
     Plane,
+    SnapshotRecorder,
+    Thinned,
     blow_axis,
     blow_contact,
     cut_of,
     faces_on,
     meeting_place,
     outward,
-    skin_of,
-    symmetry_planes,
-)
-from strikewave.fem.snapshots import (
-    PER_TRANSIT,
-    WAVE_INSTANTS,
-    SnapshotRecorder,
-    Thinned,
     recorder_from_frames,
+    skin_of,
     snapshot_recorder,
+    symmetry_planes,
     transit_time,
 )
 from strikewave.fem.solids import Elastic

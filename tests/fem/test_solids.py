@@ -8,8 +8,7 @@ from scipy.integrate import solve_ivp
 
 from strikewave.base.errors import InputError
 from strikewave.fem._layout import LANES
-from strikewave.fem.invariants import pressure, von_mises
-from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook, ZerilliArmstrong
+from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook, ZerilliArmstrong, pressure, von_mises
 
 from .driven import CUBE, XX, XY, YY, Points, elements, mesh_of, moved
 

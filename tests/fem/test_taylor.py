@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from strikewave.fem.model import Controls, Model, RigidWall, Symmetry
-from strikewave.fem.round_shapes import cylinder
+from strikewave.fem.shapes import cylinder
 from strikewave.fem.solids import Bilinear
 from strikewave.fem.solve import RunOptions, solve
 

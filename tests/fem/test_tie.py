@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
+from strikewave.fem.contact import gather_mass, gather_tied_forces, move_tied, prepare_ties
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import Tie
-from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
 
 from .blocks import Lattice, block, nodal_mass
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.fem.invariants import pressure, von_mises
 from strikewave.fem.run import FieldFrame
+from strikewave.fem.solids import pressure, von_mises
 from strikewave.fem.vtkhdf import FIELDS, FieldWriter, _growing, stored_frames
 
 from . import synthetic

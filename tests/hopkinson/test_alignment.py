@@ -17,9 +17,17 @@ from strikewave.hopkinson import (
     carried,
     find_pulses,
 )
-from strikewave.hopkinson.alignment import _averaged, _late_by_balance, _late_by_onset, _spline, _within
+from strikewave.hopkinson.alignment import (
+    _averaged,
+    _late_by_balance,
+    _late_by_onset,
+    _running,
+    _spline,
+    _wave_numbers,
+    _within,
+    highest_frequency,
+)
 from strikewave.hopkinson.pulses import Pulses
-from strikewave.hopkinson.shifting import _running, _wave_numbers, highest_frequency
 from strikewave.waves.dispersion import Rod, wave_number
 
 from .bench import STEP, bench, travelled

@@ -10,8 +10,20 @@ from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
 from strikewave.hopkinson import Bar, GaugeTrace, align, find_pulses, reduce
-from strikewave.hopkinson.onset import drift, ending, first_above, largest, noise_ceiling, onset, split
-from strikewave.hopkinson.pulses import _check_strain, _first, _place, _shape, quieten
+from strikewave.hopkinson.pulses import (
+    _check_strain,
+    _first,
+    _place,
+    _shape,
+    drift,
+    ending,
+    first_above,
+    largest,
+    noise_ceiling,
+    onset,
+    quieten,
+    split,
+)
 
 from .bench import STEP, bench
 

@@ -11,7 +11,7 @@ from strikewave.analyses.check import check
 from strikewave.analyses.machine.build import release
 from strikewave.base.errors import InputErrors
 from strikewave.contact import Contact
-from strikewave.contact.dampers import cut_off_damping_ratio
+from strikewave.contact.damping import cut_off_damping_ratio
 from strikewave.machines.amplifier import DualMass, next_speed, second_impact
 from strikewave.machines.launch import linear_shaper
 

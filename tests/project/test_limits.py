@@ -10,7 +10,7 @@ import pytest
 
 from strikewave import load_case
 from strikewave.base.result import BALANCE_LIMIT, BalanceCheck
-from strikewave.fem.measures import ENERGY_LIMIT, HOURGLASS_LIMIT
+from strikewave.fem.run import ENERGY_LIMIT, HOURGLASS_LIMIT
 from strikewave.reporting.chapters import balance_table
 from strikewave.web import markup
 from strikewave.web.case_values import told

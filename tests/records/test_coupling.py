@@ -9,7 +9,7 @@ from strikewave.records.baseline import LocalBaseline
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.records.tail import resting, uncoupled
-from strikewave.signal.coupling import ac_coupled
+from strikewave.signal.filters import ac_coupled
 
 STEP, START, CONSTANT = 1e-3, 3.0, 0.15
 

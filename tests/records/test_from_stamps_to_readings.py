@@ -305,7 +305,7 @@ def test_the_spectrum_of_what_dies_out_is_not_faded_from_its_begin():
 
 
 def test_a_record_without_its_coupling_stands_on_the_zero_before_its_blow():
-    from strikewave.signal.coupling import ac_coupled
+    from strikewave.signal.filters import ac_coupled
 
     size, step, constant = 1200, 1e-3, 0.2
     plain = np.zeros(size)

@@ -18,7 +18,7 @@ from strikewave.records.reading import ChannelReading, FileReading, Request, rea
 from strikewave.records.record import Channel, Record
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.records.tail import TailModel
-from strikewave.signal.coupling import ac_coupled
+from strikewave.signal.filters import ac_coupled
 
 STEP, START = 1e-3, 2.0
 

@@ -20,7 +20,7 @@ from strikewave.records.response import (
     measure_responses,
     swings,
 )
-from strikewave.signal.coupling import ac_coupled
+from strikewave.signal.filters import ac_coupled
 
 STEP = 5e-6
 TIME = STEP * np.arange(6000)

@@ -25,7 +25,7 @@ from strikewave.reporting.faces import amount
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.terminal import print_published
 from strikewave.reporting.workbook import _comparisons
-from strikewave.sensors.channel import SensorPulse
+from strikewave.sensors.trial import SensorPulse
 
 COMPARED = [
     ("first.peak_force", 71e3, "(kN)", "71"),

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.sensors import Gasket, Mounting, transmission
-from strikewave.sensors.bandwidth import band
+from strikewave.sensors.mounting import band
 
 
 def on_spring(natural, zeta=0.0, mass=5e-3):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor
-from strikewave.sensors.channel import (
+from strikewave.sensors.trial import (
     SensorChannel,
     SensorPulse,
     channel_notices,

@@ -17,8 +17,8 @@ from strikewave.sensors.trial import (
     lowest_resonance,
     try_sensor,
 )
+from strikewave.signal.oscillators import interpolate
 from strikewave.signal.pulse import Pulse, measure_pulse
-from strikewave.signal.responses import interpolate
 
 STEP, BEGIN, LONG = 1e-6, 300, 1e-4
 """A half-sine of 100 samples: it begins after 0.3 ms."""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.signal.coupling import ac_coupled, ac_uncoupled
+from strikewave.signal.filters import ac_coupled, ac_uncoupled
 
 
 @pytest.mark.parametrize("constant", [1e-5, 3e-4, 1e-2, 1.0])

@@ -5,7 +5,7 @@ import pytest
 from scipy.special import ndtri
 from scipy.stats import nct
 
-from strikewave.signal.envelopes import envelope, tolerance_factor, tolerance_limit
+from strikewave.signal.srs import envelope, tolerance_factor, tolerance_limit
 
 
 def test_factor_of_the_nist_handbook():

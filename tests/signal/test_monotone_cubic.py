@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import PchipInterpolator
 
-from strikewave.signal.monotone_cubic import monotone_cubic
+from strikewave.signal.interpolation import monotone_cubic
 
 
 @pytest.mark.parametrize("seed", range(20))

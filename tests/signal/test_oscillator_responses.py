@@ -7,21 +7,26 @@ import pytest
 from scipy.linalg import expm
 
 from strikewave.signal import srs as module
-from strikewave.signal.oscillator_groups import KINDS, groups
 from strikewave.signal.oscillators import (
     FEW,
+    KINDS,
     NODES,
     PLACES,
     WEIGHTS,
+    _polished,
     acceleration,
+    at_rest,
     bank,
     bend,
     displacement,
+    framed,
     free_extremes,
+    groups,
+    interpolate,
+    largest_sum,
     legendre,
     velocity,
 )
-from strikewave.signal.responses import _polished, at_rest, framed, interpolate, largest_sum
 from strikewave.signal.srs import Scope, all_srs, response_history, resultant_srs, rms_spectrum, srs
 
 READS = {

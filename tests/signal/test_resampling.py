@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.signal.resampling import ERROR, FLAT, resampled, share_above
+from strikewave.signal.interpolation import ERROR, FLAT, resampled, share_above
 
 
 def test_samples_are_kept_bit_for_bit():

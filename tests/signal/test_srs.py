@@ -10,9 +10,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from strikewave.signal.oscillator_groups import KINDS
-from strikewave.signal.oscillators import PLACES, acceleration, bend, displacement, free_extremes, recursion, velocity
-from strikewave.signal.responses import interpolate
+from strikewave.signal.oscillators import (
+    KINDS,
+    PLACES,
+    acceleration,
+    bend,
+    displacement,
+    free_extremes,
+    interpolate,
+    recursion,
+    velocity,
+)
 from strikewave.signal.srs import Scope, octaves, rolling_srs, srs
 
 mp.mp.dps = 60

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from strikewave.signal.zero import zero_before
+from strikewave.signal.motion import zero_before
 
 
 @pytest.mark.parametrize(

@@ -18,10 +18,13 @@ from strikewave.records.reading import ChannelReading, FileReading, Request, rea
 from strikewave.records.record import Channel
 from strikewave.records.smooth_pulse import PulseUncertainty
 from strikewave.signal.filters import Filter
-from strikewave.specifications.ideal_pulses import IdealPulse
+from strikewave.specifications.ideal_pulses import IdealPulse, PulseBand
 from strikewave.specifications.judged_records import (
     Asked,
+    JudgedSpectrum,
+    SpectraVerdict,
     _noise_before,
+    asked_of_spectra,
     before_filter,
     filter_leaves,
     judge_records,
@@ -30,9 +33,7 @@ from strikewave.specifications.judged_records import (
     shock_of,
     troubles_of,
 )
-from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict, asked_of_spectra
 from strikewave.specifications.judging import Limits, PulseLimits, judged
-from strikewave.specifications.pulse_bands import PulseBand
 from strikewave.specifications.reading import load_specification
 from strikewave.specifications.shock_directions import read_direction
 

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from strikewave.signal.filters import Filter
-from strikewave.specifications.decisions import decide
-from strikewave.specifications.ideal_pulses import IdealPulse
+from strikewave.specifications.ideal_pulses import IdealPulse, PulseBand
 from strikewave.specifications.judging import (
     Clause,
     Limits,
@@ -18,6 +17,7 @@ from strikewave.specifications.judging import (
     Shock,
     ShockVerdict,
     area_between,
+    decide,
     judge_shock,
     judged,
     not_judged,
@@ -25,7 +25,6 @@ from strikewave.specifications.judging import (
     weakest,
     worst_clauses,
 )
-from strikewave.specifications.pulse_bands import PulseBand
 from strikewave.specifications.reading import load_specification
 from strikewave.specifications.spectrum_limits import DecibelBand, SpectrumLimits, judge_spectrum
 

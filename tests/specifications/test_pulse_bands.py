@@ -5,9 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.specifications.ideal_pulses import SHAPES, IdealPulse
+from strikewave.specifications.ideal_pulses import SHAPES, IdealPulse, PulseBand
 from strikewave.specifications.judging import Limits, PulseLimits, Shock, judge_shock
-from strikewave.specifications.pulse_bands import PulseBand
 
 SMOOTH = settings(derandomize=True, deadline=None, max_examples=25)
 

@@ -10,8 +10,7 @@ from strikewave.analyses.wave import run as bar_band
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.quantities import Range, Value
 from strikewave.cases.case_files import read_case_text
-from strikewave.uncertainty.allowed import allowed_inputs
-from strikewave.uncertainty.draws import UncertainInput, range_of
+from strikewave.uncertainty.draws import UncertainInput, allowed_inputs, range_of
 from strikewave.uncertainty.known import known_inputs
 
 RUBBER = "iec-60068-2-27-rubber"

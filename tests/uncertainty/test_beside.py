@@ -10,9 +10,9 @@ import pytest
 from strikewave import load_case
 from strikewave.analyses.machine.band import fast_runs, machine_bands
 from strikewave.analyses.machine.run import run_case
-from strikewave.uncertainty.beside import computed_beside
+from strikewave.uncertainty.runs import computed_beside
 
-HEAD = "import os, time\nfrom strikewave.uncertainty.beside import computed_beside\n"
+HEAD = "import os, time\nfrom strikewave.uncertainty.runs import computed_beside\n"
 LEFT = "try:\n    os.waitpid(-1, os.WNOHANG)\n    print('left')\nexcept ChildProcessError:\n    print('none left')\n"
 
 

@@ -24,7 +24,6 @@ from strikewave.waves import (
     Stack,
     Tap,
     WantedError,
-    _impact_kernels,
     _kernels,
     grid_of,
     run_bar,
@@ -258,7 +257,7 @@ def test_energy_of_a_striker_goes_into_stack_and_contact(stack, exponent, chi):
         nothing = Recording(np.zeros((0, 2), dtype=np.int64), 1, np.zeros((1, 0)), np.zeros((1, 0)))
         unseen = Extremes(np.zeros((0, 2), dtype=np.int64), 1, np.zeros(0), np.zeros(0))
         touches = np.zeros((50, 3))
-        count, v, entered, _, lost, _ = _impact_kernels.strike(
+        count, v, entered, _, lost, _ = _kernels.strike(
             tables,
             state,
             law,

@@ -8,20 +8,7 @@ from scipy.integrate import solve_ivp
 
 from strikewave.contact import Contact
 from strikewave.contact.law import Damper, PressureCap
-from strikewave.waves import (
-    End,
-    Impactor,
-    Joint,
-    Layer,
-    LoadPulse,
-    Stack,
-    Tap,
-    WantedError,
-    _impact_kernels,
-    _kernels,
-    run_bar,
-    transit,
-)
+from strikewave.waves import End, Impactor, Joint, Layer, LoadPulse, Stack, Tap, WantedError, _kernels, run_bar, transit
 from strikewave.waves import bar as bar_module
 from strikewave.waves.transit import TimeGrid, empty_averages, state_at_rest, tables_of
 
@@ -201,9 +188,7 @@ def test_norms_under_a_striker_are_those_under_the_force_that_it_gave():
         more = (none, seen), averages, extremes, norms
         if by == "strike":
             row = bar_module._law(Impactor(1.5, 0.8, LAWS["hertz"]))
-            _, _, entered, through, _, _ = _impact_kernels.strike(
-                tables, state, row, 1.5, 0.8, steps, *more, np.zeros((3, 3))
-            )
+            _, _, entered, through, _, _ = _kernels.strike(tables, state, row, 1.5, 0.8, steps, *more, np.zeros((3, 3)))
             load = seen.force[:, 0].copy()
         else:
             entered, through = _kernels.drive(tables, state, load, _kernels.FORCE, *more)

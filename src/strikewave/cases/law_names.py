@@ -40,7 +40,7 @@ def _contact(name: str) -> str:
 def _cushion(name: str) -> str:
     """Refuse what names no cushion law; a cushion of a material has none."""
     if name:
-        from strikewave.contact.cushions.laws import cushion_law
+        from strikewave.contact.cushions import cushion_law
 
         cushion_law(name, "")
     return name

@@ -16,8 +16,8 @@ from strikewave.cases.stack_of_case import area_of, build_taps, matter_of, once
 from strikewave.cases.tables.sensor import SensorTable
 from strikewave.sensors import Gasket, Mounting, Recorder, Sensor, accelerometer, oscilloscope, storage_recorder
 from strikewave.sensors.chain import RATE_OVER_CUTOFF
-from strikewave.sensors.channel import SensorChannel
 from strikewave.sensors.mounting import mounting_system
+from strikewave.sensors.trial import SensorChannel
 
 _SENSOR_FIELDS = {"resonance": float, "quality": float, "range": float, "zero_shift": float}
 _RECORDER_FIELDS = {"sampling_rate": float, "cutoff": float, "order": int, "bits": int}

@@ -20,7 +20,7 @@ from strikewave.cases.yield_pressure import capped_pressure, pressure_words, ref
 from strikewave.contact.damping import named_contact
 from strikewave.contact.elastoplastic import cap_of
 from strikewave.contact.stiffness import Geometry, stiffness_of
-from strikewave.sensors.channel import SensorChannel
+from strikewave.sensors.trial import SensorChannel
 from strikewave.waves import BONDED, End, Joint, Layer, Stack, Tap
 from strikewave.waves.dispersion import Theory
 from strikewave.waves.layers import LossFit

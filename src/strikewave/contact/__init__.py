@@ -9,8 +9,9 @@ Examples
 """
 
 from strikewave.contact.chain import Chain, ChainContact, ChainMotion, Friction, Spring, Stop, Vibration, simulate
-from strikewave.contact.dampers import damper_law, damper_laws
 from strikewave.contact.damping import (
+    damper_law,
+    damper_laws,
     damping_law,
     damping_laws,
     exact,

@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
 from strikewave.fem.boundary import held_nodes, nodes_named
+from strikewave.fem.contact import NEAR, TieState, extents
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Driven, Fixed, Guided, Model, RigidWall, Symmetry, Tie, TimeCurve
 from strikewave.fem.solids import AnySolid, HeatedSolid, ZerilliArmstrong
 from strikewave.fem.solve import check_controls
-from strikewave.fem.surfaces import extents
-from strikewave.fem.tie import NEAR, TieState
 
 LARGEST_ID = 99_999_999
 """Largest number of a node or element in eight columns, those of LS-DYNA's standard format."""

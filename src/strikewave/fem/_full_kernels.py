@@ -1,4 +1,4 @@
-"""Kernels of the fully integrated hexahedron; `strikewave.fem.full` explains them, `_layout` the rows."""
+"""Kernels of the fully integrated hexahedron; `strikewave.fem.hexahedron` explains them, `_layout` the rows."""
 
 import numpy as np
 

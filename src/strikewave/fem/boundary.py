@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
-from strikewave.fem import _boundary_kernels as kernels
+from strikewave.fem import _node_kernels as kernels
+from strikewave.fem.contact import TieState
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import (
     Driven,
@@ -30,7 +31,6 @@ from strikewave.fem.model import (
     Vector,
 )
 from strikewave.fem.solids import AnySolid
-from strikewave.fem.tie import TieState
 
 Flags = NDArray[np.bool_]
 FLAT = 1e-6

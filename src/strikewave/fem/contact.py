@@ -14,7 +14,7 @@ A the node's share of the area of its surface, mu the mass of the face's nodes p
 The mass of a node is ``m/(1 - |H n|^2)`` where boundaries hold it along directions H: what counts is how easily it
 moves along n (for friction: along the sliding, where that is easier). They hold it before contact is found, so that f
 holds their forces, and take afterwards what contact presses onto them. The nodes of a rigid part share the mass of the
-body: `strikewave.fem.rigid.surface_inverse_mass`. Tied nodes count by their own mass.
+body: `strikewave.fem.bodies.surface_inverse_mass`. Tied nodes count by their own mass.
 
 The node pushes the corners of the face back by N_i F: the sum of the forces is zero, and as F runs along x* - p* their
 moment is too, within F dt times the velocity that they have beside each other.
@@ -62,15 +62,135 @@ import numpy as np
 
 from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as kernels
+from strikewave.fem import _contact_kernels as touch_kernels
 from strikewave.fem import _surface_kernels as surface_kernels
-from strikewave.fem import _touch_kernels as touch_kernels
-from strikewave.fem._contact_kernels import ContactState, NodeContacts
+from strikewave.fem._contact_kernels import ContactState, NodeContacts, NodeTouch, Step, WallState
 from strikewave.fem._history_kernels import shares_of
-from strikewave.fem._touch_kernels import NodeTouch, Step, WallState
-from strikewave.fem.mesh import Array, Index, Mesh
-from strikewave.fem.model import STIFFNESS, RigidWall, SurfaceContact
-from strikewave.fem.surfaces import extents, have_common, neighbours, surface_of, thickness
+from strikewave.fem._node_kernels import TieState, gather_mass, gather_tied_forces, move_tied
+from strikewave.fem.mesh import FACES, TINY, Array, Index, Mesh, volumes
+from strikewave.fem.model import STIFFNESS, RigidWall, SurfaceContact, Tie
 from strikewave.fem.threads import on_all, spans
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Faces of a mesh by the place of their corners in ``nodes``.
+
+    Attributes
+    ----------
+    nodes : array (nodes,) of int32
+        Nodes of the mesh, ascending.
+    faces : array (faces, 4) of int32
+    """
+
+    nodes: Index
+    faces: Index
+
+
+@dataclass(frozen=True)
+class Extents:
+    """Areas of a surface as it lies.
+
+    Attributes
+    ----------
+    area : array (nodes,)
+        The share of each node in the area of its faces, m^2.
+    size : array (faces,)
+        Root of the area of each face, m.
+    radius : array (faces,)
+        Of the sphere about the mean of a face's corners that holds the face, m.
+    """
+
+    area: Array
+    size: Array
+    radius: Array
+
+
+def surface_of(faces: Index) -> Surface:
+    """Return the surface that faces of a mesh make.
+
+    Examples
+    --------
+    >>> surface_of(np.array([[4, 5, 9, 8], [5, 6, 10, 9]])).faces.tolist()
+    [[0, 1, 4, 3], [1, 2, 5, 4]]
+    """
+    nodes, places = np.unique(faces, return_inverse=True)
+    return Surface(nodes.astype(np.int32), places.reshape(-1, 4).astype(np.int32))
+
+
+def extents(points: Array, faces: Index) -> Extents:
+    """Return nodal areas, sizes and radii of faces whose corners are rows of ``points``.
+
+    The area of a face is half the cross product of its diagonals (of a warped face, that of its projection along the
+    mean normal).
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])
+    >>> sizes = extents(square, np.array([[0, 1, 2, 3]], np.int32))
+    >>> sizes.area.tolist(), sizes.size.tolist()
+    ([1.0, 1.0, 1.0, 1.0], [2.0])
+    """
+    area, size, radius = np.zeros(len(points)), np.zeros(len(faces)), np.zeros(len(faces))
+    surface_kernels.add_areas(points, faces, area, size, radius)
+    return Extents(area, size, radius)
+
+
+def have_common(some: Index, others: Index) -> bool:
+    """Tell whether two lists of faces have one in common.
+
+    Examples
+    --------
+    >>> have_common(np.array([[0, 1, 4, 3]]), np.array([[5, 8, 7, 4], [3, 4, 1, 0]]))
+    True
+    """
+    rows = np.concatenate([np.unique(np.sort(faces, axis=1), axis=0) for faces in (some, others)])
+    return len(np.unique(rows, axis=0)) < len(rows)
+
+
+def neighbours(faces: Index) -> Index:
+    """Return the face across each edge (corners 0-1, 1-2, 2-3, 3-0) of each face, -1 at the rim, (faces, 4).
+
+    An edge of more than two faces counts as rim.
+
+    Examples
+    --------
+    >>> neighbours(np.array([[0, 1, 4, 3], [1, 2, 5, 4]])).tolist()
+    [[-1, 1, -1, -1], [-1, -1, -1, 0]]
+    """
+    edges = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    order = np.lexsort((edges[:, 1], edges[:, 0]))
+    same = np.all(edges[order[1:]] == edges[order[:-1]], axis=1)
+    pair = same & ~np.append(same[1:], False) & ~np.insert(same[:-1], 0, False)
+    across = np.full(len(edges), -1, np.int32)
+    first, second = order[:-1][pair], order[1:][pair]
+    across[first], across[second] = second // 4, first // 4
+    return across.reshape(-1, 4)
+
+
+def thickness(mesh: Mesh, faces: Index) -> Array:
+    """Return the volume of the element behind each face over the area of the face, m, (faces,).
+
+    A face that belongs to no element is taken to be as thick as it is wide.
+    """
+    size = extents(mesh.points, faces).size
+    marked = np.zeros(len(mesh.points), bool)
+    marked[faces] = True
+    behind = np.flatnonzero(marked[mesh.hexahedra].sum(axis=1) >= 4)
+    sides = mesh.hexahedra[behind][:, FACES].reshape(-1, 4)
+    whole = marked[sides].all(axis=1)
+    owners = np.append(np.repeat(behind, 6)[whole], np.full(len(faces), -1))
+    rows = np.sort(np.concatenate([sides[whole], faces]), axis=1)
+    order = np.lexsort((-owners, *rows.T))
+    new = np.any(rows[order[1:]] != rows[order[:-1]], axis=1)
+    group = np.append(0, np.cumsum(new))
+    first = np.flatnonzero(np.append(True, new))
+    element = np.empty(len(rows), int)
+    element[order] = owners[order[first]][group]
+    element = element[len(rows) - len(faces) :]
+    depth = np.abs(volumes(mesh.points, mesh.hexahedra[element])) / np.maximum(size, TINY) ** 2
+    return np.where(element >= 0, depth, size)
+
 
 SHALLOW = 0.1
 """Share of a face's size by which surfaces may overlap before the blow: what a circle of 8 edges cuts off."""
@@ -381,3 +501,67 @@ def _too_deep(overlap: Overlap, mesh: Mesh) -> InputError:
         f"at most {SHALLOW:g} of the size of a face there, {SHALLOW * overlap.size:.3g} m",
         f"{overlap.nodes} nodes overlap: move the parts apart, or match their meshes",
     )
+
+
+__all__ = ["TieState", "gather_mass", "gather_tied_forces", "move_tied", "prepare_ties"]
+
+NEAR = 0.1
+"""Share of a face's size by which a node may lie off the face it is tied to: what a circle of 8 edges cuts off, as
+`SHALLOW` of a contact; farther off, the moment of the forces handed on would count."""
+TIE_REACH = 2.0
+"""Times `NEAR` within which faces are looked for, so that a node just too far off is reported with its distance."""
+
+
+def prepare_ties(ties: Sequence[Tie], mesh: Mesh) -> TieState:
+    """Return the tied nodes of all ties, each with the face that is closest to it.
+
+    Raises
+    ------
+    InputError
+        If a side is not there, nodes lie further off than `NEAR`, are on both sides, tied twice, or tied to faces with
+        tied corners.
+
+    Examples
+    --------
+    >>> from strikewave.fem.mesh import joined
+    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+    >>> side = {"big.top": np.array([[4, 5, 6, 7]], np.int32)}
+    >>> big = Mesh(4.0 * cube, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("big",), side)
+    >>> side = {"small.bottom": np.array([[0, 3, 2, 1]], np.int32)}
+    >>> small = Mesh(cube + [1.5, 0.0, 4.0], big.hexahedra, big.part, ("small",), side)
+    >>> state = prepare_ties([Tie("small.bottom", "big.top")], joined([big, small]))
+    >>> state.nodes.tolist(), state.shape[0].tolist()
+    ([8, 9, 10, 11], [0.625, 0.375, 0.0, 0.0])
+    """
+    states = [_tied(tie, mesh) for tie in ties]
+    if not states:
+        return TieState(np.zeros(0, np.int32), np.zeros((0, 4), np.int32), np.zeros((0, 4)))
+    state = TieState(*(np.concatenate(column) for column in zip(*states, strict=True)))
+    nodes, times = np.unique(state.nodes, return_counts=True)
+    if np.any(times > 1):
+        raise InputError("tie", f"{int(np.sum(times > 1))} nodes of two ties", "each node tied once")
+    chained = np.intersect1d(nodes, state.corners).size
+    if chained:
+        raise InputError(
+            "tie", f"{chained} tied nodes at corners of faces tied to", "faces whose corners are not tied themselves"
+        )
+    return state
+
+
+def _tied(tie: Tie, mesh: Mesh) -> TieState:
+    state = searched(two_surfaces(SurfaceContact(tie.side, tie.onto), mesh), mesh.points, TIE_REACH * NEAR)
+    count = state.touch.first
+    face, shape, distance = np.zeros(count, np.int32), np.zeros((count, 4)), np.full(count, np.inf)
+    state.place[:] = mesh.points[state.touch.nodes]
+    kernels.nearest_faces(state, face, shape, distance)
+    off = distance > NEAR * state.size[face]
+    if np.any(off):
+        close = distance[np.isfinite(distance)]
+        furthest = f"the furthest {close.max():.3g} m" if len(close) == count else "some nowhere near"
+        raise InputError(
+            f"tie of {tie.side}",
+            f"{int(off.sum())} of {count} nodes off {tie.onto}, {furthest}",
+            f"nodes within {NEAR:g} of the size of a face of {tie.onto}",
+            "move the parts together, or tie the smaller side onto the larger one",
+        )
+    return TieState(state.touch.nodes[:count], state.touch.nodes[state.faces[face]], shape)

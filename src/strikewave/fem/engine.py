@@ -14,42 +14,48 @@ from strikewave._version import __version__
 from strikewave.base.percents import percent
 from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem import _node_kernels as node_kernels
-from strikewave.fem.bodies import joined_parts
+from strikewave.fem.bodies import joined_parts, rigid_bodies, surface_inverse_mass
 from strikewave.fem.boundary import Acting, Now, Weight, build_boundaries
 from strikewave.fem.contact import (
     add_contact,
     add_wall,
     contact_force,
     contact_work,
+    gather_mass,
+    gather_tied_forces,
     initial_overlaps,
+    move_tied,
     note_held,
     prepare_all,
+    prepare_ties,
     prepare_wall,
     searched,
 )
-from strikewave.fem.full import FullyIntegrated, Mixed
 from strikewave.fem.hexahedron import (
+    FullyIntegrated,
     Hexahedra,
+    Mixed,
     OnePoint,
     build_blocks,
+    fitting,
+    nodal_sums,
     one_point_constants,
+    part_masses,
+    scaled_masses,
 )
-from strikewave.fem.masses import fitting, nodal_sums, part_masses, scaled_masses
 from strikewave.fem.mesh import Array
 from strikewave.fem.model import Model
 from strikewave.fem.quality import scaled_jacobians
 from strikewave.fem.recorder import HistoryRecorder, NodeMotion, Noted, assembly, felt_by, pressed, section_stresses
-from strikewave.fem.rigid import rigid_bodies, surface_inverse_mass
 from strikewave.fem.run import KEPT, FemRun, FieldFrame, Rest, energy_at_rest
 from strikewave.fem.threads import on_all, spans
-from strikewave.fem.tie import gather_mass, gather_tied_forces, move_tied, prepare_ties
 
 NODES = 20_000
 """Nodes that a thread moves at least: fewer take less time than handing the work to a thread."""
 BROKEN = 0.1
 """Energy that is missing or too much, as a share of the largest in play, at which a run stops.
 
-Ten times what is warned of (`strikewave.fem.measures.ENERGY_LIMIT`): such a run is lost and would only go on to blow
+Ten times what is warned of (`strikewave.fem.run.ENERGY_LIMIT`): such a run is lost and would only go on to blow
 up."""
 COLLAPSED = 1e-3
 """Share of the first critical step below which a run stops: it would take a thousand times as long, and an element that

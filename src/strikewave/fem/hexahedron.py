@@ -37,7 +37,8 @@ out, or whose numbers are not finite.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import ClassVar
@@ -45,11 +46,15 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.errors import InputError
+from strikewave.fem import _full_kernels
 from strikewave.fem import _hexahedron_kernels as kernels
 from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem import _layout as layout
+from strikewave.fem._full_kernels import POINTS
 from strikewave.fem._layout import Blocks
 from strikewave.fem.mesh import Array, Index, Mesh, volumes
+from strikewave.fem.model import Model
 from strikewave.fem.solids import AnySolid, Bilinear, HeatedSolid, JohnsonCook, ZerilliArmstrong
 from strikewave.fem.threads import on_all
 
@@ -358,3 +363,128 @@ def element_masses(mesh: Mesh, solids: Mapping[str, AnySolid]) -> Array:
     """Return the mass of each element, kg."""
     density = np.array([solids[name].density for name in mesh.names])
     return np.asarray(density[mesh.part] * volumes(mesh.points, mesh.hexahedra))
+
+
+class FullyIntegrated(Hexahedra):
+    """Elements with eight integration points for the deviator and the mean volume change."""
+
+    points = len(POINTS)
+    forces = staticmethod(_full_kernels.slab_forces)
+
+
+class Mixed:
+    """Elements of several kinds behind the interface of one.
+
+    Attributes
+    ----------
+    kinds : sequence of Hexahedra
+    """
+
+    def __init__(self, kinds: Sequence[Hexahedra]) -> None:
+        self.kinds = kinds
+
+    def add_forces(self, x: Array, v: Array, f: Array, step: float) -> float:
+        """Bring the elements to the end of a step and add their forces to f; return the critical step, s."""
+        return min((each.add_forces(x, v, f, step) for each in self.kinds), default=np.inf)
+
+    def work(self) -> Array:
+        """Return internal work, plastic work, work of the bulk viscosity and hourglass energy, J."""
+        return sum((each.work() for each in self.kinds), np.zeros(4))
+
+    def plastic_work(self, names: Sequence[str]) -> dict[str, float]:
+        """Return the plastic work of each part that deforms, J; ``names`` are all parts of the mesh."""
+        return {name: work for each in self.kinds for name, work in each.plastic_work(names).items()}
+
+    def cell_values(self, elements: int) -> tuple[Array, Array]:
+        """Return stress (elements, 6) and equivalent plastic strain (elements,); zero for rigid elements."""
+        stress, strain = np.zeros((elements, 6)), np.zeros(elements)
+        for each in self.kinds:
+            own = each.cell_values(elements)
+            stress, strain = stress + own[0], strain + own[1]
+        return stress, strain
+
+
+def full_critical_steps(points: Array, hexahedra: Index, mass: Array, solid: AnySolid, viscosity: float) -> Array:
+    """Return a time step below which each element is stable by itself, s, with a linear viscosity; see the module.
+
+    Examples
+    --------
+    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+    >>> from strikewave.fem.solids import Elastic
+    >>> round(float(critical_steps(cube, np.arange(8)[None], np.ones(1), Elastic(1.0, 1.0, 0.0), 0.0)[0]), 12)
+    1.0
+    """
+    first_shapes = shapes(points, hexahedra)
+    steepest = np.zeros(len(hexahedra))
+    for place in POINTS:
+        p, q, r = np.moveaxis(np.einsum("km,emd->ekd", mode_slopes(place), first_shapes.amplitudes), 1, 0)
+        columns = np.stack([np.cross(q, r), np.cross(r, p), np.cross(p, q)], axis=1)
+        weight = np.einsum("ed,ed->e", p, columns[:, 0])
+        gram = np.abs(np.einsum("emd,end->emn", columns, columns)).sum(axis=2).max(axis=1)
+        steepest = np.maximum(steepest, 8.0 * gram / weight)
+    return steps_of(first_shapes, steepest, mass, solid, viscosity)
+
+
+def mode_slopes(place: Array) -> Array:
+    """Return the derivatives of the seven modes by xi, eta and zeta at a place, (3, 7)."""
+    x, y, z = place
+    return np.array([[1, 0, 0, 0, z, y, y * z], [0, 1, 0, z, 0, x, x * z], [0, 0, 1, y, x, 0, x * y]])
+
+
+SCALINGS = 60
+"""Rounds in which mass is added. Without bulk viscosity one round does; with it the step grows more slowly than the
+root of the mass, and where it stops growing no mass suffices."""
+ROUNDING = 1e-9
+"""Share by which a step may miss what it should fit: above rounding, far below what a step is cut by."""
+
+
+def fitting(span: float, longest: float) -> float:
+    """Return the largest step up to a longest one that goes into a span a whole number of times, s."""
+    return span / max(1, math.ceil(span / longest - ROUNDING))
+
+
+def part_masses(mesh: Mesh, element_mass: Array, name: str) -> Array:
+    """Return the mass of a part at each of its nodes, kg."""
+    chosen = mesh.elements_of(name)
+    whole = nodal_sums(mesh.hexahedra[chosen], element_mass[chosen] / 8.0, len(mesh.points))
+    return whole[mesh.nodes_of(name)]
+
+
+def nodal_sums(hexahedra: Index, values: Array, nodes: int) -> Array:
+    """Return the sum of a value of elements over those of each node, (nodes,)."""
+    return np.asarray(np.bincount(hexahedra.ravel(), np.repeat(values, 8), nodes), float)
+
+
+def scaled_masses(model: Model, parts: Iterable[str]) -> tuple[Array, float, float]:
+    """Return the masses of the elements, kg; the mass that was added for the wanted step; the critical step, s.
+
+    Raises
+    ------
+    InputError
+        If no mass makes the wanted step stable.
+    """
+    mesh, controls = model.mesh, model.controls
+    mass = element_masses(mesh, model.solids)
+    before, least = mass.sum(), np.inf
+    for name in parts:
+        chosen, wanted = mesh.elements_of(name), controls.least_step / controls.safety
+        for _ in range(SCALINGS):
+            steps = first_steps(model, name, mass[chosen])
+            short = wanted / steps
+            if short.max() <= 1.0 + ROUNDING:
+                break
+            mass[chosen] *= np.maximum(short, 1.0) ** 2
+        else:
+            limit = f"at most about {controls.safety * float(steps.min()):.3g} s for {name}"
+            raise InputError("least_step", controls.least_step, limit, "the bulk viscosity allows no longer one")
+        least = min(least, float(steps.min()))
+    return mass, float(mass.sum() - before), least
+
+
+def first_steps(model: Model, part: str, mass: Array) -> Array:
+    """Return the critical steps of the elements of a part before the run, s; ``mass`` is that of its elements."""
+    mesh, controls = model.mesh, model.controls
+    hexahedra, rest = mesh.hexahedra[mesh.elements_of(part)], (mass, model.solids[part], controls.linear_viscosity)
+    if part in controls.full:
+        return full_critical_steps(mesh.points, hexahedra, *rest)
+    return critical_steps(shapes(mesh.points, hexahedra), *rest)

@@ -1,4 +1,4 @@
-"""Reads a mesh file with meshio in a process of its own, whose memory is bounded; run by `strikewave.fem.imported`.
+"""Reads a mesh file with meshio in a process of its own, whose memory is bounded; run by `strikewave.fem.mesh_files`.
 
 meshio trusts the counts that stand in a file and unpacks what is packed in it, so that a small damaged or hostile file
 may ask for any amount of memory or time. The process has bounds for both; it stands alone to start quickly.

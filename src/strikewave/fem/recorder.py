@@ -10,8 +10,8 @@ import numpy as np
 
 from strikewave.base.errors import InputError
 from strikewave.fem import _history_kernels as history_kernels
+from strikewave.fem._contact_kernels import NodeTouch
 from strikewave.fem._history_kernels import ROWS, WatchedNodes, shares_of
-from strikewave.fem._touch_kernels import NodeTouch
 from strikewave.fem.boundary import unit
 from strikewave.fem.hexahedron import Hexahedra
 from strikewave.fem.mesh import TINY, Array, Index, Mesh, volumes

@@ -1,28 +1,43 @@
-"""Meshes of bodies bounded by planes, and how a mesh is moved, turned and renamed; SI.
-
-Round bodies are in `strikewave.fem.round_shapes`. Every function returns a mesh of one part with named sides.
-"""
+"""Meshes of bodies: blocks, frames, cylinders, tubes, balls, half-spaces; moved, turned and renamed; SI."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from strikewave.base.errors import InputError
-from strikewave.fem.grading import Sizes, nodes_between, nodes_through
-from strikewave.fem.mesh import Mesh
+from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.sections import (
+    BULGE,
+    CORE,
+    FLIPPED,
+    ON_SURFACE,
+    Grading,
     PlaneMesh,
     Sector,
+    Sizes,
+    Surface,
+    as_grading,
+    core_half_width,
+    disc_section,
     extruded,
     grid_section,
+    merged_nodes,
+    merged_sections,
     mirror_axes,
+    mirrored,
+    nodes_between,
+    nodes_through,
     part_mesh,
     plane,
     positive,
+    refuse_too_many,
+    renumbered,
+    ring_section,
+    shell_radii,
 )
 
 Vector = tuple[float, float, float]
@@ -212,3 +227,356 @@ def renamed(mesh: Mesh, names: Mapping[str, str]) -> Mesh:
 
     sides = {new(side): faces for side, faces in mesh.sides.items()}
     return replace(mesh, names=tuple(names.get(name, name) for name in mesh.names), sides=sides)
+
+
+Body = tuple[Array, Index]
+"""Points and hexahedra."""
+
+CORNER = (7.0 * BULGE - 2.0) / 12.0
+"""c of a core in a ball, x = u sqrt(1 - b (v^2 + w^2) / 2 + c v^2 w^2): its corner, where four elements meet, has the
+tetrahedron's angles of arccos(-1/3) between its edges."""
+
+
+def cylinder(name: str, diameter: float, length: float, across: Sizes, along: Sizes, sector: Sector = "whole") -> Mesh:
+    """Return a solid cylinder that stands on z = 0.
+
+    Parameters
+    ----------
+    name : str
+        Of the part.
+    diameter, length : float
+        m.
+    across : float or Grading
+        Sizes over the distance from the axis, m; only the fine zone at the axis is used.
+    along : float or Grading
+        Sizes along z, m; positions count from the bottom.
+    sector : str
+        "whole", "half" or "quarter".
+
+    Returns
+    -------
+    Mesh
+        With the sides ``bottom``, ``top``, ``round``, and ``y-`` and ``x-`` where it is cut.
+
+    Raises
+    ------
+    InputError
+        If a length is not above 0 or the sector is not known.
+
+    Examples
+    --------
+    >>> bar = cylinder("bar", 0.02, 0.1, 0.002, 0.005)
+    >>> sorted(bar.sides), len(bar.side("bar.top"))
+    (['bar.bottom', 'bar.round', 'bar.top'], 160)
+    """
+    grading = as_grading(across)
+    radius = 0.5 * positive(f"{name}.diameter", diameter)
+    half_width, count = core_half_width(radius, grading)
+    heights = nodes_between(0.0, positive(f"{name}.length", length), along)
+    points, hexahedra = extruded(disc_section(shell_radii(half_width, radius, grading), count, sector), heights)
+    scale = max(diameter, length)
+    sides = {
+        "bottom": plane(2, 0.0, scale),
+        "top": plane(2, length, scale),
+        "round": _on_cylinder(radius),
+        **_cuts(sector, scale),
+    }
+    return part_mesh(name, points, hexahedra, sides)
+
+
+@dataclass(frozen=True)
+class TubeSize:
+    """Sizes of a tube, m; an end is closed where its thickness is not 0.
+
+    Parameters
+    ----------
+    inner, outer : float
+        Diameters.
+    length : float
+        With the closed ends.
+    bottom, top : float
+        Thickness of the ends.
+    """
+
+    inner: float
+    outer: float
+    length: float
+    bottom: float = 0.0
+    top: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.inner < self.outer < math.inf:
+            raise InputError("inner", self.inner, f"above 0, below the outer diameter {self.outer:g} m")
+        if min(self.bottom, self.top) < 0.0 or not self.bottom + self.top < self.length < math.inf:
+            raise InputError("length", self.length, f"above the thickness of the ends, {self.bottom + self.top:g} m")
+
+
+def tube(name: str, size: TubeSize, across: Sizes, along: Sizes, sector: Sector = "whole") -> Mesh:
+    """Return a tube that stands on z = 0, with closed ends where they have a thickness: a cup, or a closed shell.
+
+    Returns
+    -------
+    Mesh
+        With the sides ``bottom``, ``top``, ``round``, ``inner_round``; ``inner_bottom`` and ``inner_top`` of closed
+        ends; and ``y-`` and ``x-`` where it is cut.
+
+    Raises
+    ------
+    InputError
+        If the sizes do not fit each other or the sector is not known.
+
+    Examples
+    --------
+    >>> cup = tube("cup", TubeSize(0.02, 0.024, 0.03, bottom=0.004), 0.001, 0.002, "quarter")
+    >>> sorted(cup.sides)[:3]
+    ['cup.bottom', 'cup.inner_bottom', 'cup.inner_round']
+    """
+    grading = as_grading(across)
+    bore = 0.5 * size.inner
+    half_width, count = core_half_width(0.5 * size.outer, grading)
+    wall = ring_section(nodes_between(bore, 0.5 * size.outer, grading), count, sector)
+    section = wall
+    if size.bottom or size.top:
+        radii = shell_radii(min(half_width, CORE * bore), bore, grading)
+        section = merged_sections([wall, disc_section(radii, count, sector)])
+    heights = nodes_through(sorted({0.0, size.bottom, size.length - size.top, size.length}), along)
+    middle = 0.5 * (heights[:-1] + heights[1:])
+    closed = (middle < size.bottom) | (middle > size.length - size.top)
+    in_wall = np.all(np.hypot(*section.points.T)[section.quads] > (1.0 - ON_SURFACE) * bore, axis=1)
+    points, hexahedra = extruded(section, heights, closed[:, None] | in_wall)
+    scale = max(size.outer, size.length)
+    ends = {"inner_bottom": size.bottom, "inner_top": size.length - size.top if size.top else 0.0}
+    sides = {
+        "bottom": plane(2, 0.0, scale),
+        "top": plane(2, size.length, scale),
+        "round": _on_cylinder(0.5 * size.outer),
+        "inner_round": _on_cylinder(bore),
+        **{side: plane(2, z, scale) for side, z in ends.items() if z},
+        **_cuts(sector, scale),
+    }
+    return part_mesh(name, points, hexahedra, sides)
+
+
+def half_cylinder(
+    name: str, radius: float, length: float, sizes: Sizes, along: Sizes, sector: Sector = "whole"
+) -> Mesh:
+    """Return a half cylinder with its axis along y, its round side down and its flat side at z = 0.
+
+    Parameters
+    ----------
+    name : str
+        Of the part.
+    radius, length : float
+        m; y goes from minus to plus half the length.
+    sizes : float or Grading
+        Sizes over the distance along the round side from its lowest line, m; only the fine zone there is used.
+    along : float or Grading
+        Sizes along the axis, m; positions count from the front, or from the middle where it is cut there.
+    sector : str
+        "whole"; "half", y >= 0; or "quarter", x >= 0 too.
+
+    Returns
+    -------
+    Mesh
+        With the sides ``round``, ``top``, ``front`` (y-), ``back`` (y+); where it is cut, ``y-`` instead of ``front``,
+        and ``x-``.
+
+    Raises
+    ------
+    InputError
+        If a length is not above 0 or the sector is not known.
+
+    Examples
+    --------
+    >>> roller = half_cylinder("roller", 0.01, 0.02, Grading(1e-3, fine=2e-4), 1e-3, "quarter")
+    >>> sorted(roller.sides)
+    ['roller.back', 'roller.round', 'roller.top', 'roller.x-', 'roller.y-']
+    """
+    grading = as_grading(sizes)
+    positive(f"{name}.length", length)
+    half_width, count = core_half_width(positive(f"{name}.radius", radius), grading)
+    arcs = shell_radii(half_width, 0.5 * math.pi * radius, grading)
+    straight = disc_section(_straightened(arcs, radius), count, "quarter")
+    x, z = _bent(straight.points, radius).T
+    section = PlaneMesh(np.column_stack([z, x]), straight.quads[:, ::-1])
+    if mirror_axes(sector):
+        section = merged_sections([section, mirrored(section, 1)])
+    low = -0.5 * length if sector == "whole" else 0.0
+    points, hexahedra = extruded(section, nodes_between(0.0, 0.5 * length - low, along) + low)
+    points = np.roll(points, -1, axis=1)
+    scale = max(radius, length)
+    sides = {
+        "round": lambda at: np.abs(np.hypot(at[:, 0], at[:, 2]) - radius) <= ON_SURFACE * radius,
+        "top": plane(2, 0.0, scale),
+        "back": plane(1, 0.5 * length, scale),
+        **({"front": plane(1, low, scale)} if sector == "whole" else _cuts(sector, scale)),
+    }
+    return part_mesh(name, points, hexahedra, sides)
+
+
+def half_space(name: str, radius: float, sizes: Sizes, sector: Sector = "whole") -> Mesh:
+    """Return a half-ball below its flat face at z = 0, fine at the centre of that face: a half-space cut off.
+
+    Returns
+    -------
+    Mesh
+        With the sides ``top``, ``round``, and ``y-`` and ``x-`` where it is cut.
+
+    Examples
+    --------
+    >>> ground = half_space("ground", 0.02, Grading(2e-3, fine=5e-4), "quarter")
+    >>> sorted(ground.sides)
+    ['ground.round', 'ground.top', 'ground.x-', 'ground.y-']
+    """
+    grading = as_grading(sizes)
+    half_width, count = core_half_width(positive(f"{name}.radius", radius), grading)
+    body = _mirrored(_half_ball(shell_radii(half_width, radius, grading), count), 2)
+    points, hexahedra = renumbered(*_sector(body, sector))
+    sides = {"top": plane(2, 0.0, radius), "round": _on_ball(radius), **_cuts(sector, radius)}
+    return part_mesh(name, points, hexahedra, sides)
+
+
+def ball(name: str, radius: float, sizes: Sizes, sector: Sector = "whole", lower_half: bool = False) -> Mesh:
+    """Return a ball about the origin, graded from its lowest point.
+
+    Parameters
+    ----------
+    name : str
+        Of the part.
+    radius : float
+        m.
+    sizes : float or Grading
+        Sizes over the distance from the lowest point along the surface, m; only the fine zone there is used.
+        One size gives a ball with a cube at its centre instead of one at its lowest point.
+    sector : str
+        "whole", "half" or "quarter".
+    lower_half : bool
+        Only what lies below the equator, with the flat side ``top``.
+
+    Returns
+    -------
+    Mesh
+        With the sides ``round``, ``top`` of a lower half, and ``y-`` and ``x-`` where it is cut.
+
+    Raises
+    ------
+    InputError
+        If the radius is not above 0 or the sector is not known.
+
+    Examples
+    --------
+    >>> striker = ball("striker", 0.01, Grading(1e-3, fine=1e-4, extent=5e-4), "quarter")
+    >>> bool(abs(striker.points[:, 2].min() + 0.01) < 1e-15)
+    True
+    """
+    grading = as_grading(sizes)
+    half_width, count = core_half_width(positive(f"{name}.radius", radius), grading)
+    if grading.fine is None:
+        upper = _half_ball(shell_radii(half_width, radius, grading), count)
+        body = _mirrored(upper, 2)
+    else:
+        equator = 0.5 * math.pi * radius
+        body = _bent_half_ball(shell_radii(half_width, equator, grading), count)
+        upper = _mirrored(_bent_half_ball(shell_radii(0.5 * equator, equator, Grading(grading.coarse)), count), 2)
+    if not lower_half:
+        body = _merged([body, upper])
+    points, hexahedra = renumbered(*_sector(body, sector))
+    sides = {
+        "round": _on_ball(radius),
+        **({"top": plane(2, 0.0, radius)} if lower_half else {}),
+        **_cuts(sector, radius),
+    }
+    return part_mesh(name, points, hexahedra, sides)
+
+
+def _half_ball(depths: Array, count: int) -> Body:
+    """Return a quarter (x, y >= 0) of the half-ball z >= 0: a bulging core in shells at the given depths.
+
+    The first depth is the half-width of the core, the last the radius; ``count`` elements lie along the half-width.
+    """
+    refuse_too_many(4.0 * count**2 * (count + 3.0 * len(depths)))
+    u, v, w = np.meshgrid(*3 * [np.linspace(0.0, 1.0, count + 1)], indexing="ij")
+    core = depths[0] * np.stack([_bulging(u, v, w), _bulging(v, w, u), _bulging(w, u, v)], axis=-1)
+    slant = np.tan(0.25 * math.pi * np.linspace(0.0, 1.0, count + 1))
+    slant[-1] = 1.0
+    rim = np.stack(np.broadcast_arrays(1.0, slant[:, None], slant[None, :]), axis=-1)
+    rim *= depths[-1] / np.linalg.norm(rim, axis=-1, keepdims=True)
+    share = ((depths - depths[0]) / (depths[-1] - depths[0]))[:, None, None, None]
+    shells = (1.0 - share) * core[-1] + share * rim
+    return _merged([_grid(core), *(_grid(np.roll(shells, turn, axis=-1)) for turn in range(3))])
+
+
+def _bulging(u: Array, v: Array, w: Array) -> Array:
+    """Return the coordinate of a cube's point along u whose faces bulge; see `BULGE` and `CORNER`."""
+    return u * np.sqrt(1.0 - BULGE * (v**2 + w**2) / 2.0 + CORNER * v**2 * w**2)
+
+
+def _bent_half_ball(arcs: Array, count: int) -> Body:
+    """Return a quarter of the lower half of a ball, from shells that leave its surface at the given arcs, m.
+
+    An arc counts from the lowest point; the last is that of the equator.
+    """
+    radius = 2.0 * float(arcs[-1]) / math.pi
+    points, hexahedra = _half_ball(_straightened(arcs, radius), count)
+    return _bent(points, radius), hexahedra
+
+
+def _bent(points: Array, radius: float) -> Array:
+    """Return points of the half-ball (half-disc) above a flat face bent to the lower half of the ball (disc).
+
+    It is the inversion about the point R below the face, with the power 2 R^2.
+    """
+    up = np.arange(points.shape[1]) == points.shape[1] - 1
+    away = points + radius * up
+    return np.where(up, radius, 0.0) + np.where(up, -1.0, 1.0) * 2.0 * radius**2 * away / np.sum(
+        away**2, axis=1, keepdims=True
+    )
+
+
+def _straightened(arcs: Array, radius: float) -> Array:
+    """Return the distances on the flat face that `_bent` takes to arcs from the lowest point, R tan(s / 2 R)."""
+    distances: Array = radius * np.tan(0.5 * arcs / radius)
+    return distances
+
+
+def _grid(points: Array) -> Body:
+    """Return the hexahedra of a structured, right-handed grid of points (l, m, n, 3)."""
+    number = np.arange(math.prod(points.shape[:3]), dtype=np.int32).reshape(points.shape[:3])
+    low, high = slice(None, -1), slice(1, None)
+    around = [(low, low), (high, low), (high, high), (low, high)]
+    corners = [number[i, j, k] for k in (low, high) for i, j in around]
+    return points.reshape(-1, 3), np.stack(corners, axis=-1).reshape(-1, 8)
+
+
+def _merged(bodies: Sequence[Body]) -> Body:
+    """Return one body of several, coincident nodes merged."""
+    shift = np.cumsum([0, *(len(points) for points, _ in bodies)])
+    hexahedra = np.concatenate([body[1] + n for body, n in zip(bodies, shift, strict=False)])
+    return merged_nodes(np.concatenate([points for points, _ in bodies]), hexahedra)
+
+
+def _mirrored(body: Body, axis: int) -> Body:
+    """Return a body mirrored where a coordinate is 0, its volumes positive again."""
+    points, hexahedra = body
+    return points * np.where(np.arange(3) == axis, -1.0, 1.0), hexahedra[:, FLIPPED]
+
+
+def _sector(quarter: Body, sector: Sector) -> Body:
+    """Return the whole, half or quarter body of a quarter."""
+    for axis in mirror_axes(sector):
+        quarter = _merged([quarter, _mirrored(quarter, axis)])
+    return quarter
+
+
+def _cuts(sector: Sector, scale: float) -> dict[str, Surface]:
+    """Return the cut faces of a sector."""
+    cut = {"whole": (), "half": (1,), "quarter": (1, 0)}[sector]
+    return {("x-", "y-")[axis]: plane(axis, 0.0, scale) for axis in cut}
+
+
+def _on_cylinder(radius: float) -> Surface:
+    return lambda points: np.abs(np.hypot(points[:, 0], points[:, 1]) - radius) <= ON_SURFACE * radius
+
+
+def _on_ball(radius: float) -> Surface:
+    return lambda points: np.abs(np.linalg.norm(points, axis=1) - radius) <= ON_SURFACE * radius

@@ -14,13 +14,296 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.fem.invariants import von_mises
-from strikewave.fem.model import Model
+from strikewave.fem.mesh import TINY, Array, Index, Mesh, exterior, volumes
+from strikewave.fem.model import Driven, Model, RigidWall, SurfaceContact, Symmetry
 from strikewave.fem.run import FieldFrame
-from strikewave.fem.skin import Skin, blow_axis, blow_contact, meeting_place, skin_of
+from strikewave.fem.solids import von_mises
 
 if TYPE_CHECKING:
     from strikewave.fem.engine import Engine
+
+Mask = NDArray[np.bool_]
+
+ALONG = 0.1
+"""Cosine of the angle of a normal with the axis of the blow below which its plane holds that axis: within 6 degrees."""
+ON_PLANE = 1e-6
+"""Share of the extent of a model within which a node lies on a plane: files of meshes keep six digits or more."""
+SHARP = float(np.cos(np.radians(40.0)))
+"""Cosine of the angle between neighbouring faces above which their edge is none of the body's outline.
+
+A circle of 12 edges bends by 30 degrees at each and shall look round; edges of a block bend by 90."""
+ALONG_Y = 0.9
+"""Cosine of the angle of a blow with y from which on bodies are cut across x instead: a plane across y would cut across
+it."""
+
+
+class Plane(NamedTuple):
+    """A plane by a point, m, and a unit normal; bodies are behind it, where the normal does not point to."""
+
+    point: Array
+    normal: Array
+
+    def height(self, places: Array) -> Array:
+        """Return how far places (..., 3) lie before the plane, m."""
+        return np.asarray((places - self.point) @ self.normal)
+
+    def mirrored(self, vectors: Array) -> Array:
+        """Return vectors (..., 3) reflected at the plane; those of places are to be taken from its point."""
+        return np.asarray(vectors - 2.0 * (vectors @ self.normal)[..., None] * self.normal)
+
+
+class Cut(NamedTuple):
+    """Where a model is cut open, where it is mirrored before, or not, and whether its plane is one of symmetry."""
+
+    plane: Plane
+    mirror: Plane | None = None
+    symmetric: bool = False
+
+
+class Edges(NamedTuple):
+    """Edges between faces: nodes (edges, 2), their faces (edges, 2), and which are sharp or between parts."""
+
+    nodes: Index
+    faces: Index
+    sharp: Mask
+
+
+@dataclass(frozen=True)
+class Skin:
+    """The faces of a model that is cut open and mirrored.
+
+    Attributes
+    ----------
+    points : array (points, 3)
+        Before the blow, m; images behind the others.
+    node : array (points,)
+        Of each point, its row in ``nodes``.
+    image : array (points,) of bool
+        Which points are images.
+    faces : array (faces, 4)
+        Points of each face, normals outward.
+    element : array (faces,)
+        Of each face, the row of its element in ``elements``.
+    part : array (faces,)
+        Index of its part.
+    touching : array (faces,)
+        Index of its side among those of all contacts and walls; -1 for none, and for images.
+    nodes, elements : array
+        Nodes and elements of the mesh that the points and faces are of.
+    cut : Cut
+    axis : array (3,)
+        Unit vector along the blow.
+    edges : Edges
+    """
+
+    points: Array
+    node: Index
+    image: Mask
+    faces: Index
+    element: Index
+    part: Index
+    touching: Index
+    nodes: Index
+    elements: Index
+    cut: Cut
+    axis: Array
+    edges: Edges
+
+    def moved(self, displacement: NDArray[np.floating]) -> Array:
+        """Return where the points are, (points, 3), by the displacement of ``nodes``, m."""
+        by = np.asarray(displacement, float)[self.node]
+        if self.cut.mirror is not None:
+            by[self.image] = self.cut.mirror.mirrored(by[self.image])
+        return self.points + by
+
+
+def skin_of(model: Model, cut: Cut | None = None) -> Skin:
+    """Return what can be seen of a model, cut open where it shows most; see `cut_of`.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> from strikewave.analyses.fem.build import build_model
+    >>> skin = skin_of(build_model(load_case("two-bars-fem")))
+    >>> skin.cut.plane.normal.round(9).tolist(), skin.cut.mirror.normal.round(9).tolist()
+    ([0.0, -1.0, 0.0], [-1.0, 0.0, 0.0])
+    """
+    mesh, cut = model.mesh, cut or cut_of(model)
+    behind_plane = np.flatnonzero(cut.plane.height(mesh.points[mesh.hexahedra].mean(axis=1)) <= 0.0)
+    faces, element = exterior(mesh.hexahedra[behind_plane])
+    element = behind_plane[element].astype(np.int32)
+    touching = _sides(model, faces)
+    node, points = np.arange(len(mesh.points)), mesh.points
+    images = np.zeros(len(faces), bool)
+    if cut.mirror is not None:
+        height = cut.mirror.height(points)
+        apart = np.flatnonzero(np.abs(height) > ON_PLANE * _extent(mesh))
+        twin = node.copy()
+        twin[apart] = len(points) + np.arange(len(apart))
+        off_plane = ~np.all(twin[faces] == faces, axis=1)
+        faces, element, touching = faces[off_plane], element[off_plane], touching[off_plane]
+        points = np.concatenate([points, cut.mirror.point + cut.mirror.mirrored(points[apart] - cut.mirror.point)])
+        node = np.concatenate([node, apart])
+        images = np.repeat([False, True], len(faces))
+        faces = np.concatenate([faces, twin[faces][:, ::-1].astype(np.int32)])
+        element, touching = np.tile(element, 2), np.tile(touching, 2)
+    part = mesh.part[element]
+    touching[images] = -1
+    used, renamed = np.unique(faces, return_inverse=True)
+    nodes, own = np.unique(node[used], return_inverse=True)
+    elements, row = np.unique(element, return_inverse=True)
+    faces = renamed.reshape(-1, 4).astype(np.int32)
+    return Skin(
+        points=points[used],
+        node=own.astype(np.int32),
+        image=used >= len(mesh.points),
+        faces=faces,
+        element=row.astype(np.int32),
+        part=part.astype(np.int32),
+        touching=touching,
+        nodes=nodes.astype(np.int32),
+        elements=elements.astype(np.int32),
+        cut=cut,
+        axis=blow_axis(model),
+        edges=_edges(points[used], faces, part),
+    )
+
+
+def cut_of(model: Model) -> Cut:
+    """Return where a model is cut open: at its plane of symmetry of the largest face, mirrored at the one across it.
+
+    Without a plane of symmetry it is cut through the middle of its first contact, or of all, by a plane along the
+    blow across y, or x where the blow goes along y.
+    """
+    planes = symmetry_planes(model)
+    if planes:
+        across = (plane for plane in planes[1:] if abs(float(plane.normal @ planes[0].normal)) < ALONG)
+        return Cut(planes[0], next(across, None), symmetric=True)
+    axis, points = blow_axis(model), model.mesh.points
+    place = meeting_place(model)
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0)) if place is None else place
+    normal = np.array([0.0, -1.0, 0.0]) if abs(axis[1]) < ALONG_Y else np.array([-1.0, 0.0, 0.0])
+    return Cut(Plane(middle, normal))
+
+
+def symmetry_planes(model: Model) -> list[Plane]:
+    """Return the planes of symmetry along the blow that all bodies lie behind, that of the largest cut face first."""
+    axis, mesh = blow_axis(model), model.mesh
+    tiny = ON_PLANE * _extent(mesh)
+    planes: list[Plane] = []
+    areas: list[float] = []
+    for side in (b.side for b in model.boundaries if isinstance(b, Symmetry)):
+        corners = mesh.points[mesh.side(side)]
+        normals = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        total = normals.sum(axis=0)
+        plane = Plane(corners.mean(axis=(0, 1)), total / np.linalg.norm(total))
+        if abs(float(plane.normal @ axis)) > ALONG or plane.height(mesh.points).max() > tiny:
+            continue
+        same = [k for k, other in enumerate(planes) if float(other.normal @ plane.normal) > 1.0 - ON_PLANE]
+        if same:
+            areas[same[0]] += float(np.linalg.norm(total))
+        else:
+            planes.append(plane)
+            areas.append(float(np.linalg.norm(total)))
+    between = [any(float(p.normal @ q.normal) < ON_PLANE - 1.0 for q in planes) for p in planes]
+    largest = max(areas, default=1.0)
+    order = sorted(range(len(planes)), key=lambda k: (-round(areas[k] / largest, 2), -abs(planes[k].normal[1])))
+    return [planes[k] for k in order if not between[k]]
+
+
+def blow_axis(model: Model) -> Array:
+    """Return a unit vector along the greatest initial momentum, or what is driven, or z."""
+    volume = volumes(model.mesh.points, model.mesh.hexahedra)
+    pushes = [
+        float(volume[model.mesh.elements_of(name)].sum()) * model.solids[name].density * np.asarray(velocity)
+        for name, velocity in model.velocity.items()
+    ]
+    pushes = [p for p in pushes if np.linalg.norm(p) > 0.0]
+    pushes = pushes or [np.asarray(b.direction, float) for b in model.boundaries if isinstance(b, Driven)]
+    axis = max(pushes, key=lambda p: float(np.linalg.norm(p)), default=np.array([0.0, 0.0, 1.0]))
+    return np.asarray(axis / np.linalg.norm(axis))
+
+
+def blow_contact(model: Model) -> SurfaceContact | RigidWall | None:
+    """Return the contact or wall of the blow: the first whose bodies begin at different velocities, or else the first.
+
+    None where the model has no contact and no wall.
+    """
+    rest = (0.0, 0.0, 0.0)
+    meetings: list[SurfaceContact | RigidWall] = [*model.contacts, *model.walls]
+    for meeting in meetings:
+        sides = model.touching[meeting.name]
+        parts = [side if side in model.mesh.names else side.rpartition(".")[0] for side in sides]
+        speeds = {tuple(model.velocity.get(part, rest)) for part in parts}
+        if len(speeds | ({rest} if isinstance(meeting, RigidWall) else set())) > 1:
+            return meeting
+    return next(iter(meetings), None)
+
+
+def meeting_place(model: Model) -> Array | None:
+    """Return where the bodies of the blow are nearest before it, (3,), m; None without a contact or wall."""
+    from scipy.spatial import cKDTree
+
+    mesh, meeting = model.mesh, blow_contact(model)
+    if meeting is None:
+        return None
+    if isinstance(meeting, SurfaceContact):
+        first, second = (mesh.points[np.unique(mesh.side(side))] for side in (meeting.first, meeting.second))
+        distance, partner = cKDTree(second).query(first)
+    else:
+        first = mesh.points[np.unique(mesh.side(meeting.side))]
+        normal = np.asarray(meeting.normal) / np.linalg.norm(meeting.normal)
+        distance = (first - np.asarray(meeting.point)) @ normal
+        second, partner = first - distance[:, None] * normal, np.arange(len(first))
+    nearest = distance <= distance.min() + ON_PLANE * float(np.ptp(first, axis=0).max())
+    return np.asarray(0.5 * (first[nearest] + second[partner[nearest]]).mean(axis=0))
+
+
+def outward(mesh: Mesh, side: str) -> Array:
+    """Return the mean outward normal of a side, a unit vector."""
+    a, b, c, d = (mesh.points[mesh.side(side)[:, k]] for k in range(4))
+    normal = np.cross(c - a, d - b).sum(axis=0)
+    return np.asarray(normal / np.linalg.norm(normal))
+
+
+def _extent(mesh: Mesh) -> float:
+    return float(np.ptp(mesh.points, axis=0).max())
+
+
+def _sides(model: Model, faces: Index) -> Index:
+    """Return of each face the index of its side among those of all contacts and walls, or -1."""
+    numbers = np.full(len(faces), -1, np.int32)
+    own = _keys(faces)
+    for k, side in enumerate(side for sides in model.touching.values() for side in sides):
+        numbers[np.isin(own, _keys(model.mesh.side(side)))] = k
+    return numbers
+
+
+def faces_on(skin: Skin, mesh: Mesh, sides: Sequence[str]) -> Mask:
+    """Return which faces of a skin lie on sides of a mesh, (faces,); images do not."""
+    own = _keys(skin.nodes[skin.node[skin.faces]])
+    on = np.isin(own, np.concatenate([_keys(mesh.side(side)) for side in sides]))
+    return np.asarray(on & ~skin.image[skin.faces].any(axis=1))
+
+
+def _keys(faces: Index) -> NDArray[np.void]:
+    """Return one value for each face, whatever node it begins with."""
+    return np.ascontiguousarray(np.sort(faces.astype(np.int32), axis=1)).view(np.dtype((np.void, 16))).ravel()
+
+
+def _edges(points: Array, faces: Index, part: Index) -> Edges:
+    """Return the edges between two faces each; where more than two meet, those of the order in which they come."""
+    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
+    order = np.lexsort(ends.T[::-1])
+    same = np.flatnonzero(np.all(ends[order[1:]] == ends[order[:-1]], axis=1))
+    pair = np.stack([order[same], order[same + 1]], axis=1) // 4
+    corners = points[faces]
+    normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), TINY)
+    bent = np.einsum("ij,ij->i", normal[pair[:, 0]], normal[pair[:, 1]]) < SHARP
+    sharp = bent | (part[pair[:, 0]] != part[pair[:, 1]])
+    return Edges(ends[order[same]].astype(np.int32), pair.astype(np.int32), sharp)
+
 
 Single = NDArray[np.float32]
 

@@ -7,25 +7,280 @@ nodes move.
 
 from __future__ import annotations
 
+import dataclasses
 import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from strikewave.base.errors import InputErrors
-from strikewave.fem.checks import faults
+from strikewave.fem.bodies import Body, bodies_of, way_back
 from strikewave.fem.device.devices import Device
 from strikewave.fem.engine import Engine
-from strikewave.fem.mesh import TINY
-from strikewave.fem.model import Controls, Model
+from strikewave.fem.mesh import TINY, Array
+from strikewave.fem.model import Controls, Driven, Model, NonReflecting, Pressure, faults, stays
 from strikewave.fem.quality import check_mesh
-from strikewave.fem.repeated_blows import next_blow
-from strikewave.fem.restart import kept_blows, path_of_blow, read_restart, write_restart
-from strikewave.fem.run import FemRun, FieldFrame
+from strikewave.fem.restart import kept_blows, path_of_blow, put_back, read_restart, state_of, write_restart
+from strikewave.fem.run import FemRun, FieldFrame, Rest
+
+MOST_MAXIMA = 300
+"""Maxima of a body after which it is taken as it is: each takes a share of the vibration, and bodies that come to rest
+at all have done so after some tens."""
+
+
+class Settled(NamedTuple):
+    """How bodies came to rest: maxima of all bodies, steps, largest kinetic energy that was left, J."""
+
+    maxima: int
+    steps: int
+    kinetic: float
+
+
+class _Watch:
+    """Kinetic energies of bodies from step to step: where each passes a maximum, and since when it is small."""
+
+    def __init__(self, engine: Engine, bodies: Sequence[Body], wanted: float) -> None:
+        self.wanted = wanted / len(bodies)
+        self.owner = np.zeros(len(engine.x), np.int64)
+        for number, body in enumerate(bodies):
+            self.owner[body.nodes] = number
+        self.energy, self.left = np.zeros(len(bodies)), np.zeros(len(bodies))
+        self.maxima, self.rise, self.small = np.zeros((3, len(bodies)), np.int64)
+        self.longest = np.array([_crossing_steps(engine, body) for body in bodies])
+
+    def passed(self, now: Array) -> NDArray[np.bool_]:
+        """Take the energies after a step, J; tell which bodies are at a maximum that is not small."""
+        large = now > self.wanted
+        passed = large & (now < self.energy)
+        self.maxima += passed
+        self.rise += 1
+        self.longest = np.where(passed, np.maximum(self.longest, self.rise), self.longest)
+        self.rise[passed] = 0
+        self.small = np.where(large, 0, self.small + 1)
+        self.left = np.where(self.small > 1, np.maximum(self.left, now), now)
+        self.energy = np.where(passed, 0.0, now)
+        return passed
+
+    @property
+    def over(self) -> bool:
+        """Whether every body rests, or has passed as many maxima as it may."""
+        return bool(np.all((self.small > self.longest) | (self.maxima >= MOST_MAXIMA)))
+
+
+def settle(engine: Engine, bodies: Sequence[Body], wanted: float, most: int) -> Settled:
+    """Bring bodies that begin without velocity to rest.
+
+    Parameters
+    ----------
+    engine : Engine
+        Of a model without velocities and loads; `Engine.initialize` has been called.
+    bodies : sequence of Body
+    wanted : float
+        Kinetic energy to which they come to rest, J.
+    most : int
+        Steps after which they are taken as they are.
+    """
+    watch, rigid = _Watch(engine, bodies, wanted), [body.nodes for body in engine.bodies]
+    first = engine.steps
+    while not watch.over and engine.steps - first < most and engine.goes_on:
+        engine.dt_next = min(engine.dt_next, engine.model.controls.safety * engine.critical)
+        engine.assemble_forces()
+        engine.step()
+        square = np.einsum("n,ni,ni->n", engine.own_mass, engine.v, engine.v)
+        passed = watch.passed(np.asarray(0.5 * np.bincount(watch.owner, square, len(bodies)), float))
+        if passed.any():
+            engine.v[passed[watch.owner]] = 0.0
+            for body, nodes in zip(engine.bodies, rigid, strict=True):
+                if passed[watch.owner[nodes[0]]]:
+                    body.velocity, body.spin = np.zeros(3), np.zeros(3)
+    engine.v.fill(0.0)
+    return Settled(int(watch.maxima.sum()), engine.steps - first, float(watch.left.sum()))
+
+
+def _crossing_steps(engine: Engine, body: Body) -> int:
+    """Return the steps that a wave takes through a body and back."""
+    places = engine.model.mesh.points[body.nodes]
+    slowest = min(engine.model.solids[part].wave_speed for part in body.parts)
+    reach = 2.0 * float(np.linalg.norm(np.ptp(places, axis=0)))
+    return int(np.ceil(reach / (slowest * engine.dt_next)))
+
+
+REST = 1e-10
+"""Share of the energy in play of a blow that may be left as kinetic energy before the next.
+
+Bodies that stay elastic then give the same peak and impulse within 1e-6; the difference falls as the root of the share.
+It takes one to three times the steps of a blow."""
+LONGEST = 20
+"""Times the steps of a blow that its bodies may take to rest: several times the usual one to three."""
+STEPS_BACK = 30
+"""Steps back of what strikes at most; what is left then is let out without a force, and reported as an overlap.
+
+Few do on surfaces that are convex; each step of a round one in a dent finds another nearest face."""
+CLEAR = 1.01
+"""Times the overlap by which it steps back: 1 would leave what rounding and the slope of a surface leave."""
+ROUNDING = 1e-9
+"""Share of the size of a mesh below which an overlap is rounding."""
+LOADS = Driven | Pressure | NonReflecting
+"""Boundaries that hold nothing at rest; dashpots would push a vibrating body away."""
+State = Mapping[str, np.ndarray]
+
+
+def next_blow(engine: Engine, energy: float, share: float = REST) -> Engine:
+    """Return an engine that begins the next blow on what one that has ended left.
+
+    Parameters
+    ----------
+    engine : Engine
+        At the end of its run.
+    energy : float
+        In play in that run, J.
+    share : float
+        Of it that may be left as kinetic energy.
+    """
+    model, bodies = engine.model, bodies_of_engine(engine)
+    quiet_model, wanted, ended = quiet(model), share * energy, state_of(engine)
+    resting = Engine(quiet_model, engine.pool)
+    put_back(resting, {**state_of(resting), **_left_of(ended, resting)})
+    resting.initialize()
+    begun = _plastic(resting)
+    most = LONGEST * engine.steps
+    settled = [settle(resting, bodies, wanted, most)]
+    _bring_back(resting, bodies)
+    if quiet_model.contacts or quiet_model.walls:
+        moved = Engine(quiet_model, engine.pool)
+        _take_over(moved, resting, meet=True)
+        settled.append(settle(moved, bodies, wanted, most))
+        resting = moved
+    following = engine.begun_anew()
+    first = _depths(following)
+    _take_over(following, resting, meet=False)
+    following.blow = engine.blow + 1
+    added_distance = _step_back(following, bodies, first)
+    following.rest = Rest(
+        maxima=sum(each.maxima for each in settled),
+        steps=sum(each.steps for each in settled),
+        kinetic_share=max(each.kinetic for each in settled) / max(energy, TINY),
+        plastic_energy=_plastic(resting) - begun,
+        added_distance=added_distance,
+        overlap=max(_depths(following).values(), default=0.0),
+        plastic_before=_plastic(resting) + (engine.rest.plastic_before if engine.rest else 0.0),
+    )
+    following.overlaps = []
+    for elements in following.solid.kinds:
+        elements.begin_balance()
+    following.initialize()
+    return following
+
+
+def bodies_of_engine(engine: Engine) -> list[Body]:
+    """Return the bodies of a run, with the motions that all but driven sides leave them."""
+    still = [hold for hold in engine.holds if hold.speed is None]
+    return bodies_of(engine.model.mesh, engine.own_mass, engine.ties, still, engine.bodies)
+
+
+def quiet(model: Model) -> Model:
+    """Return a model between two blows: no velocity, load or dashpot, no contact of what was thrown at each other."""
+    return dataclasses.replace(
+        model,
+        velocity={},
+        gravity=(0.0, 0.0, 0.0),
+        boundaries=tuple(each for each in model.boundaries if not isinstance(each, LOADS)),
+        contacts=tuple(each for each in model.contacts if stays(model, (each.first, each.second))),
+        walls=tuple(each for each in model.walls if stays(model, (each.side,))),
+        sections=(),
+        points=(),
+    )
+
+
+def _left_of(ended: State, engine: Engine) -> dict[str, np.ndarray]:
+    """Return what the state at the end of a run leaves to bodies that come to rest in place."""
+    places = {name for name in ended if name.startswith(("elements/", "contact/", "wall/"))}
+    known = state_of(engine)
+    left = {name: ended[name] for name in (places | set(_placed(ended)) | {"x"}) if name in known}
+    return left | {"v": np.zeros_like(ended["v"])}
+
+
+def _placed(state: State) -> State:
+    """Return where the rigid parts of a state stand."""
+    return {n: value for n, value in state.items() if n.startswith("body/") and n.endswith(("/centre", "/turned"))}
+
+
+def _take_over(engine: Engine, other: Engine, meet: bool) -> None:
+    """Give an engine that has not begun the shape and the elements of another."""
+    state = state_of(other)
+    left = {name: value for name, value in state.items() if name.startswith("elements/")}
+    put_back(engine, {**state_of(engine), **left, **_placed(state), "x": other.x})
+    engine.detect_contacts(engine.x)
+    if meet:
+        engine.initialize()
+
+
+def _bring_back(engine: Engine, bodies: Sequence[Body]) -> None:
+    """Move each body back to where it began, its stress with it."""
+    mesh = engine.model.mesh
+    turns = np.broadcast_to(np.eye(3), (engine.elements, 3, 3)).copy()
+    for body in bodies:
+        turn, shift = way_back(body, mesh.points, engine.x)
+        _move(engine, body, turn, shift)
+        turns[np.isin(mesh.hexahedra[:, 0], body.nodes)] = turn
+    for elements in engine.solid.kinds:
+        elements.turn(turns)
+
+
+def _move(engine: Engine, body: Body, turn: Array, shift: Array) -> None:
+    """Move a body by R x + t."""
+    engine.x[body.nodes] = engine.x[body.nodes] @ turn.T + shift
+    for rigid in engine.bodies:
+        if rigid.nodes[0] in body.nodes:
+            rigid.centre, rigid.turned = turn @ rigid.centre + shift, turn @ rigid.turned
+
+
+def _step_back(engine: Engine, bodies: Sequence[Body], first: Mapping[str, float]) -> float:
+    """Move what strikes back, against its velocity, until it is nowhere deeper in another than at first; return m."""
+    moved = 0.0
+    for _ in range(STEPS_BACK):
+        before = moved
+        for name, sides in engine.model.touching.items():
+            moved += _clear(engine, bodies, sides, _depths(engine).get(name, 0.0) - first.get(name, 0.0))
+        if moved == before:
+            break
+    return moved
+
+
+def _clear(engine: Engine, bodies: Sequence[Body], sides: Sequence[str], deep: float) -> float:
+    """Move what strikes on two sides back by what it stands too deep; return m."""
+    model = engine.model
+    if deep <= ROUNDING * float(np.ptp(model.mesh.points, axis=0).max()) or stays(model, sides):
+        return 0.0
+    body = max((b for b in bodies if _in(b, sides)), key=lambda b: _speed(model, b))
+    velocity = max((np.array(model.velocity.get(part, np.zeros(3))) for part in body.parts), key=np.linalg.norm)
+    back = -CLEAR * deep / np.linalg.norm(velocity) * velocity
+    _move(engine, body, np.eye(3), back)
+    engine.detect_contacts(engine.x)
+    return float(np.linalg.norm(back))
+
+
+def _in(body: Body, sides: Sequence[str]) -> bool:
+    return any((side.rpartition(".")[0] or side) in body.parts for side in sides)
+
+
+def _speed(model: Model, body: Body) -> float:
+    return max(float(np.linalg.norm(model.velocity.get(part, (0.0, 0.0, 0.0)))) for part in body.parts)
+
+
+def _depths(engine: Engine) -> dict[str, float]:
+    """Return the deepest overlap of each contact and wall that has one, m."""
+    return {each.contact: each.deepest for each in engine.overlaps}
+
+
+def _plastic(engine: Engine) -> float:
+    return float(engine.solid.work()[1])
+
 
 REPORT = 0.2
 """Seconds between two reports of progress: as often as a bar on a screen is seen to move, at no cost."""
@@ -138,7 +393,7 @@ def solve(model: Model, options: RunOptions | None = None) -> FemRun:
 def solve_blows(model: Model, options: RunOptions | None = None) -> tuple[FemRun, ...]:
     """Run all blows of a model, each on the state that the one before left; none after one that stopped.
 
-    See `strikewave.fem.repeated_blows`.
+    See `strikewave.fem.solve`.
 
     Raises
     ------

@@ -27,8 +27,8 @@ from numpy.typing import NDArray
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import refusal
 from strikewave.base.hdf5_files import EnduringFile
-from strikewave.fem.invariants import pressure, von_mises
 from strikewave.fem.run import FieldFrame
+from strikewave.fem.solids import pressure, von_mises
 
 if TYPE_CHECKING:
     from collections.abc import Callable

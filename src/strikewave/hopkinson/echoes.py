@@ -30,8 +30,7 @@ from strikewave.base.declare import Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.shock_quantities import BAR_SPEED, MICROSECONDS, RATIO, SHARE
 from strikewave.hopkinson.bars import Bar
-from strikewave.hopkinson.onset import noise_ceiling
-from strikewave.hopkinson.pulses import GaugeTrace, Quiet, quieten
+from strikewave.hopkinson.pulses import GaugeTrace, Quiet, noise_ceiling, quieten
 from strikewave.signal.pulse import crossing
 from strikewave.waves.dispersion import Theory, wave_number
 

@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.contact.dampers import cut_off_damping_ratio
+from strikewave.contact.damping import cut_off_damping_ratio
 from strikewave.contact.impact import solve_impact
 from strikewave.contact.law import AnyContact, Contact, Damper, not_negative, positive, refuse
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from strikewave.contact.chain import Friction, Link, Spring, Stop
-from strikewave.contact.dampers import cut_off_damping_ratio
+from strikewave.contact.damping import cut_off_damping_ratio
 from strikewave.waves.layers import Stack
 from strikewave.waves.transit import TimeGrid, choose_grid, grid_of
 

@@ -18,7 +18,7 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.record import Array
 from strikewave.records.robust import alike_as_one
 from strikewave.records.thresholds import OfTails
-from strikewave.signal.coupling import ac_uncoupled
+from strikewave.signal.filters import ac_uncoupled
 from strikewave.signal.motion import integral
 
 AFTER = 0.15
@@ -316,7 +316,7 @@ def resting(above: Array, step: float, constant: float, rest: int) -> Array:
 
     Examples
     --------
-    >>> from strikewave.signal.coupling import ac_coupled
+    >>> from strikewave.signal.filters import ac_coupled
     >>> blow = np.r_[np.zeros(20), np.ones(10), np.zeros(500)]
     >>> bool(np.allclose(resting(ac_coupled(blow, 1e-3, 0.1) + 1e-3, 1e-3, 0.1, 40), blow, atol=1e-3))
     True

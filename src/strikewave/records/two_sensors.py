@@ -35,7 +35,7 @@ from strikewave.records.robust import alike_as_one
 from strikewave.records.thresholds import OfTwoSensors
 from strikewave.signal.alignment import EvenHistory, by_correlation
 from strikewave.signal.filters import Filter, advised_cutoff
-from strikewave.signal.resampling import resampled
+from strikewave.signal.interpolation import resampled
 
 BEFORE, SHORTEST, LONGEST = 1.0, 20.0, 100.0
 """Widths before a blow that its window holds, and after its begin at least and at most: twenty give lines that are a

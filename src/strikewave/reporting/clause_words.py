@@ -14,8 +14,7 @@ from strikewave.reporting.layout import KEY, MORE
 from strikewave.reporting.numbers import doubted, listed, shown, spelled, with_unit
 from strikewave.reporting.parts import NONE, Tag, written
 from strikewave.reporting.shown_units import shown_unit
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
-from strikewave.specifications.judging import Clause
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, NOT_JUDGED, PASS, Clause
 
 SHOWN = {PASS: "PASS", FAIL: "FAIL", CANNOT_TELL: "CANNOT TELL", NOT_JUDGED: "not judged"}
 """Verdicts as they are written."""

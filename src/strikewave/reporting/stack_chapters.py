@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from strikewave.cases.losses_of_case import FittedLoss
-    from strikewave.sensors.channel import SensorChannel
+    from strikewave.sensors.trial import SensorChannel
     from strikewave.waves.transit import WaveSetup
 
 

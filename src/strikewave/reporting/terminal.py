@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from strikewave.base.result import Band, Comparison, Notice, Result
     from strikewave.cases.losses_of_case import FittedLoss
     from strikewave.reporting.parts import Table
-    from strikewave.sensors.channel import SensorChannel
+    from strikewave.sensors.trial import SensorChannel
 
 STARTED = time.perf_counter()
 """When the program started, but for what is imported before this module."""

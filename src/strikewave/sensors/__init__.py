@@ -1,7 +1,17 @@
 """What an accelerometer reads: mounting, resonance, range, filter, sampling and bits. Knows no units and no files."""
 
-from strikewave.sensors.catalogue import Accelerometer, accelerometer, accelerometers
-from strikewave.sensors.chain import Reading, Recorder, Sensor, oscilloscope, output, read, storage_recorder
+from strikewave.sensors.chain import (
+    Accelerometer,
+    Reading,
+    Recorder,
+    Sensor,
+    accelerometer,
+    accelerometers,
+    oscilloscope,
+    output,
+    read,
+    storage_recorder,
+)
 from strikewave.sensors.mounting import Gasket, Mounting, insertion_loss, transmission
 
 __all__ = [

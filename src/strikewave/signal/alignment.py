@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.signal.interpolation import resampled
 from strikewave.signal.pulse import RISE_LOW, crossing, refine_peak
-from strikewave.signal.resampling import resampled
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
 from strikewave.base.shock_quantities import FREQUENCY, LENGTH, VELOCITY
 from strikewave.signal.motion import motion
-from strikewave.signal.oscillator_groups import SMOOTH
+from strikewave.signal.oscillators import SMOOTH
 from strikewave.signal.srs import Scope, octaves, srs
 
 Array = NDArray[np.float64]
@@ -187,7 +187,7 @@ def synthesized(
     side : str, optional
         Side of the spectrum: ``maximax``, ``positive`` or ``negative``.
     rate : float, optional
-        Samples a second; `strikewave.signal.oscillator_groups.SMOOTH` a period of the highest frequency by default.
+        Samples a second; `strikewave.signal.oscillators.SMOOTH` a period of the highest frequency by default.
 
     Raises
     ------

@@ -1,9 +1,11 @@
-"""The ideal pulses of shock specifications: half-sine, terminal-peak sawtooth and trapezoid."""
+"""The ideal pulses of shock specifications, and the band in time and amplitude that a measured one must stay in."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -111,3 +113,199 @@ def from_width(
     """
     whole = IdealPulse(shape, peak, 1.0, rise, fall)
     return IdealPulse(shape, peak, duration / whole.width(level), rise, fall)
+
+
+FINEST = 1.0 / 800.0
+"""Share of the duration between two times of comparison: between them a half-sine bends by 2e-6 of its peak."""
+REACH = 0.75
+"""Shares of the duration to either side in which the start is sought: a pulse that is farther off fails anyway."""
+COARSE, SCANNED = 1.0 / 160.0, 2
+"""Share of the duration between two times of comparison where all starts within reach are tried, and such times from
+one start to the next."""
+KEPT, ZOOMED, ZOOMS = 3, 11, 5
+"""The best few starts, around each of which so many are tried, in a fifth of the steps each time: the start is then
+known to 4e-6 of the duration, and the distance to 1.3e-5 of the peak."""
+
+
+class Placement(NamedTuple):
+    """Where a band lies over a record, and how far the record stays inside.
+
+    Attributes
+    ----------
+    start : float
+        Time of the begin of the ideal pulse, s.
+    margin : float
+        Smallest distance to the curves of the band, in the unit of the record; below zero outside.
+    time : float
+        When it is smallest, s.
+    above : bool
+        Whether that is at the upper curve.
+    before, after : float
+        How much of the window the record lacks, in shares of the duration.
+    """
+
+    start: float
+    margin: float
+    time: float
+    above: bool
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
+class PulseBand:
+    """A band around an ideal pulse.
+
+    Attributes
+    ----------
+    pulse : IdealPulse
+        The ideal pulse.
+    time : float
+        tau as a share of the duration.
+    amplitude : float
+        alpha as a share of the peak, from tau before the pulse to tau after it.
+    amplitude_before, amplitude_after : float
+        The same earlier and later.
+    before, after : float
+        Shares of the duration before and after the ideal pulse in which the record is watched.
+
+    Examples
+    --------
+    >>> band = PulseBand(IdealPulse("half-sine", 100.0, 1.0), 0.1, 0.2)
+    >>> [float(curve[0].round(3)) for curve in band.curves(np.array([0.5]))]
+    [75.106, 120.0]
+    """
+
+    pulse: IdealPulse
+    time: float
+    amplitude: float
+    amplitude_before: float = float("nan")
+    amplitude_after: float = float("nan")
+    before: float = 0.4
+    after: float = 1.0
+
+    def curves(self, time: Array) -> tuple[Array, Array]:
+        """Return the lower and the upper curve at times from the begin of the ideal pulse, s."""
+        by, duration = self.time * self.pulse.duration, self.pulse.duration
+        low, high = self.pulse.widened(time, by)
+        share = np.full(time.shape, self.amplitude)
+        for wanted, where in ((self.amplitude_before, time < -by), (self.amplitude_after, time > duration + by)):
+            share[where] = self.amplitude if np.isnan(wanted) else wanted
+        room = share * self.pulse.peak
+        return low - room, high + room
+
+    def grid(self) -> Array:
+        """Return the times of comparison, from the begin of the ideal pulse, s: evenly, and at the kinks of the curves.
+
+        A step of a curve is looked at from both sides.
+        """
+        duration, by = self.pulse.duration, self.time * self.pulse.duration
+        count = round((1.0 + self.before + self.after) / FINEST) + 1
+        even = np.linspace(-self.before * duration, (1.0 + self.after) * duration, count)
+        kinks = np.array([place + side for place in (0.0, *self.pulse.top, duration) for side in (-by, 0.0, by)])
+        beside = 1e-9 * duration
+        times = np.concatenate([even, kinks - beside, kinks, kinks + beside])
+        return np.unique(times[(times >= even[0]) & (times <= even[-1])])
+
+    def placed(self, values: Array, step: float, begin: float, centre: float) -> Placement:
+        """Place the band over a record.
+
+        Parameters
+        ----------
+        values : ndarray
+            Record, baseline taken off, with the sign that makes its pulse positive.
+        step, begin : float
+            Time between samples, and of the first one, s.
+        centre : float
+            Start of the ideal pulse about which it is sought, s.
+
+        Examples
+        --------
+        >>> pulse = IdealPulse("half-sine", 100.0, 1e-3)
+        >>> record = pulse.at(np.arange(4000) * 1e-6 - 1.5e-3)
+        >>> found = PulseBand(pulse, 0.1, 0.2).placed(record, 1e-6, 0.0, 1.5e-3)
+        >>> round(found.start * 1e3, 4), round(found.margin, 2)
+        (1.5, 20.0)
+        """
+        duration = self.pulse.duration
+        first = centre - (REACH + self.before) * duration
+        last = centre + (1.0 + self.after + REACH) * duration
+        low = min(max(int((first - begin) / step), 0), values.size - 1)
+        high = max(int((last - begin) / step) + 2, low + 1)
+        near = _Comparison(self, values[low:high], step, begin + low * step)
+        same = 1e-9 * self.pulse.peak
+
+        def best_of(found: Sequence[tuple[float, float]]) -> list[float]:
+            """Return the best few starts; of those that are as good, those next to the centre first."""
+            top = max(margin for margin, _ in found)
+
+            def rank(one: tuple[float, float]) -> tuple[float, float]:
+                behind = top - one[0]
+                return (0.0 if behind < same else behind), abs(one[1] - centre)
+
+            return [start for _, start in sorted(found, key=rank)[:KEPT]]
+
+        best = best_of(near.scan(centre))
+        span = SCANNED * COARSE * duration
+        for _ in range(ZOOMS):
+            tried = {start for middle in best for start in (middle + np.linspace(-span, span, ZOOMED)).tolist()}
+            best = best_of([(near.at(start)[0], start) for start in sorted({*tried, *best, centre})])
+            span *= 2.0 / (ZOOMED - 1)
+        start = best[0]
+        end = begin + step * (values.size - 1)
+        return Placement(
+            start,
+            *near.at(start),
+            max(begin - (start - self.before * duration), 0.0) / duration,
+            max(start + (1.0 + self.after) * duration - end, 0.0) / duration,
+        )
+
+
+class _Comparison:
+    """The part of a record about a pulse beside the curves of a band, which slide over it."""
+
+    def __init__(self, band: PulseBand, values: Array, step: float, begin: float) -> None:
+        self.band, self.values = band, values
+        self.time = np.asarray(begin + step * np.arange(values.size), dtype=np.float64)
+        self.grid = band.grid()
+        self.low, self.high = band.curves(self.grid)
+        self.dense = step <= FINEST * band.pulse.duration
+
+    def at(self, start: float) -> tuple[float, float, bool]:
+        """Return the smallest distance of a start to the curves, when, and whether to the upper one.
+
+        Straight lines join the samples, so that they are compared themselves, and between them the grid.
+        """
+        worst = (np.inf, np.nan, True)
+        for time in (self.time, None if self.dense else self.grid + start):
+            if time is None:
+                continue
+            from_start = self.time - start if time is self.time else self.grid
+            inside = (from_start >= self.grid[0]) & (from_start <= self.grid[-1])
+            inside &= (time >= self.time[0]) & (time <= self.time[-1])
+            if not np.any(inside):
+                continue
+            if time is self.time:
+                record = self.values[inside]
+                low, high = (np.interp(from_start[inside], self.grid, curve) for curve in (self.low, self.high))
+            else:
+                record, low, high = np.interp(time[inside], self.time, self.values), self.low[inside], self.high[inside]
+            for room, above in ((high - record, True), (record - low, False)):
+                k = int(np.argmin(room))
+                if room[k] < worst[0]:
+                    worst = float(room[k]), float(time[inside][k]), above
+        return worst if worst[0] < np.inf else (-np.inf, start, True)
+
+    def scan(self, centre: float) -> list[tuple[float, float]]:
+        """Return the smallest distance of each start within reach, on one grid over which the curves slide."""
+        band, fine = self.band, COARSE * self.band.pulse.duration
+        first, count = round(band.before / COARSE), round((1.0 + band.before + band.after) / COARSE) + 1
+        reach = round(REACH / COARSE)
+        low, high = band.curves(np.asarray(fine * (np.arange(count) - first), dtype=np.float64))
+        times = centre + fine * (np.arange(count + 2 * reach) - first - reach)
+        record = np.interp(times, self.time, self.values, left=np.nan, right=np.nan)
+        windows = np.lib.stride_tricks.sliding_window_view(record, count)[::SCANNED]
+        out = np.fmin(high - windows, windows - low)
+        margins = np.where(np.isfinite(out).any(axis=1), np.fmin.reduce(out, axis=1), -np.inf)
+        starts = centre + fine * (SCANNED * np.arange(windows.shape[0]) - reach)
+        return list(zip(margins.tolist(), starts.tolist(), strict=True))

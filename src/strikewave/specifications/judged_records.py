@@ -1,4 +1,4 @@
-"""Measured records against a specification: each blow of each file, then shocks by direction and their rate."""
+"""Measured records and spectra against a specification: each blow, then shocks by direction and their rate."""
 
 from __future__ import annotations
 
@@ -16,30 +16,33 @@ from strikewave.base.constants import COVERAGE
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.first_few import first_few
 from strikewave.base.shock_quantities import MICROSECONDS
-from strikewave.records.budget import RECORD, Budget
+from strikewave.records.budget import RECORD, SAMPLING, Budget
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measured_uncertainty import BlowUncertainty
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 from strikewave.signal.filters import Filter
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, Rule, together
-from strikewave.specifications.ideal_pulses import IdealPulse
+from strikewave.specifications.ideal_pulses import REACH, IdealPulse
 from strikewave.specifications.judging import (
+    CANNOT_TELL,
+    FAIL,
     INDICATIVE,
+    PASS,
     Clause,
     Limits,
     MeasuredFigure,
     PulseLimits,
+    Rule,
     Shock,
     ShockVerdict,
     judge_shock,
     judged,
     not_judged,
     refused,
+    together,
     worst_clauses,
 )
-from strikewave.specifications.pulse_bands import REACH
 from strikewave.specifications.reading import Specification
 from strikewave.specifications.shock_directions import (
     CountedShock,
@@ -49,6 +52,7 @@ from strikewave.specifications.shock_directions import (
     direction_clauses,
     direction_fits,
 )
+from strikewave.specifications.spectrum_limits import SpectrumLimits
 
 Array = NDArray[np.float64]
 
@@ -448,3 +452,57 @@ def _rate(usable: Sequence[tuple[FileReading, ChannelReading]], specification: S
     if not intervals:
         return [not_judged("shocks a second", limits, "Hz", "no record holds two shocks")]
     return [judged("shocks a second", 1.0 / float(np.median(intervals)), limits, "Hz")]
+
+
+class JudgedSpectrum(NamedTuple):
+    """A spectrum with its verdict."""
+
+    name: str
+    file: str
+    channel: str
+    frequency: Array
+    values: Array
+    clauses: tuple[Clause, ...]
+
+    @property
+    def verdict(self) -> str:
+        """Of its clauses together."""
+        return together(clause.verdict for clause in self.clauses)
+
+
+def asked_of_spectra(rule: Rule = "simple", strict: bool = False, budget: Budget | None = None) -> Asked:
+    """Return how spectra are judged: without a budget uncertainty plays a part in a guarded decision alone."""
+    return Asked(rule, strict, budget, from_record=(RECORD, SAMPLING) if rule == "guarded" else ())
+
+
+@declare.dataclass
+class SpectraVerdict:
+    """The verdict on spectra, each judged by itself.
+
+    Attributes
+    ----------
+    limits : SpectrumLimits
+        What it asks.
+    spectra : tuple of JudgedSpectrum
+        In the order of the files.
+    """
+
+    specification: Specification = declare.part(Specification, "what they are judged by", inline=True)
+    limits: SpectrumLimits
+    asked: Asked = declare.part(Asked, "how", inline=True)
+    spectra: tuple[JudgedSpectrum, ...]
+
+    @declare.computed(VERDICT)
+    def verdict(self) -> str:
+        """Of all spectra together."""
+        return together(one.verdict for one in self.spectra)
+
+    @declare.computed(BY_INDICATIVE)
+    def by_indicative(self) -> bool:
+        """Whether the verdict rests on a limit that is from memory."""
+        return rests_on_indicative(self.clauses, self.verdict)
+
+    @declare.computed(declare.rows(Clause, "clauses of all spectra"))
+    def clauses(self) -> list[Clause]:
+        """Clauses of all spectra, with file and channel."""
+        return [replace(clause, file=one.file, channel=one.channel) for one in self.spectra for clause in one.clauses]

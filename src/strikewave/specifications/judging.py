@@ -7,9 +7,9 @@ does not allow to be stated is not: the verdict is ``cannot-tell`` with the reas
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,52 @@ from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
 from strikewave.base.percents import percent
 from strikewave.signal.pulse import FEWEST_INTERVALS, crossing, refine_peak
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS, Rule, decide, together
-from strikewave.specifications.ideal_pulses import IdealPulse
-from strikewave.specifications.pulse_bands import Placement, PulseBand
+from strikewave.specifications.ideal_pulses import IdealPulse, Placement, PulseBand
+
+Rule = Literal["simple", "guarded"]
+PASS, FAIL, CANNOT_TELL, NOT_JUDGED = "pass", "fail", "cannot-tell", "not-judged"
+"""Verdicts; what is not judged lacks what only the user can say, such as the directions of the shocks."""
+WORST_FIRST = (FAIL, CANNOT_TELL, PASS)
+
+
+def decide(margin: float, uncertainty: float = 0.0, rule: Rule = "simple") -> str:
+    """Return the verdict on a margin to the nearest limit, positive inside.
+
+    Parameters
+    ----------
+    margin : float
+        Distance to the nearest limit.
+    uncertainty : float, optional
+        Expanded uncertainty of the value; where it is not known (NaN), a guarded decision states nothing.
+    rule : str, optional
+        ``simple`` or ``guarded``.
+
+    Examples
+    --------
+    >>> [decide(margin, 2.0, "guarded") for margin in (3.0, 1.0, -1.0, -3.0)]
+    ['pass', 'cannot-tell', 'cannot-tell', 'fail']
+    >>> decide(1.0, 2.0), decide(0.0), decide(-1e-9), decide(1.0, math.nan, "guarded")
+    ('pass', 'pass', 'fail', 'cannot-tell')
+    """
+    guard = uncertainty if rule == "guarded" else 0.0
+    if math.isnan(margin) or math.isnan(guard):
+        return CANNOT_TELL
+    if margin >= guard:
+        return PASS
+    return FAIL if margin < -guard or guard == 0.0 else CANNOT_TELL
+
+
+def together(verdicts: Iterable[str]) -> str:
+    """Return the verdict of several: what fails one fails all, and of nothing nothing can be said.
+
+    Examples
+    --------
+    >>> together(["pass", "cannot-tell"]), together(["pass", "not-judged"]), together([])
+    ('cannot-tell', 'pass', 'cannot-tell')
+    """
+    found = set(verdicts)
+    return next((verdict for verdict in WORST_FIRST if verdict in found), CANNOT_TELL)
+
 
 Array = NDArray[np.float64]
 

@@ -14,9 +14,8 @@ from strikewave.base import declare
 from strikewave.base.errors import EXISTING_FILE, InputError, nearest, show
 from strikewave.base.toml_text import read_toml
 from strikewave.cases.paths import Form
-from strikewave.specifications.ideal_pulses import IdealPulse, from_width
+from strikewave.specifications.ideal_pulses import IdealPulse, PulseBand, from_width
 from strikewave.specifications.judging import Limits, PulseLimits, weakest
-from strikewave.specifications.pulse_bands import PulseBand
 from strikewave.specifications.spectrum_limits import DecibelBand, SpectrumLimits
 from strikewave.specifications.tables import (
     ConditionTable,

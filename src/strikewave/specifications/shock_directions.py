@@ -12,8 +12,7 @@ from typing import NamedTuple
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.first_few import first_few
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
-from strikewave.specifications.judging import Clause, Limits, judged, not_judged
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, Clause, Limits, judged, not_judged
 from strikewave.specifications.reading import ShockCount
 
 DIRECTIONS = ("+x", "-x", "+y", "-y", "+z", "-z")

@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, Rule
-from strikewave.specifications.judging import ROUNDING, Clause, Limits, refused, weakest
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, ROUNDING, Clause, Limits, Rule, refused, weakest
 
 Array = NDArray[np.float64]
 

@@ -26,7 +26,7 @@ step may then be apart."""
 STRESS = ".peak_stress"
 """End of the name of the stress at a tap of a bar."""
 BALANCE = {"energy_error": "energy", "momentum_error": "momentum", "hourglass_share": "hourglass"}
-"""Numbers of the balances of elements, and what of `strikewave.fem.measures.BalanceMeasure` each is."""
+"""Numbers of the balances of elements, and what of `strikewave.fem.run.BalanceMeasure` each is."""
 OF_MODEL = {
     "first.peak_force": "N", "first.force_width": "s",
     "contact_force_peak": "N", "energy_error": "1", "momentum_error": "1", "hourglass_share": "1",

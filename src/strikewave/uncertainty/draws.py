@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any, Literal
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel
 
-from strikewave.base.errors import MISSING, InputError
+from strikewave.base.errors import MISSING, InputError, StrikewaveError
 from strikewave.base.quantities import DEVIATIONS, TRUNCATION, Range, Value
 from strikewave.base.units import DIMENSIONS
 from strikewave.cases.by_path import with_quantities
@@ -318,3 +319,64 @@ def _exactly(one: UncertainInput, number: float) -> Value:
     number = float(number)
     typed = f"{number!r} {one.allowed.unit}" if one.allowed.unit in DIMENSIONS else number
     return Value(si=number, typed=typed, provenance=one.value.provenance, note=one.value.note)
+
+
+STEPS = 10
+"""Halvings by which the end of what is allowed is found: to a thousandth of the side of a range."""
+
+
+def allowed_inputs(
+    case: Case, inputs: Sequence[UncertainInput], build: Callable[[Case], object]
+) -> tuple[UncertainInput, ...]:
+    """Return inputs, each on the part of its range that the case allows while the others are nominal.
+
+    Parameters
+    ----------
+    case : Case
+        Whose inputs they are.
+    inputs : sequence of UncertainInput
+        What moves, and how far.
+    build : callable
+        Makes of a case what runs, and raises where parts of it do not go together.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> from strikewave.analyses.machine.build import build_machine
+    >>> from strikewave.uncertainty.known import known_inputs
+    >>> pad = ["contact.cushion.retardation=20 us", "contact.restitution=1"]
+    >>> case = load_case("iec-60068-2-27-rubber", pad)
+    >>> known = known_inputs(case)
+    >>> sorted({one.path for one in known} - {one.path for one in allowed_inputs(case, known, build_machine)})
+    ['contact.restitution']
+    """
+
+    def goes(moved: UncertainInput, number: float) -> bool:
+        columns = {one.path: np.full((1, one.count), one.value.si) for one in inputs}
+        columns[moved.path][:] = number
+        try:
+            build(drawn_case(case, inputs, together(inputs, columns)[0].tolist()))
+        except (StrikewaveError, ValueError, ArithmeticError):
+            return False
+        return True
+
+    def end(one: UncertainInput, wanted: float) -> float:
+        if goes(one, wanted):
+            return wanted
+        good, bad = one.value.si, wanted
+        for _ in range(STEPS):
+            middle = 0.5 * (good + bad)
+            good, bad = (middle, bad) if goes(one, middle) else (good, middle)
+        return good
+
+    if not inputs or not goes(inputs[0], inputs[0].value.si):
+        return tuple(inputs)
+    kept = []
+    for one in inputs:
+        low, high = end(one, one.low), end(one, one.high)
+        if (low, high) == (one.low, one.high):
+            kept.append(one)
+        elif high > low:
+            reason = f"{one.reason}; as far as the case allows"
+            kept.append(dataclasses.replace(one, low=low, high=high, reason=reason))
+    return tuple(kept)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from strikewave.base.percents import percent
 from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
 from strikewave.contact.law import Contact, check_end, striking_law
-from strikewave.waves import _impact_kernels, _kernels
+from strikewave.waves import _kernels
 from strikewave.waves._kernels import Extremes, Recording
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import (
@@ -697,7 +697,7 @@ def _run(
     run_steps = rows * every + 1
     if isinstance(load, Impactor):
         table = np.zeros((_MOST_TOUCHES, 3))
-        count, speed, entered, through, lost, deepest = _impact_kernels.strike(
+        count, speed, entered, through, lost, deepest = _kernels.strike(
             tables,
             state,
             _law(load),

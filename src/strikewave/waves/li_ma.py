@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.signal.monotone_cubic import monotone_cubic
+from strikewave.signal.interpolation import monotone_cubic
 from strikewave.waves.layers import Layer, Stack
 
 Floats = NDArray[np.float64]

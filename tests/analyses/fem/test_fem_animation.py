@@ -18,7 +18,7 @@ from strikewave.analyses.fem.figures import animation as fem_animation
 from strikewave.analyses.fem.figures.animation import chosen, fem_page, movie_of, write_fem_gif
 from strikewave.analyses.fem.run import run_model
 from strikewave.cli.app import app
-from strikewave.fem.measures import mean_force
+from strikewave.fem.run import mean_force
 
 COARSE = ["mesh.part.striker.size=3 mm", "mesh.part.bar.size=3 mm", "fem.duration=40 us", "fem.interval=0.4 us"]
 HOSTILE = 'a <b> & "c" </script><script>alert(1)</script>'

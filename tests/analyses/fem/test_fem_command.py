@@ -169,8 +169,7 @@ def test_the_document_has_its_keys_and_every_number_its_unit(bars):
 
 def test_a_part_is_measured_along_its_change_of_velocity(bars):
     """A half-sine of acceleration, aslant: peak (sin(u)/u of it, the mean of an interval), width, and its integral."""
-    from strikewave.fem.measures import part_measure
-    from strikewave.fem.run import PartHistory
+    from strikewave.fem.run import PartHistory, part_measure
 
     step, lasts, peak = 0.1e-6, 40e-6, 5e4
     time = step * np.arange(801)
@@ -499,7 +498,7 @@ def test_wrong_input_is_refused_in_one_line_and_nothing_is_written(strikewave, s
     ("table", "said"),
     [
         ('boundary]]\nkind = "symmetry"\nside = "anvil"', "fem.boundary.0.side: got"),
-        ('tie]]\nside = "striker.z-"\nonto = "anvil.z+"', "fem.tie.0.side: got"),
+        ('tie]]\nside = "striker.z-"\nonto = "anvil.z+"', "fem.contact.0.side: got"),
         ('wall]]\nside = "anvil.z+"\nnormal = "z"\npoint = { z = "25 mm" }', "fem.wall.0: got"),
         (
             'boundary]]\nkind = "fixed"\nside = "anvil.z+"\n[[fem.boundary]]\nkind = "driven"\nside = "anvil.z+"\n'

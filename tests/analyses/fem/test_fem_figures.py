@@ -19,10 +19,9 @@ from strikewave.analyses.fem.result import FemSolution
 from strikewave.base.errors import InputError
 from strikewave.base.result import FAILED, Notice
 from strikewave.cases.case import load_case
-from strikewave.fem.measures import balance_measure, blow_axis, contact_measure, near_axis
 from strikewave.fem.mesh import exterior, exterior_faces, joined
 from strikewave.fem.model import SurfaceContact, Symmetry
-from strikewave.fem.run import FieldFrame
+from strikewave.fem.run import FieldFrame, balance_measure, blow_axis, contact_measure, near_axis
 
 from ...fem import synthetic
 
@@ -300,7 +299,7 @@ def test_a_sequence_has_one_scale_and_says_its_unit(mesh):
     bar = figure.axes[-1]
     assert bar.get_ylabel() == "von Mises stress (MPa)"
     kept = fem_pictures.kept_elements(mesh, CUT)
-    from strikewave.fem.invariants import von_mises
+    from strikewave.fem.solids import von_mises
 
     highest = max(von_mises(frame.stress)[kept].max() for frame in frames) / 1e6
     assert bar.get_ylim() == pytest.approx((0.0, highest), rel=1e-12)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from strikewave import load_case
 from strikewave.analyses.fem.notices import _unfinished
 from strikewave.analyses.fem.run import run_fem
-from strikewave.fem.measures import top_duration
+from strikewave.fem.run import top_duration
 
 SHORT = ["mesh.part.striker.length=24 mm", "mesh.part.bar.at.z=24 mm", "mesh.part.bar.length=36 mm", "fem.frames=0"]
 SHORT += ["fem.section.gauge.point.z=40.1 mm", "fem.duration=13 us"]

@@ -403,7 +403,7 @@ def test_wrong_input_is_refused_in_one_line(changes, field, words):
         ('[[fem.section]]\nname = "s"\npart = "blok"\npoint = {}\nnormal = "z"\n', "fem.section.s.part", '"block"'),
         ('[[fem.point]]\nname = "p"\npart = "bal"\nplace = {}\n', "fem.point.p.part", 'did you mean "ball"'),
         ('[[fem.point]]\nname = "p"\npart = "ball"\nplace = {}\n' * 2, "fem.point", "each name once"),
-        ('[[fem.tie]]\nside = "ball.round"\nonto = "ball.x-"\n', "fem.tie.0.onto", "shares no nodes"),
+        ('[[fem.tie]]\nside = "ball.round"\nonto = "ball.x-"\n', "fem.contact.0.onto", "shares no nodes"),
         ('[[fem.wall]]\nside = "block.z-"\nnormal = {}\n', "fem.wall.0.normal", "a vector that is not 0"),
         ('[[fem.wall]]\nside = "block.z-"\nnormal = "up"\n', "fem.wall.0.normal", '"z"'),
         ('[[fem.boundary]]\nkind = "guided"\nside = "ball"\naxis = {}\n', "fem.boundary.2.axis", "not 0"),

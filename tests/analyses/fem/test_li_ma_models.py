@@ -8,8 +8,8 @@ import pytest
 from strikewave.analyses.fem.run import run_fem
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cases.case import load_case
-from strikewave.fem.measures import balance_measure
 from strikewave.fem.model import NonReflecting
+from strikewave.fem.run import balance_measure
 from strikewave.papers.li_ma_2019.assumed import FRAME, answer, changed, dimensions, mesh_rows, seats, studied
 from strikewave.papers.li_ma_2019.execution import executing
 from strikewave.papers.li_ma_2019.runs import coarser

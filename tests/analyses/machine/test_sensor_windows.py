@@ -10,7 +10,7 @@ from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.readings import MOST_A_WINDOW, RIGID_STEP, pulse_axis
 from strikewave.cases.tables.sensor import SensorTable
 from strikewave.sensors import Reading
-from strikewave.sensors.channel import still_on
+from strikewave.sensors.trial import still_on
 
 G = 9.80665
 

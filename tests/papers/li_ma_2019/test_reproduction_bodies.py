@@ -15,7 +15,7 @@ from strikewave.base.errors import InputError
 from strikewave.base.materials import material
 from strikewave.cases.case import parse_case
 from strikewave.contact import Chain, ChainContact, hertz, simulate
-from strikewave.fem.measures import interval_means
+from strikewave.fem.run import interval_means
 from strikewave.fem.solids import Elastic
 from strikewave.papers.li_ma_2019.beams import (
     MIDDLE_SHARE,

@@ -7,7 +7,7 @@ import pytest
 
 from strikewave.analyses.fem.run import run_fem
 from strikewave.cases.case import load_case
-from strikewave.fem.measures import interval_means, mean_force
+from strikewave.fem.run import interval_means, mean_force
 from strikewave.papers.li_ma_2019.element_pulses import element_numbers, rise_slope, whole_force
 from strikewave.papers.li_ma_2019.execution import within
 from strikewave.papers.li_ma_2019.further import NO_YIELD

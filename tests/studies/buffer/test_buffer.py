@@ -17,10 +17,9 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import parse_case
 from strikewave.cases.tables.sensor import SensorTable
 from strikewave.cases.written_case import dump_case
-from strikewave.contact.cushions import Pad, elastomer, retardation_of, retarded
-from strikewave.contact.cushions.carried import carried
+from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
 from strikewave.sensors import Recorder, Sensor
-from strikewave.sensors.channel import SensorChannel
+from strikewave.sensors.trial import SensorChannel
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.signal.srs import srs
 from strikewave.studies.buffer.candidate import RINGING, BufferGoal, assess, carries, look_closer, ranked, withstands

@@ -12,7 +12,7 @@ from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.cases.case import parse_case
 from strikewave.cases.written_case import dump_case
-from strikewave.signal.resampling import resampled
+from strikewave.signal.interpolation import resampled
 from strikewave.studies.fit.estimation import Search
 from strikewave.studies.fit.fast_run import FastRun
 from strikewave.studies.fit.free_fields import free_fields

@@ -11,7 +11,7 @@ import strikewave
 from strikewave import load_case
 from strikewave.analyses.fem.run import run_fem
 from strikewave.base.errors import InputError
-from strikewave.fem.measures import balance_measure
+from strikewave.fem.run import balance_measure
 from strikewave.studies.engine.case_evaluation import read_kept
 from strikewave.studies.sweep.effects import main_effect, share_by_chance
 from strikewave.studies.sweep.figures import drawn_settings, sweep_picture

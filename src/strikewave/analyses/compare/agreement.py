@@ -16,9 +16,9 @@ from strikewave.base.shock_quantities import OF_FIGURE, RATIO
 from strikewave.reporting.numbers import headed, percent, shown
 from strikewave.reporting.parts import written
 from strikewave.signal.alignment import EvenHistory, Shift, are_opposite, by_correlation, by_onset, by_peak
+from strikewave.signal.interpolation import resampled, share_above
 from strikewave.signal.iso18571 import SAMPLES, Rating, rate
 from strikewave.signal.pulse import Pulse
-from strikewave.signal.resampling import resampled, share_above
 from strikewave.signal.srs import QUALITY, octaves, srs
 
 Array = NDArray[np.float64]

@@ -173,7 +173,7 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
     InputError
         If they have no time in common.
     """
-    from strikewave.signal.resampling import resampled
+    from strikewave.signal.interpolation import resampled
 
     first = curves[0].history
     begin = max(one.history.start + shift for one, shift in zip(curves, shifts, strict=True))

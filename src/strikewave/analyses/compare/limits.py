@@ -18,7 +18,7 @@ from strikewave.base.units import parse_quantity, typed_number
 from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import NO_DOUBT, axis_unit, doubted
 from strikewave.reporting.parts import written
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, together
 
 RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
 METRICS = {

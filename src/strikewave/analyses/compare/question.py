@@ -37,7 +37,7 @@ from strikewave.reporting.options.kinds import wrong_choice
 from strikewave.signal.alignment import Shift, are_opposite
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import measure_pulse
-from strikewave.specifications.decisions import Rule
+from strikewave.specifications.judging import Rule
 
 MEASURED = ("record", "campaign")
 """Kinds of histories that were measured."""

@@ -27,7 +27,7 @@ from strikewave.reporting.parts import Part, Picture, Section, Table
 from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import save
 from strikewave.signal.iso18571 import RATE, SAMPLES
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS
 
 SIDES = "A is the reference; the shift is added to the times of B."
 

@@ -38,7 +38,7 @@ from strikewave.reporting.parts import Tag, written
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.signal.filters import Filter
 from strikewave.signal.iso18571 import RATE, SAMPLES
-from strikewave.specifications.decisions import together
+from strikewave.specifications.judging import together
 
 Array = NDArray[np.float64]
 

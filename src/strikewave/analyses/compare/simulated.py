@@ -24,8 +24,8 @@ from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import load_case
 from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory
+from strikewave.signal.motion import zero_before
 from strikewave.signal.pulse import FOOT
-from strikewave.signal.zero import zero_before
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,6 @@ from strikewave.reporting.clause_words import clause_words, decision_words
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, Rule
 from strikewave.specifications.judged_records import (
     BY_INDICATIVE,
     HOLDS,
@@ -27,9 +26,12 @@ from strikewave.specifications.judged_records import (
     rests_on_indicative,
 )
 from strikewave.specifications.judging import (
+    CANNOT_TELL,
+    FAIL,
     Clause,
     MeasuredFigure,
     PulseLimits,
+    Rule,
     Shock,
     ShockVerdict,
     judge_shock,

@@ -44,8 +44,6 @@ from strikewave.cases.tables.mesh import (
     Tube,
     ZerilliArmstrongTable,
 )
-from strikewave.fem.checks import control_faults
-from strikewave.fem.grading import GROWTH, Grading, nodes_between
 from strikewave.fem.mesh import FACES, Mesh, joined
 from strikewave.fem.model import (
     AnyBoundary,
@@ -65,10 +63,24 @@ from strikewave.fem.model import (
     Tie,
     TimeCurve,
     Vector,
+    control_faults,
 )
 from strikewave.fem.quality import check_mesh
-from strikewave.fem.round_shapes import TubeSize, ball, cylinder, half_cylinder, half_space, tube
-from strikewave.fem.shapes import FrameSize, block, frame, moved, renamed, turned
+from strikewave.fem.sections import GROWTH, Grading, nodes_between
+from strikewave.fem.shapes import (
+    FrameSize,
+    TubeSize,
+    ball,
+    block,
+    cylinder,
+    frame,
+    half_cylinder,
+    half_space,
+    moved,
+    renamed,
+    tube,
+    turned,
+)
 from strikewave.fem.solids import AnySolid, Bilinear, Elastic, JohnsonCook, ZerilliArmstrong
 
 ROUGH = 2.0
@@ -336,8 +348,8 @@ def _sides(fem: FemTable) -> Iterator[tuple[str, str]]:
         yield f"fem.contact.{k}.first", pair.first
         yield f"fem.contact.{k}.second", pair.second
     for k, tie in enumerate(fem.tie):
-        yield f"fem.tie.{k}.side", tie.side
-        yield f"fem.tie.{k}.onto", tie.onto
+        yield f"fem.contact.{k}.side", tie.side
+        yield f"fem.contact.{k}.onto", tie.onto
     for kind, rows in (("wall", fem.wall), ("boundary", fem.boundary)):
         for k, row in enumerate(rows):
             yield f"fem.{kind}.{k}.side", row.side
@@ -357,7 +369,7 @@ def _check_sides(mesh: Mesh, fem: FemTable) -> None:
         if side not in known:
             raise InputError(path, name, f"a side of {part}: {', '.join(known)}", _nearest_side(part, side, known))
     pairs = [(f"fem.contact.{k}.second", row.first, row.second) for k, row in enumerate(fem.contact)]
-    pairs += [(f"fem.tie.{k}.onto", row.side, row.onto) for k, row in enumerate(fem.tie)]
+    pairs += [(f"fem.contact.{k}.onto", row.side, row.onto) for k, row in enumerate(fem.tie)]
     for path, first, second in pairs:
         if np.intersect1d(mesh.side(side_name(first)), mesh.side(side_name(second))).size:
             raise InputError(path, second, f"a side that shares no nodes with {first}")
@@ -414,8 +426,8 @@ def _tables(model: Model) -> Iterator[tuple[str, str]]:
         for kind in ("wall", "contact"):
             yield f"{kind} {wall.name}", f"fem.wall.{k}"
     for k, tie in enumerate(model.ties):
-        yield f"tie of {tie.side}", f"fem.tie.{k}.side"
-        yield f"{tie.side} and {tie.onto}", f"fem.tie.{k}"
+        yield f"tie of {tie.side}", f"fem.contact.{k}.side"
+        yield f"{tie.side} and {tie.onto}", f"fem.contact.{k}"
 
 
 def vector(table: Any) -> Vector:
@@ -555,7 +567,7 @@ def _from_file(rows: Sequence[FilePart]) -> Mesh:
     InputError
         If a part of the file has no row or two, a row no part, or the rows differ in their unit.
     """
-    from strikewave.fem.imported import read_mesh
+    from strikewave.fem.mesh_files import read_mesh
 
     first, units = rows[0], {row.unit.si if row.unit else 1.0 for row in rows}
     if len(units) > 1:

@@ -18,7 +18,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.exchange.deck import Heading
 from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
-from strikewave.exchange.radioss.deck import radioss_deck
+from strikewave.exchange.radioss import radioss_deck
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.model import Model
 from strikewave.reporting.options.output import Output

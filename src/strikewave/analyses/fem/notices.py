@@ -15,21 +15,23 @@ from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.comparisons import origin_notices
 from strikewave.cases.material_notices import material_notices
-from strikewave.fem.blow_measures import PRESSES, pressing_at_end, still_presses
-from strikewave.fem.measures import (
-    ENERGY_LIMIT,
-    HOURGLASS_LIMIT,
-    TOP,
-    BalanceMeasure,
-    contact_measure,
-    top_duration,
-)
+from strikewave.fem.contact import thickness
 from strikewave.fem.mesh import TINY
 from strikewave.fem.model import Model, stays
-from strikewave.fem.repeated_blows import ROUNDING
-from strikewave.fem.run import FemRun
+from strikewave.fem.run import (
+    ENERGY_LIMIT,
+    HOURGLASS_LIMIT,
+    PRESSES,
+    TOP,
+    BalanceMeasure,
+    FemRun,
+    contact_measure,
+    pressing_at_end,
+    still_presses,
+    top_duration,
+)
 from strikewave.fem.solids import Bilinear, HeatedSolid
-from strikewave.fem.surfaces import thickness
+from strikewave.fem.solve import ROUNDING
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import written
 from strikewave.signal.pulse import FEWEST_INTERVALS
@@ -57,7 +59,7 @@ RISING = 0.9
 RESTLESS, REST_YIELD = 1e-9, 1e-4
 """Shares of the energy of a blow that may be left as vibration before it, and taken by yield on the way to rest.
 
-Ten times what relaxation aims at (`strikewave.fem.repeated_blows.REST`); and a hundredth of the 1 % of the balance."""
+Ten times what relaxation aims at (`strikewave.fem.solve.REST`); and a hundredth of the 1 % of the balance."""
 
 
 def all_notices(solution: FemSolution) -> Iterator[Notice]:

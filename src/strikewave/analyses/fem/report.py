@@ -27,14 +27,10 @@ from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture,
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.sectors import unlike_sectors
 from strikewave.base.shock_quantities import DENSITY, LENGTH, MASS, MICROSECONDS, MODULUS, STEP, STRESS, VELOCITY
-from strikewave.fem.blow_measures import still_presses
-from strikewave.fem.invariants import von_mises
-from strikewave.fem.measures import ALIGNED, EnergyExtent, contact_measure
 from strikewave.fem.quality import PartQuality, quality_report
-from strikewave.fem.run import ENERGIES, FemRun
-from strikewave.fem.skin import blow_contact, faces_on
-from strikewave.fem.snapshots import Snapshot, SnapshotRecorder, recorder_from_frames
-from strikewave.fem.solids import AnySolid, Bilinear, JohnsonCook, ZerilliArmstrong
+from strikewave.fem.run import ALIGNED, ENERGIES, EnergyExtent, FemRun, contact_measure, still_presses
+from strikewave.fem.snapshots import Snapshot, SnapshotRecorder, blow_contact, faces_on, recorder_from_frames
+from strikewave.fem.solids import AnySolid, Bilinear, JohnsonCook, ZerilliArmstrong, von_mises
 from strikewave.reporting import chapters
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.columns import Column, page_table

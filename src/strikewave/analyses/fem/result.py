@@ -20,25 +20,29 @@ from strikewave.base.result import BALANCE_LIMIT, ELEMENTS_SCHEMA, BalanceCheck,
 from strikewave.base.shock_quantities import ENERGY, FORCE, MEASURED_IMPULSE, RATIO, RESTITUTION, STEP
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.comparisons import comparisons
-from strikewave.fem.blow_measures import blow_measure
-from strikewave.fem.measures import (
+from strikewave.fem.model import Model
+from strikewave.fem.run import (
     BALANCE_ERROR,
     BODY_MASS,
     CONTACT_FORCE,
+    ENERGIES,
     ENERGY_LIMIT,
     HOURGLASS_LIMIT,
     BalanceMeasure,
     ContactMeasure,
+    FemRun,
+    FieldFrame,
+    PartHistory,
     PartMeasure,
+    Rest,
     balance_measure,
+    blow_measure,
     contact_measure,
     mean_acceleration,
     mean_force,
     middles,
     part_measure,
 )
-from strikewave.fem.model import Model
-from strikewave.fem.run import ENERGIES, FemRun, FieldFrame, PartHistory, Rest
 from strikewave.fem.snapshots import SnapshotRecorder
 from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table

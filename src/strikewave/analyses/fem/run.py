@@ -14,11 +14,10 @@ from strikewave.base import citations
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.cases.case import Case
 from strikewave.fem.device.devices import device_named
-from strikewave.fem.invariants import von_mises
 from strikewave.fem.model import Model, NonReflecting
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.snapshots import SNAPSHOTS, snapshot_recorder
-from strikewave.fem.solids import JohnsonCook, ZerilliArmstrong
+from strikewave.fem.solids import JohnsonCook, ZerilliArmstrong, von_mises
 
 if TYPE_CHECKING:
     from strikewave.fem.solve import RunOptions, Writer
@@ -150,7 +149,7 @@ def check_model(model: Model) -> None:
 
 def first_step(model: Model) -> float:
     """Return the time step that a run begins with, s."""
-    from strikewave.fem.masses import fitting, scaled_masses
+    from strikewave.fem.hexahedron import fitting, scaled_masses
 
     controls, rigid = model.controls, {body.part for body in model.rigid}
     with fields_of_case(model):

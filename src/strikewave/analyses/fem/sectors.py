@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from strikewave.cases.case import Case
 from strikewave.fem.boundary import unit
-from strikewave.fem.measures import PartMeasure, part_measure
 from strikewave.fem.model import Fixed, Guided, Model, NonReflecting, Symmetry
 from strikewave.fem.recorder import assembly
-from strikewave.fem.run import FemRun, PartHistory, SectionHistory
-from strikewave.fem.skin import outward
+from strikewave.fem.run import FemRun, PartHistory, PartMeasure, SectionHistory, part_measure
+from strikewave.fem.snapshots import outward
 
 Array = NDArray[np.float64]
 

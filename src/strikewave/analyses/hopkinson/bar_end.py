@@ -23,9 +23,9 @@ from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.shock_quantities import KILOHERTZ, SHARE
 from strikewave.hopkinson import Bar, Carrier, GaugeTrace, Pulses, carried, find_pulses
+from strikewave.hopkinson.alignment import highest_frequency
 from strikewave.hopkinson.bar_end import EndMotion, SensorAgreement, compare_sensor, elastic_disk, free_end, rigid_disk
-from strikewave.hopkinson.onset import noise_ceiling
-from strikewave.hopkinson.shifting import highest_frequency
+from strikewave.hopkinson.pulses import noise_ceiling
 from strikewave.signal.filters import Filter
 from strikewave.waves import Layer
 from strikewave.waves.dispersion import Theory

@@ -34,8 +34,7 @@ from strikewave.cases.tables.hopkinson import (
 )
 from strikewave.cases.tables.performed_test import PerformedTest
 from strikewave.hopkinson import Pulses, Reduction, StressStrainCurve
-from strikewave.hopkinson.bars import Bar, BarMaterial, Specimen, StrikerBar, elastic
-from strikewave.hopkinson.gauges import Bridge
+from strikewave.hopkinson.bars import Bar, BarMaterial, Bridge, Specimen, StrikerBar, elastic
 from strikewave.hopkinson.pulses import GaugeTrace, quieten
 from strikewave.records import Channel, Options, read_record
 from strikewave.records.calibration import Calibration, known_unit

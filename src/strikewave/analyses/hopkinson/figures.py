@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 
 from strikewave.analyses.hopkinson.result import EchoSolution, HopkinsonSolution, SensorSolution
 from strikewave.hopkinson import ANALYSES, stress_difference
+from strikewave.hopkinson.checks import UNIFORM, face_forces
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Reduction
-from strikewave.hopkinson.uniformity import UNIFORM, face_forces
 from strikewave.reporting.curves import put_legend, thin
 from strikewave.reporting.numbers import axis_unit, headed, percent, with_unit
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, WHOLE, new_figure, quiet, sheet_title

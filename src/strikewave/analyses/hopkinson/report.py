@@ -23,9 +23,8 @@ from strikewave.analyses.hopkinson.result import (
 from strikewave.base.declare import GivenUnits, declarations
 from strikewave.base.shock_quantities import BAR_SPEED, KILOHERTZ, LENGTH, MICROSECONDS
 from strikewave.hopkinson import stress_difference, transits_to_uniform
-from strikewave.hopkinson.checks import Energy, Equilibrium, Momentum, StrikerCheck
+from strikewave.hopkinson.checks import UNIFORM, Energy, Equilibrium, Momentum, StrikerCheck
 from strikewave.hopkinson.echoes import Echoes
-from strikewave.hopkinson.uniformity import UNIFORM
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, cell_text, columns_of, face_table, label_of, numbers_of, text_of

@@ -54,9 +54,8 @@ from strikewave.hopkinson import (
     reduce,
     striker_check,
 )
-from strikewave.hopkinson.checks import LASTING, Equilibrium, Momentum, StrikerCheck
+from strikewave.hopkinson.checks import LASTING, UNIFORM, Equilibrium, Momentum, StrikerCheck
 from strikewave.hopkinson.echoes import calibrate_bar
-from strikewave.hopkinson.uniformity import UNIFORM
 from strikewave.waves import BONDED, Layer, Stack
 from strikewave.waves.limits import REFUSED, layer_notices, rise_in_diameters, rise_notices
 

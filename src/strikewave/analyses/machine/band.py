@@ -22,9 +22,8 @@ from strikewave.cases.sensors_of_case import build_channels
 from strikewave.machines import Blow, MachineRun, blows, run_machine
 from strikewave.machines.blows import pulse_window
 from strikewave.machines.fast_run import TrainBlow, fast_train, why_not
-from strikewave.uncertainty.allowed import allowed_inputs
 from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube, moved
-from strikewave.uncertainty.draws import FELT, UncertainInput, drawn, drawn_case
+from strikewave.uncertainty.draws import FELT, UncertainInput, allowed_inputs, drawn, drawn_case
 from strikewave.uncertainty.known import known_inputs
 from strikewave.uncertainty.runs import on_threads, why_failed
 

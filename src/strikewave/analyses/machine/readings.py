@@ -21,7 +21,7 @@ from strikewave.machines.machine import Machine
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import Moments, StackSpan
 from strikewave.sensors import Reading, read
-from strikewave.sensors.channel import (
+from strikewave.sensors.trial import (
     SensorChannel,
     SensorPulse,
     sensor_pulse,

@@ -45,7 +45,7 @@ from strikewave.reporting.stack_chapters import (
 from strikewave.reporting.style import save
 from strikewave.reporting.terminal import progress_bar, say
 from strikewave.reporting.wave_field import WaveField
-from strikewave.uncertainty.beside import computed_beside
+from strikewave.uncertainty.runs import computed_beside
 from strikewave.waves.transit import TimeGrid, field_nodes
 
 if TYPE_CHECKING:

@@ -50,7 +50,7 @@ from strikewave.reporting.numbers import shown, spelled
 from strikewave.reporting.parts import written
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.reporting.shown_units import shown_unit
-from strikewave.sensors.channel import SensorPulse
+from strikewave.sensors.trial import SensorPulse
 from strikewave.waves.transit import LayerUsed, WaveSetup
 
 if TYPE_CHECKING:

@@ -38,7 +38,7 @@ from strikewave.cases.sensors_of_case import sensor_notices
 from strikewave.contact import damping_law, solve_impact
 from strikewave.machines import Blow, Machine
 from strikewave.reporting.bands import lacking_notices
-from strikewave.sensors.channel import channel_notices, sensor_sources
+from strikewave.sensors.trial import channel_notices, sensor_sources
 from strikewave.waves.li_ma import EXACT
 from strikewave.waves.transit import wave_setup
 
@@ -139,12 +139,12 @@ def band_runs_beside(case: Case) -> AbstractContextManager[Callable[[], FastRuns
     """Return what makes the runs of the fast engine for the band of a case in a copy of this process.
 
     The run goes on within. Where they must be compiled first, or the case has none, it gives None; see
-    `strikewave.uncertainty.beside`.
+    `strikewave.uncertainty.runs`.
     """
     if case.launched() or is_cold("run_train"):
         return nullcontext(lambda: None)
     from strikewave.analyses.machine.band import by_fast_engine, fast_runs
-    from strikewave.uncertainty.beside import computed_beside
+    from strikewave.uncertainty.runs import computed_beside
 
     return computed_beside(lambda: fast_runs(case)) if by_fast_engine(case) else nullcontext(lambda: None)
 

@@ -37,7 +37,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
-from strikewave.specifications.decisions import Rule
+from strikewave.specifications.judging import Rule
 
 if TYPE_CHECKING:
     from strikewave.cases.sensor_file import StatedSensor

@@ -159,7 +159,7 @@ class RecordResult(AskedResult):
             If the records hold no acceleration.
         """
         from strikewave.analyses.record.sensor_trials import try_records
-        from strikewave.sensors.channel import SensorChannel, sensor_sources
+        from strikewave.sensors.trial import SensorChannel, sensor_sources
 
         found = try_records(self.readings, self.filter, stated, field)
         notices = (*self.notices, *found.notices)

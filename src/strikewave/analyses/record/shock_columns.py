@@ -6,8 +6,8 @@ import math
 
 from strikewave.reporting.columns import Column
 from strikewave.reporting.shown_result import columns_of_mappings
-from strikewave.specifications.decisions import FAIL, NOT_JUDGED
 from strikewave.specifications.judged_records import RecordsVerdict
+from strikewave.specifications.judging import FAIL, NOT_JUDGED
 
 
 def shock_columns(found: RecordsVerdict) -> list[Column]:

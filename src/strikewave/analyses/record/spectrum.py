@@ -26,9 +26,17 @@ from strikewave.reporting.faces import heads_and_cells, text_of
 from strikewave.reporting.numbers import axis_unit, hertz
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.shown_result import Curve
-from strikewave.signal.envelopes import FEWEST, envelope, tolerance_limit
-from strikewave.signal.srs import Scope, Spectrum, all_srs, response_history, rms_spectrum
-from strikewave.specifications.judged_spectra import SpectraVerdict
+from strikewave.signal.srs import (
+    FEWEST,
+    Scope,
+    Spectrum,
+    all_srs,
+    envelope,
+    response_history,
+    rms_spectrum,
+    tolerance_limit,
+)
+from strikewave.specifications.judged_records import SpectraVerdict
 
 Array = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options.kinds import Typed, wrong_choice
 from strikewave.signal.filters import Filter
 from strikewave.signal.srs import INITIAL, PARTS, SIDES
-from strikewave.specifications.decisions import Rule
+from strikewave.specifications.judging import Rule
 
 LOWEST = 10.0
 """Lowest natural frequency where none is stated, Hz."""

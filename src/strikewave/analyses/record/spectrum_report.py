@@ -18,7 +18,7 @@ from strikewave.reporting.clause_words import held_words, verdict_tag
 from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import hertz, one_in, percent, spelled
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
-from strikewave.signal.envelopes import FEWEST
+from strikewave.signal.srs import FEWEST
 
 MOST_ROWS = 60
 """Frequencies in the table, evenly chosen: spectrum.csv has all."""

@@ -10,7 +10,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import face_contact, refuse_sliding, struck_material
 from strikewave.cases.stack_of_case import need, typed
 from strikewave.cases.tables.stack import LoadTable
-from strikewave.sensors.channel import SensorChannel, shortest_period
+from strikewave.sensors.trial import SensorChannel, shortest_period
 from strikewave.waves import Impactor, Load, LoadPulse, Sampled, Stack, WantedError
 from strikewave.waves.li_ma import EXACT
 from strikewave.waves.load import Prescribed

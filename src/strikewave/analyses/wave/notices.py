@@ -30,7 +30,7 @@ from strikewave.cases.contact_range_notices import (
 from strikewave.cases.material_notices import material_notices
 from strikewave.cases.sensors_of_case import sensor_notices
 from strikewave.reporting.numbers import percent
-from strikewave.sensors.channel import SensorChannel, channel_notices, shortest_period
+from strikewave.sensors.trial import SensorChannel, channel_notices, shortest_period
 from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Stack
 from strikewave.waves.li_ma import too_thin
 from strikewave.waves.limits import (

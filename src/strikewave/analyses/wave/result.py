@@ -37,7 +37,7 @@ from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.sensors import Reading
-from strikewave.sensors.channel import SensorChannel, SensorPulse, sensor_pulse
+from strikewave.sensors.trial import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest
 from strikewave.waves import BarRun, Impactor, Tap
 from strikewave.waves.li_ma import EXACT, RouteHistory

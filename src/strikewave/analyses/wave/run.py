@@ -22,12 +22,11 @@ from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import build_stack, build_taps, check_route, need
 from strikewave.reporting.bands import lacking_notices
 from strikewave.sensors import Reading, Recorder, Sensor, read
-from strikewave.sensors.channel import SensorChannel, sensor_sources
+from strikewave.sensors.trial import SensorChannel, sensor_sources
 from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest, measure_pulse
-from strikewave.uncertainty.allowed import allowed_inputs
 from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube
-from strikewave.uncertainty.draws import drawn, drawn_case
+from strikewave.uncertainty.draws import allowed_inputs, drawn, drawn_case
 from strikewave.uncertainty.known import known_inputs
 from strikewave.uncertainty.runs import on_threads, why_failed
 from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Stack, Tap, run_bar

@@ -23,8 +23,8 @@ from strikewave.base.quantities import (
 from strikewave.cases.tables.base import CaseTable, case_name
 from strikewave.cases.tables.performed_test import PerformedTest
 from strikewave.hopkinson.alignment import Method
+from strikewave.hopkinson.bars import BridgeKind
 from strikewave.hopkinson.echoes import Way
-from strikewave.hopkinson.gauges import BridgeKind
 from strikewave.hopkinson.reduction import Analysis
 from strikewave.waves.dispersion import Theory
 

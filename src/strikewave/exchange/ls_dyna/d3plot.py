@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
-from strikewave.exchange.ls_dyna.ascii import title_of
+from strikewave.exchange.ls_dyna.histories import title_of
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.vtkhdf import MOST_NODES

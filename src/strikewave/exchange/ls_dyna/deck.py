@@ -6,30 +6,368 @@ Sources: LS-DYNA Keyword User's Manual, volumes I and II; Flanagan & Belytschko 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+import math
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from strikewave.exchange.deck import (
+    NEVER,
     Deck,
     Heading,
+    TimeCurve,
+    axis_of,
     checked,
+    driven_nodes,
     has_one_point,
     head_lines,
+    lasting,
     left_out_of_all,
     mesh_columns,
     or_smallest,
     plain,
+    real,
+    restraints,
     rows,
+    tie_distance,
     walls_at_rigid_nodes,
 )
-from strikewave.exchange.ls_dyna.cards import Sets, keyword, remark
-from strikewave.exchange.ls_dyna.loads import STICKS, load_lines
-from strikewave.exchange.ls_dyna.parts import part_lines
 from strikewave.exchange.units import UnitSystem
-from strikewave.fem.model import Model
+from strikewave.fem.contact import TieState
+from strikewave.fem.mesh import Array, Index, Mesh
+from strikewave.fem.model import Driven, Model, NonReflecting, Pressure, Rigid, RigidWall, SurfaceContact, Tie
 from strikewave.fem.recorder import section_elements
-from strikewave.fem.solids import JohnsonCook
+from strikewave.fem.solids import AnySolid, Bilinear, JohnsonCook
+
+Value = int | float | None
+ROUGH = 1e-9
+"""Largest share of a number that a standard field of ten columns may cut off; a long one has twenty.
+
+Far below what two codes agree to, so that the deck is the model."""
+LONGEST_REMARK, REMARK_WIDTH = 2000, 78
+"""Characters of a remark, and of one of its lines: LS-DYNA reads 80 columns, two of them ``$`` and a blank."""
+
+
+def keyword(name: str, *cards: str | Sequence[Value]) -> list[str]:
+    """Return the lines of a keyword; a card is a line as it is, or the values of its fields, None for a blank one.
+
+    Fields have ten columns; all of the keyword have twenty, marked by ``+``, where ten would cut numbers off. A keyword
+    with a line as it is, such as a title, must have numbers that go into ten.
+
+    Examples
+    --------
+    >>> keyword("CONTROL_TERMINATION", [8e-5])
+    ['*CONTROL_TERMINATION', '    8.0e-5']
+    >>> keyword("CONTROL_TERMINATION", [1.23456789012e-5])[0]
+    '*CONTROL_TERMINATION+'
+    """
+    wide = any(_is_rough(value) for card in cards if not isinstance(card, str) for value in card)
+    width = 20 if wide else 10
+    lines = [card if isinstance(card, str) else "".join(_field(value, width) for value in card) for card in cards]
+    return [f"*{name}{'+' if wide else ''}", *lines]
+
+
+def _is_rough(value: Value) -> bool:
+    return isinstance(value, float) and abs(float(_real(value, 10)) - value) > ROUGH * abs(value)
+
+
+def _field(value: Value, width: int) -> str:
+    if value is None:
+        return " " * width
+    return (_real(value, width) if isinstance(value, float) else str(value)).rjust(width)
+
+
+def _real(value: float, width: int) -> str:
+    """Write a number so that it is one with a point too."""
+    text = real(value, width)
+    return text.replace("e", ".0e") if "." not in text and len(text) <= width - 2 else text
+
+
+@dataclass
+class Sets:
+    """Sets and curves of a deck, each written once.
+
+    Attributes
+    ----------
+    mesh : Mesh
+    lines : list of str
+        Those written so far.
+    """
+
+    mesh: Mesh
+    lines: list[str] = field(default_factory=list)
+    _segments: dict[str, int] = field(default_factory=dict)
+    _counts: dict[str, int] = field(default_factory=dict)
+
+    def next(self, kind: str) -> int:
+        """Return the next number of a kind."""
+        self._counts[kind] = self._counts.get(kind, 0) + 1
+        return self._counts[kind]
+
+    def segments(self, side: str) -> int:
+        """Return the number of the set of a side's faces, normals outward."""
+        if side not in self._segments:
+            number = self._segments[side] = self.next("segments")
+            rows = ("%10d" * 4 % tuple(face) for face in (self.mesh.side(side).astype(np.int64) + 1).tolist())
+            self.lines += keyword("SET_SEGMENT_TITLE", plain(side, 80), [number, 0.0, 0.0, 0.0, 0.0], *rows)
+        return self._segments[side]
+
+    def nodes(self, title: str, nodes: Index) -> int:
+        """Write a set of nodes and return its number."""
+        number = self.next("nodes")
+        numbers = (nodes.astype(np.int64) + 1).tolist()
+        rows = (numbers[k : k + 8] for k in range(0, len(numbers), 8))
+        self.lines += keyword("SET_NODE_LIST_TITLE", plain(title, 80), [number, 0.0, 0.0, 0.0, 0.0], *rows)
+        return number
+
+    def curve(self, title: str, curve: TimeCurve, scale: tuple[float, float], until: float) -> int:
+        """Write a curve over time, with factors of time and value, and return its number; ``until`` is in s."""
+        number, long = self.next("curve"), lasting(curve, until)
+        points = (
+            f"{real(t * scale[0], 20):>20}{real(v * scale[1], 20):>20}"
+            for t, v in zip(long.time, long.value, strict=True)
+        )
+        self.lines += keyword("DEFINE_CURVE_TITLE", plain(title, 80), [number, 0, 1.0, 1.0, 0.0, 0.0], *points)
+        return number
+
+    def axes(self, axes: Array) -> int:
+        """Write a local system, its axes by rows, and return its number."""
+        number = self.next("axes")
+        x, y = axes[0].tolist(), axes[1].tolist()
+        self.lines += keyword("DEFINE_COORDINATE_VECTOR", [number, *x, *y])
+        return number
+
+    def vector(self, direction: Sequence[float]) -> int:
+        """Write a vector from the origin, and return its number."""
+        number = self.next("vector")
+        self.lines += keyword("DEFINE_VECTOR", [number, 0.0, 0.0, 0.0, *(float(x) for x in direction)])
+        return number
+
+
+def remark(lines: Sequence[str]) -> list[str]:
+    """Return lines of a comment, none longer than 80 columns."""
+    return [f"$ {text}" for line in lines for text in textwrap.wrap(plain(line, LONGEST_REMARK), REMARK_WIDTH)]
+
+
+ONE_POINT, FULL = 1, 2
+"""Numbers of the sections, and ELFORM of their elements: constant stress; selectively reduced integration."""
+STIFFNESS = 5
+"""IHQ of Flanagan's and Belytschko's stiffness form with exactly integrated volumes."""
+HOURGLASS = 1
+"""Number of the hourglass control."""
+NO_FAILURE = 1e6
+"""D1 of Johnson's and Cook's fracture: a strain that is never reached."""
+CONSTRAINED = {"": 0, "x": 1, "y": 2, "z": 3, "xy": 4, "yz": 5, "xz": 6, "xyz": 7}
+"""CON1 and CON2 of *MAT_RIGID by the axes that are held."""
+
+
+def part_lines(model: Model, system: UnitSystem) -> Iterator[str]:
+    """Yield the lines of sections, hourglass control, parts and their solids."""
+    c, rigid = model.controls, {body.part: body for body in model.rigid}
+    sections = {name: FULL if name in c.full and name not in rigid else ONE_POINT for name in model.mesh.names}
+    for kind in sorted(set(sections.values())):
+        yield from keyword("SECTION_SOLID", [kind, kind])
+    viscous = [or_smallest(c.quadratic_viscosity), or_smallest(c.linear_viscosity)]
+    yield from keyword("HOURGLASS", [HOURGLASS, STIFFNESS, or_smallest(c.hourglass), 1, *viscous])
+    for number, name in enumerate(model.mesh.names, start=1):
+        solid, rigid_body = model.solids[name], rigid.get(name)
+        state = number if isinstance(solid, JohnsonCook) and rigid_body is None else 0
+        yield from keyword("PART", plain(name, 70), [number, sections[name], number, state, HOURGLASS, 0, 0, 0])
+        yield from rigid_solid(number, solid, rigid_body, system) if rigid_body else material(number, solid, system)
+
+
+def material(number: int, solid: AnySolid, system: UnitSystem) -> list[str]:
+    """Return the lines of a solid and, where it needs one, its equation of state, both of the same number.
+
+    Examples
+    --------
+    >>> from strikewave.exchange.units import SYSTEMS
+    >>> from strikewave.fem.solids import Elastic
+    >>> material(1, Elastic(7820.0, 211e9, 0.288), SYSTEMS["mm-t-s"])
+    ['*MAT_ELASTIC', '         1   7.82e-9  211000.0     0.288']
+    """
+    head: list[Value] = [number, solid.density * system.density]
+    moduli = [solid.youngs_modulus * system.stress, solid.poissons_ratio]
+    if isinstance(solid, JohnsonCook):
+        return _johnson_cook(head, moduli, solid, system)
+    if isinstance(solid, Bilinear) and math.isfinite(solid.yield_strength):
+        hardening = [solid.yield_strength * system.stress, solid.tangent_modulus * system.stress]
+        isotropic = 1.0 - solid.kinematic
+        return keyword("MAT_PLASTIC_KINEMATIC", [*head, *moduli, *hardening, isotropic], [0.0, 0.0, 0.0, 0.0])
+    return keyword("MAT_ELASTIC", [*head, *moduli])
+
+
+def _johnson_cook(head: list[Value], moduli: list[float], solid: JohnsonCook, system: UnitSystem) -> list[str]:
+    """Return *MAT_JOHNSON_COOK and *EOS_LINEAR_POLYNOMIAL with p = K mu.
+
+    LS-DYNA turns all plastic work into heat: the specific heat is divided by the share that does here.
+    """
+    stress = system.stress
+    melting = solid.melting_temperature if math.isfinite(solid.melting_temperature) else NEVER
+    heated = math.isfinite(solid.specific_heat) and solid.heat_fraction > 0.0
+    heat = solid.specific_heat / solid.heat_fraction * system.specific_heat if heated else NEVER
+    no_cutoff = -1e3 * moduli[0]
+    number = head[0]
+    return [
+        *keyword(
+            "MAT_JOHNSON_COOK",
+            [*head, solid.shear_modulus * stress, *moduli, 0.0, 1.0, 0.0],
+            [
+                *(solid.A * stress, solid.B * stress, solid.n, solid.C, solid.m),
+                *(melting, solid.room_temperature, solid.reference_rate * system.rate),
+            ],
+            [heat, no_cutoff, 1.0, 0.0, NO_FAILURE, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 1e-6],
+        ),
+        *keyword(
+            "EOS_LINEAR_POLYNOMIAL", [number, 0.0, solid.bulk_modulus * stress, 0.0, 0.0, 0.0, 0.0, 0.0], [0.0, 1.0]
+        ),
+    ]
+
+
+def rigid_solid(number: int, solid: AnySolid, rigid: Rigid, system: UnitSystem) -> list[str]:
+    """Return the lines of the solid of a rigid part; its moduli stiffen contact alone."""
+    constraints = [
+        CONSTRAINED["".join(axis for axis, free in zip("xyz", ways, strict=True) if not free)]
+        for ways in (rigid.translations, rigid.rotations)
+    ]
+    moduli = [solid.youngs_modulus * system.stress, solid.poissons_ratio]
+    return keyword(
+        "MAT_RIGID",
+        [number, solid.density * system.density, *moduli, 0.0, 0.0, 0.0],
+        [1.0 if any(constraints) else 0.0, *constraints],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+    )
+
+
+SEGMENTS, NODES = 0, 4
+"""SURFATYP: a set of segments, a set of nodes."""
+SOFT = 1
+"""Contact stiffness from nodal masses and the time step too, as that of strikewave is."""
+TRACKED = 1
+"""IGNORE: overlaps before the blow stay as they are, without a force."""
+CONSTANT = TimeCurve((0.0,), (1.0,))
+"""A load that does not change: gravity."""
+NO_DEATH, NO_END = 1e20, 1e28
+"""Time at which a contact or wall, and a prescribed motion, ends: LS-DYNA's own defaults for never."""
+DIGITS = 5
+"""Digits of what stands in ten columns beside a title: friction, and the reach of a tie."""
+STICKS = 1.0
+"""FRIC of a wall from which on nodes do not slide at all."""
+
+
+def load_lines(model: Model, system: UnitSystem, sets: Sets, ties: TieState) -> Iterator[str]:
+    """Yield the lines of all that holds, drives, loads and touches; their sets go to ``sets``."""
+    yield from _held(model, sets, ties)
+    for number, contact in enumerate(model.contacts, start=1):
+        yield from _contact(number, contact, sets)
+    for number, tie in enumerate(model.ties, start=len(model.contacts) + 1):
+        yield from _tie(number, tie, system, sets)
+    for wall in model.walls:
+        yield from _wall(wall, system, sets, ties)
+    for boundary in model.boundaries:
+        if isinstance(boundary, Driven):
+            yield from _driven(model, boundary, system, sets, ties)
+        elif isinstance(boundary, Pressure):
+            yield from _pressed(model, boundary, system, sets)
+        elif isinstance(boundary, NonReflecting):
+            yield from keyword("BOUNDARY_NON_REFLECTING", [sets.segments(boundary.side), 0.0, 0.0])
+    yield from _gravity(model, system, sets)
+    yield from _velocities(model, system)
+
+
+def _held(model: Model, sets: Sets, ties: TieState) -> Iterator[str]:
+    for restraint in restraints(model, ties):
+        number = sets.nodes(" and ".join(restraint.sides), restraint.nodes)
+        axes = sets.axes(restraint.axes) if restraint.is_local else 0
+        yield from keyword("BOUNDARY_SPC_SET", [number, axes, *(int(is_held) for is_held in restraint.held), 0, 0, 0])
+
+
+def _contact(number: int, contact: SurfaceContact, sets: Sets) -> list[str]:
+    """Return a contact of two sides, each checked against the other; faces of solids have no thickness."""
+    first, second = sets.segments(contact.first), sets.segments(contact.second)
+    friction = float(f"{contact.friction:.{DIGITS}g}")
+    return keyword(
+        "CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID",
+        f"{number:10d}{plain(contact.name, 70)}",
+        [first, second, SEGMENTS, SEGMENTS, 0, 0, 1, 1],
+        [friction, friction, 0.0, 0.0, 0.0, 0, 0.0, NO_DEATH],
+        [1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0],
+        [SOFT],
+        [0.0],
+        [1, TRACKED],
+    )
+
+
+def _tie(number: int, tie: Tie, system: UnitSystem, sets: Sets) -> list[str]:
+    """Return a tie; nodes within 0.6 times the sum of both thicknesses are tied, which below 0 move nothing."""
+    nodes = sets.nodes(tie.side, np.unique(sets.mesh.side(tie.side)))
+    reach = -float(f"{tie_distance(tie, sets.mesh) * system.distance:.{DIGITS}g}")
+    return keyword(
+        "CONTACT_TIED_NODES_TO_SURFACE_CONSTRAINED_OFFSET_ID",
+        f"{number:10d}{plain(f'{tie.side} on {tie.onto}', 70)}",
+        [nodes, sets.segments(tie.onto), NODES, SEGMENTS, 0, 0, 1, 1],
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0, 0.0, NO_DEATH],
+        [1.0, 1.0, reach, reach, 1.0, 1.0, 1.0, 1.0],
+    )
+
+
+def _wall(wall: RigidWall, system: UnitSystem, sets: Sets, ties: TieState) -> list[str]:
+    """Return a wall; its normal runs from tail to head, a unit of length long."""
+    nodes = np.setdiff1d(np.unique(sets.mesh.side(wall.side)), ties.nodes).astype(np.int32)
+    tail = system.distance * np.array(wall.point)
+    head = tail + np.array(wall.normal) / np.linalg.norm(wall.normal)
+    friction = min(float(wall.friction), STICKS)
+    return keyword(
+        "RIGIDWALL_PLANAR",
+        [sets.nodes(wall.name, nodes), 0, 0, 0.0, 0.0, NO_DEATH, 1.0],
+        [*tail.tolist(), *head.tolist(), friction, 0.0],
+    )
+
+
+def _driven(model: Model, boundary: Driven, system: UnitSystem, sets: Sets, ties: TieState) -> list[str]:
+    """Return a driven side: along an axis (DOF 1 to 3), or a vector and free across it (DOF 4)."""
+    nodes = sets.nodes(f"{boundary.side} driven", driven_nodes(model, boundary, ties))
+    scale = system.duration, system.velocity
+    curve = sets.curve(f"velocity of {boundary.side}", boundary.velocity, scale, model.controls.duration)
+    axis = axis_of(boundary.direction)
+    if axis is None:
+        way: list[Value] = [4, 0, curve, 1.0, sets.vector(boundary.direction)]
+    else:
+        way = [axis[0] + 1, 0, curve, axis[1], 0]
+    return keyword("BOUNDARY_PRESCRIBED_MOTION_SET", [nodes, *way, NO_END, 0.0])
+
+
+def _pressed(model: Model, boundary: Pressure, system: UnitSystem, sets: Sets) -> list[str]:
+    scale = system.duration, system.stress
+    curve = sets.curve(f"pressure on {boundary.side}", boundary.pressure, scale, model.controls.duration)
+    return keyword("LOAD_SEGMENT_SET", [sets.segments(boundary.side), curve, 1.0, 0.0])
+
+
+def _gravity(model: Model, system: UnitSystem, sets: Sets) -> Iterator[str]:
+    """Yield gravity; LS-DYNA takes the acceleration of the base, which is opposite to it."""
+    if not any(model.gravity):
+        return
+    curve = sets.curve("gravity", CONSTANT, (system.duration, 1.0), model.controls.duration)
+    for axis, value in zip("XYZ", model.gravity, strict=True):
+        if value:
+            yield from keyword(f"LOAD_BODY_{axis}", [curve, -float(value) * system.acceleration])
+
+
+def _velocities(model: Model, system: UnitSystem) -> Iterator[str]:
+    rigid = {body.part: body for body in model.rigid}
+    for number, name in enumerate(model.mesh.names, start=1):
+        velocity = np.array(model.velocity.get(name, (0.0, 0.0, 0.0)), float) * system.velocity
+        if name in rigid:
+            velocity = np.where(rigid[name].translations, velocity, 0.0)
+            if velocity.any():
+                yield from keyword("INITIAL_VELOCITY_RIGID_BODY", [number, *velocity.tolist(), 0.0, 0.0, 0.0])
+        elif velocity.any():
+            by_part: list[Value] = [number, 2, 0.0, *velocity.tolist(), 0, 0]
+            yield from keyword("INITIAL_VELOCITY_GENERATION", by_part, [0.0] * 6 + [0, 0])
+
 
 NODE = "%8d%16.9e%16.9e%16.9e\n"
 """A row of *NODE: a number of eight columns, coordinates of sixteen."""

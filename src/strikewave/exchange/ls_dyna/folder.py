@@ -17,13 +17,18 @@ from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, Quantity
 from strikewave.base.errors import InputError, show
 from strikewave.base.shock_quantities import LENGTH, MICROSECONDS, RATIO
-from strikewave.exchange.ls_dyna.ascii import Array, ContactForce, GlobalEnergies, read_glstat, read_rcforc
-from strikewave.exchange.ls_dyna.binout import read_binout
 from strikewave.exchange.ls_dyna.d3plot import D3plot, read_d3plot
+from strikewave.exchange.ls_dyna.histories import (
+    Array,
+    ContactForce,
+    GlobalEnergies,
+    read_binout,
+    read_glstat,
+    read_rcforc,
+)
 from strikewave.exchange.units import UnitSystem
-from strikewave.fem.invariants import von_mises
-from strikewave.fem.measures import MEASURED_IMPULSE, MEASURED_STRESS, MEASURED_WIDTH
-from strikewave.fem.run import FieldFrame
+from strikewave.fem.run import MEASURED_IMPULSE, MEASURED_STRESS, MEASURED_WIDTH, FieldFrame
+from strikewave.fem.solids import von_mises
 from strikewave.signal.pulse import WIDTH_FRACTION, crossing
 
 NAMES = re.compile(r"(?P<job>(.+\.)?)(?P<name>rcforc|glstat|d3plot|binout\d*)", re.DOTALL)

@@ -22,7 +22,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.tables.mesh import AnyPart, Cylinder, FramePart, HalfCylinder, Tube
 from strikewave.contact import AnyContact, Chain, ChainContact, Geometry, Spring, Stop, simulate, stiffness_of
 from strikewave.contact.chain import Link
-from strikewave.fem.measures import interval_means, middles
+from strikewave.fem.run import interval_means, middles
 from strikewave.fem.solids import AnySolid
 from strikewave.papers.li_ma_2019.beams import FrameWall
 from strikewave.papers.li_ma_2019.element_pulses import SPECIMEN

@@ -14,7 +14,7 @@ from strikewave.base.materials import material
 from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
 from strikewave.cases.case import load_case
-from strikewave.hopkinson.uniformity import UNIFORM, transits_to_uniform
+from strikewave.hopkinson.checks import UNIFORM, transits_to_uniform
 from strikewave.papers.li_ma_2019.findings import RIGHT, judged
 from strikewave.papers.li_ma_2019.joints import JointStudy, TrainScatter
 from strikewave.papers.li_ma_2019.published import STRIKERS, published_number

@@ -14,8 +14,8 @@ from strikewave.cases.case import Case
 from strikewave.cases.tables.mesh import FramePart, HalfCylinder
 from strikewave.cases.written_case import document_of
 from strikewave.contact import AnyContact, Chain, ChainContact, Geometry, contact_modulus, simulate, stiffness_of
-from strikewave.fem.measures import interval_means
 from strikewave.fem.model import Model
+from strikewave.fem.run import interval_means
 from strikewave.fem.solids import AnySolid, Elastic
 from strikewave.papers.li_ma_2019.bodies import SimpleAnswer, answer_of, edges_of, gathered, layer_of
 from strikewave.papers.li_ma_2019.element_pulses import struck_body, whole_force

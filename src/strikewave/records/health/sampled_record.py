@@ -183,7 +183,7 @@ class BlowRecord(SampledRecord):
 
         Examples
         --------
-        >>> from strikewave.signal.coupling import ac_coupled
+        >>> from strikewave.signal.filters import ac_coupled
         >>> u = np.arange(4000) * 1e-3 - 1.0
         >>> blow = np.where((u > 0.0) & (u < 0.1), 1e3 * np.sin(10.0 * np.pi * u), 0.0)
         >>> values = ac_coupled(blow, 1e-5, 2e-3) + np.random.default_rng(1).normal(size=4000)

@@ -25,7 +25,7 @@ from strikewave.records.response import FEWEST
 from strikewave.records.robust import alike_as_one
 from strikewave.records.tail import TailModel
 from strikewave.records.thresholds import OfBeginning, OfZero
-from strikewave.signal.coupling import ac_uncoupled
+from strikewave.signal.filters import ac_uncoupled
 
 LAST_QUARTER = 4
 """A drift of the velocity is that of the last quarter of what follows the blow."""

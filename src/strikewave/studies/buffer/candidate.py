@@ -18,8 +18,8 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import material
 from strikewave.base.shock_quantities import LENGTH, PULSE_WIDTH, RATIO, STRESS
 from strikewave.sensors import Mounting, Reading, Sensor, output
-from strikewave.sensors.bandwidth import PassBand, band
-from strikewave.sensors.channel import sensor_pulse
+from strikewave.sensors.mounting import PassBand, band
+from strikewave.sensors.trial import sensor_pulse
 from strikewave.signal.motion import integral
 from strikewave.studies.buffer.moduli import SOFTEST, STIFFEST, confined, moduli, spread, variants
 from strikewave.studies.buffer.mounting_site import BaseMotion, GasketStack, MountingSite, loads, read_on, reading_of

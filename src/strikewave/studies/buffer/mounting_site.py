@@ -28,8 +28,8 @@ from strikewave.cases.sensors_of_case import build_channels
 from strikewave.cases.stack_of_case import area_of, need
 from strikewave.cases.tables.sensor import GasketTable, SensorTable
 from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, accelerometer, read
-from strikewave.sensors.channel import SensorChannel, shortest_period
 from strikewave.sensors.mounting import RESOLVED
+from strikewave.sensors.trial import SensorChannel, shortest_period
 from strikewave.signal.pulse import largest, measure_pulse
 
 if TYPE_CHECKING:

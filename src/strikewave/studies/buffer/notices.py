@@ -13,9 +13,8 @@ from strikewave.base.percents import percent, plain
 from strikewave.base.result import FAILED, INFO, Notice
 from strikewave.cases.sensors_of_case import memory_notices
 from strikewave.contact import AnyContact
-from strikewave.contact.cushions import Pad, elastomer, retardation_of, retarded
-from strikewave.contact.cushions.carried import carried
-from strikewave.sensors.channel import channel_notices, sensor_pulse
+from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
+from strikewave.sensors.trial import channel_notices, sensor_pulse
 from strikewave.studies.buffer.candidate import SHOWN_PERIODS, BufferCandidate, carries, slowest_shown, true_peak
 from strikewave.studies.buffer.moduli import confined, spread
 from strikewave.studies.buffer.mounting_site import reading_of

@@ -23,8 +23,8 @@ from strikewave.reporting.measured_files import UNKNOWN
 from strikewave.reporting.numbers import hertz
 from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
 from strikewave.sensors import Reading
-from strikewave.sensors.channel import SensorChannel, sensor_sources
 from strikewave.sensors.mounting import RESOLVED
+from strikewave.sensors.trial import SensorChannel, sensor_sources
 from strikewave.studies.buffer.candidate import CUT_OFF, READING, BufferCandidate, BufferGoal, carries
 from strikewave.studies.buffer.moduli import spread
 from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, MountingSite, case_with, reading_of, table_with

@@ -3,7 +3,7 @@
 The motion of the surface is given, and drives each stack of gaskets with the sensor on it; as everywhere in
 `strikewave.sensors` the sensor does not load the surface back. Each candidate is run in time through the whole
 chain: gaskets with mass and causal loss, resonance of the element, its range, the recorder. What it costs is
-bandwidth: see `strikewave.sensors.bandwidth`.
+bandwidth: see `strikewave.sensors.mounting`.
 """
 
 from __future__ import annotations

@@ -27,8 +27,8 @@ from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import first_yield_of
 from strikewave.cases.contact_of_case import cushion_of_contact, struck_material
 from strikewave.cases.law_names import CUSHION
-from strikewave.contact.cushions.laws import LARGEST_STRAIN
-from strikewave.specifications.decisions import CANNOT_TELL
+from strikewave.contact.cushions import LARGEST_STRAIN
+from strikewave.specifications.judging import CANNOT_TELL
 from strikewave.specifications.reading import load_specification
 from strikewave.studies.engine.case_evaluation import (
     CaseEvaluation,

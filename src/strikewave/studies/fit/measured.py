@@ -21,8 +21,8 @@ from strikewave.base.errors import InputError
 from strikewave.records.baseline import MEDIAN
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
+from strikewave.signal.interpolation import REACH, resampled
 from strikewave.signal.pulse import FOOT, RISE_LOW, crossing
-from strikewave.signal.resampling import REACH, resampled
 from strikewave.studies.fit.covariance import NONE
 from strikewave.studies.fit.noise import autocorrelation
 from strikewave.studies.simulation import Simulation

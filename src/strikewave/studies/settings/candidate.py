@@ -26,9 +26,8 @@ from strikewave.machines import Blow, MachineRun, Striker, Turntable
 from strikewave.machines.blows import contact_table
 from strikewave.machines.spans import ChainSpan
 from strikewave.signal.pulse import WIDTH_FRACTION
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
 from strikewave.specifications.ideal_pulses import HALF_SINE as HALF_SINE_SHAPE
-from strikewave.specifications.judging import Clause, ShockVerdict, worst_clauses
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, Clause, ShockVerdict, together, worst_clauses
 from strikewave.specifications.reading import Specification, load_specification
 from strikewave.studies.settings.estimate import disc_stress, engagement_sensitivity, rim_speed_at_yield
 from strikewave.studies.settings.search import PEAK, RUN_CHECKS, STIFFNESS, ChosenValue, Limit, MachineCandidate

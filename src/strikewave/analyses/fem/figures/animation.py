@@ -28,9 +28,8 @@ from strikewave.analyses.fem.figures.cut import (
     window_of,
 )
 from strikewave.analyses.fem.figures.pictures import frame_window, instant_words
-from strikewave.fem.measures import blow_axis, mean_acceleration, mean_force, middles
-from strikewave.fem.skin import Skin
-from strikewave.fem.snapshots import Snapshot, SnapshotRecorder
+from strikewave.fem.run import blow_axis, mean_acceleration, mean_force, middles
+from strikewave.fem.snapshots import Skin, Snapshot, SnapshotRecorder
 from strikewave.reporting.animation.gif import write_gif
 from strikewave.reporting.animation.page import (
     Animation,

@@ -20,9 +20,8 @@ from strikewave.analyses.fem.figures.pictures import (
     instant_words,
     paint_faces,
 )
-from strikewave.fem.invariants import von_mises
-from strikewave.fem.skin import Skin
-from strikewave.fem.snapshots import Snapshot
+from strikewave.fem.snapshots import Skin, Snapshot
+from strikewave.fem.solids import von_mises
 from strikewave.reporting.numbers import ShownQuantity
 
 Array = NDArray[np.float64]

@@ -10,8 +10,16 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
-from strikewave.fem.measures import ENERGY_LIMIT, blow_axis, contact_measure, mean_acceleration, mean_force, middles
-from strikewave.fem.run import ENERGIES, FemRun
+from strikewave.fem.run import (
+    ENERGIES,
+    ENERGY_LIMIT,
+    FemRun,
+    blow_axis,
+    contact_measure,
+    mean_acceleration,
+    mean_force,
+    middles,
+)
 from strikewave.reporting.curves import COLOURS, DASHES, shortened, thin
 from strikewave.reporting.numbers import axis_unit, energy_unit, headed, time_unit, with_unit
 from strikewave.reporting.style import (

@@ -24,11 +24,11 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.fem.invariants import pressure, von_mises
 from strikewave.fem.mesh import Index, Mesh, exterior
 from strikewave.fem.model import Model, SurfaceContact, Symmetry
 from strikewave.fem.run import FieldFrame
-from strikewave.fem.skin import blow_axis, blow_contact, meeting_place, outward
+from strikewave.fem.snapshots import blow_axis, blow_contact, meeting_place, outward
+from strikewave.fem.solids import pressure, von_mises
 from strikewave.reporting.curves import shortened
 from strikewave.reporting.numbers import ShownQuantity, axis_unit, round_step, time_unit
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED

@@ -16,7 +16,7 @@ from strikewave.base.declare import declarations
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.exchange.ls_dyna.comparison import ForcePair, PulseDifferences, RunComparison
 from strikewave.exchange.ls_dyna.folder import ENERGIES, ContactPulse, EnergyHistory, Extreme, LsDynaContact, LsDynaRun
-from strikewave.fem.measures import EnergyExtent
+from strikewave.fem.run import EnergyExtent
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.curves import COLOURS, shortened, thin

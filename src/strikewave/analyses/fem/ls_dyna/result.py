@@ -10,7 +10,7 @@ from strikewave.base.declare import KEY
 from strikewave.base.shock_quantities import FORCE, MICROSECONDS
 from strikewave.exchange.ls_dyna.comparison import ForcePair, RunComparison
 from strikewave.exchange.ls_dyna.folder import ContactPulse, EnergyHistory, Extreme, LsDynaContact, pulse_of
-from strikewave.fem.measures import EnergyExtent
+from strikewave.fem.run import EnergyExtent
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.shown_result import Curve, history_curve
 

@@ -23,7 +23,7 @@ from strikewave.reporting.faces import text_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options.kinds import wrong_choice
 from strikewave.signal.motion import motion
-from strikewave.signal.oscillator_groups import SMOOTH
+from strikewave.signal.oscillators import SMOOTH
 from strikewave.signal.srs import srs
 from strikewave.signal.synthesis import (
     BASES,
@@ -37,7 +37,7 @@ from strikewave.signal.synthesis import (
     matching_half_sine,
     synthesized,
 )
-from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict, asked_of_spectra
+from strikewave.specifications.judged_records import JudgedSpectrum, SpectraVerdict, asked_of_spectra
 from strikewave.specifications.reading import Specification, load_specification
 from strikewave.specifications.spectrum_limits import SpectrumLimits, judge_spectrum
 

@@ -11,9 +11,8 @@ from strikewave.analyses.record.verdicts.figures import draw_limits, shown_windo
 from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.style import BLUE, GREY, HALF, ORANGE, RED, legend_below, new_figure, plain, quiet
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 from strikewave.specifications.judged_records import JudgedShock
-from strikewave.specifications.judging import PulseLimits
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, PulseLimits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

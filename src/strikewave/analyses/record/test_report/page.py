@@ -35,8 +35,8 @@ from strikewave.reporting.numbers import listed
 from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Photo, Picture, Section, SignatureLines, Table, Tag
 from strikewave.reporting.run_and_write import drawing
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 from strikewave.specifications.judged_records import RecordsVerdict
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
 
 FILE = "test-report.html"
 MOST_DRAWN = 24

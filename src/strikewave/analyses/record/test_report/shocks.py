@@ -13,9 +13,8 @@ from strikewave.base.shock_quantities import SECONDS
 from strikewave.reporting import faces
 from strikewave.reporting.clause_words import amount, clause_name, doubted_words, limit_words, tag_of, value_words
 from strikewave.reporting.parts import NONE, Cell, Table
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS, together
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
-from strikewave.specifications.judging import NORMATIVE, Clause, Limits, judged
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, NORMATIVE, PASS, Clause, Limits, judged, together
 from strikewave.specifications.shock_directions import DIRECTIONS
 
 MOST_LISTED = 200

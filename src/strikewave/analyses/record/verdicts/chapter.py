@@ -14,9 +14,8 @@ from strikewave.reporting.clause_words import (
 )
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
-from strikewave.specifications.decisions import NOT_JUDGED, WORST_FIRST
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
-from strikewave.specifications.judging import Clause
+from strikewave.specifications.judging import NOT_JUDGED, WORST_FIRST, Clause
 
 MOST_DRAWN = 12
 """Shocks that are drawn, those that fail first: each adds some 40 kB to a page that must open at once."""

@@ -23,9 +23,8 @@ from strikewave.reporting.style import (
     plain,
     quiet,
 )
-from strikewave.specifications.decisions import FAIL, PASS
 from strikewave.specifications.judged_records import JudgedShock
-from strikewave.specifications.judging import PulseLimits, Shock, ShockVerdict
+from strikewave.specifications.judging import FAIL, PASS, PulseLimits, Shock, ShockVerdict
 from strikewave.specifications.spectrum_limits import SpectrumLimits
 
 if TYPE_CHECKING:

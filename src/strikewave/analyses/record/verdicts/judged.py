@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 from strikewave.base.result import FAILED, WARNING, Notice
 from strikewave.reporting.clause_words import verdict_words
 from strikewave.reporting.numbers import listed
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL
 from strikewave.specifications.judged_records import Asked, judge_records
-from strikewave.specifications.judging import Clause
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, Clause
 from strikewave.specifications.reading import Specification
 
 if TYPE_CHECKING:

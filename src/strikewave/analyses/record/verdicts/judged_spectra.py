@@ -21,9 +21,8 @@ from strikewave.reporting.numbers import listed
 from strikewave.reporting.options.kinds import Typed
 from strikewave.reporting.parts import Picture, Section
 from strikewave.reporting.terminal import print_rows, tell
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
-from strikewave.specifications.judged_records import Asked
-from strikewave.specifications.judged_spectra import JudgedSpectrum, SpectraVerdict
+from strikewave.specifications.judged_records import Asked, JudgedSpectrum, SpectraVerdict
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS
 from strikewave.specifications.reading import Specification
 from strikewave.specifications.spectrum_limits import judge_spectrum
 

@@ -10,7 +10,7 @@ import typer
 from strikewave.base.errors import InputError
 from strikewave.reporting.decision_options import Decision, Uncertainty, budget_in_python
 from strikewave.reporting.options.kinds import wrong_choice
-from strikewave.specifications.decisions import Rule
+from strikewave.specifications.judging import Rule
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -84,7 +84,7 @@ class SpecificationOptions:
     def spectra_judge(self) -> SpectraJudge | None:
         """Return what spectra are judged by, and how; None for nothing."""
         from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge
-        from strikewave.specifications.judged_spectra import asked_of_spectra
+        from strikewave.specifications.judged_records import asked_of_spectra
 
         specification = self.specification()
         if specification is None:

@@ -14,8 +14,8 @@ from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import MORE, keys, numerals, texts
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.terminal import print_rows, table, tell
-from strikewave.specifications.decisions import WORST_FIRST
 from strikewave.specifications.judged_records import RecordsVerdict
+from strikewave.specifications.judging import WORST_FIRST
 
 MOST_SHOCKS = 20
 """Shocks of the table on the screen, the failed ones first; report and JSON have all."""

@@ -17,8 +17,8 @@ from strikewave.reporting.clause_words import (
 )
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import NONE, Tag
-from strikewave.specifications.decisions import CANNOT_TELL, FAIL, PASS
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS
 
 WHY_HEAD = "fails, or why nothing can be said"
 """Head of a column of `why_of_shock`."""

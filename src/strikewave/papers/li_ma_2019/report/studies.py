@@ -17,7 +17,7 @@ from strikewave.base.shock_quantities import (
     MODULUS,
     VELOCITY,
 )
-from strikewave.fem.blow_measures import blow_measure
+from strikewave.fem.run import blow_measure
 from strikewave.papers.li_ma_2019.assumed import SHARE, Answer, MeshRow
 from strikewave.papers.li_ma_2019.body_reasons import Reason
 from strikewave.reporting.columns import Column, page_table

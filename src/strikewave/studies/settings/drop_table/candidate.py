@@ -20,9 +20,8 @@ from strikewave.base.shock_quantities import (
 )
 from strikewave.machines import Blow
 from strikewave.reporting.faces import amount
-from strikewave.specifications.decisions import PASS
 from strikewave.specifications.ideal_pulses import IdealPulse
-from strikewave.specifications.judging import Clause, PulseLimits, Shock, ShockVerdict, area_between
+from strikewave.specifications.judging import PASS, Clause, PulseLimits, Shock, ShockVerdict, area_between
 from strikewave.specifications.reading import Specification
 from strikewave.studies.settings.drop_table.programmers import FirstEstimate, Programmer
 from strikewave.studies.settings.search import PEAK, RUN_CHECKS, STIFFNESS, ChosenValue, Limit, MachineCandidate

@@ -15,8 +15,7 @@ from strikewave.analyses.fem.figures.cut import QUANTITIES, colour_scale
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_fem, run_model
 from strikewave.base.shock_quantities import FORCE
-from strikewave.fem.measures import mean_force, middles
-from strikewave.fem.run import ENERGIES
+from strikewave.fem.run import ENERGIES, mean_force, middles
 from strikewave.fem.solve import Progress, RunOptions
 from strikewave.reporting.animation.page import even_rows
 from strikewave.reporting.numbers import axis_unit, energy_unit, time_unit
