@@ -10,8 +10,8 @@ import sys
 from pathlib import Path
 
 import strikewave
-from strikewave.cli.examples import EXAMPLES as PACKAGED
-from strikewave.cli.examples import copy_examples
+from strikewave.cli.program_commands import EXAMPLES as PACKAGED
+from strikewave.cli.program_commands import copy_examples
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE / "_extensions"))

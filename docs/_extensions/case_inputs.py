@@ -8,7 +8,7 @@ from page_parts import link, section, table
 
 from strikewave import Case, load_case
 from strikewave.base.quantities import PROVENANCES, Value
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 
 
 def by_provenance(case: Case) -> dict[str, dict[str, Value]]:

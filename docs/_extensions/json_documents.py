@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from strikewave.cli import app
-from strikewave.cli.examples import copy_examples
+from strikewave.cli.program_commands import copy_examples
 
 STEP, SAMPLES = 1e-6, 6000
 START, DURATION = 2e-3, 0.5e-3

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from strikewave.cli.examples import EXAMPLES
+from strikewave.cli.program_commands import EXAMPLES
 from strikewave.studies.design.plan import load_design
 from strikewave.studies.design.ranking import robustness_of
 from strikewave.studies.design.study import make_design

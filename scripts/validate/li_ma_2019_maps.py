@@ -11,12 +11,13 @@ import sys
 from dataclasses import astuple, fields
 from pathlib import Path
 
-from strikewave.papers.li_ma_2019 import gaskets, joints
-from strikewave.papers.li_ma_2019.execution import executing
-from strikewave.papers.li_ma_2019.map_figures import gasket_figure, joint_figure
+from strikewave.papers.li_ma_2019.figures import gasket_figure, joint_figure
 from strikewave.papers.li_ma_2019.published import published_number
-from strikewave.papers.li_ma_2019.report.tables import span_text
-from strikewave.papers.li_ma_2019.unknowns import Unknowns
+from strikewave.papers.li_ma_2019.report_tables import span_text
+from strikewave.papers.li_ma_2019.runs import executing
+from strikewave.papers.li_ma_2019.unknowns import FINE_GASKETS as FINE_GASKETS
+from strikewave.papers.li_ma_2019.unknowns import FINE_JOINTS as FINE_JOINTS
+from strikewave.papers.li_ma_2019.unknowns import FixtureBlow, GasketCell, Unknowns, gasket_study, joint_study
 from strikewave.studies.engine.pools import ProcessPool
 
 
@@ -25,10 +26,10 @@ def main() -> None:
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "out/validate")
     folder.mkdir(parents=True, exist_ok=True)
     with executing(pool=ProcessPool(os.cpu_count() or 1)) as execution:
-        unknowns = Unknowns(gaskets.gasket_study(execution, gaskets.FINE), joints.joint_study(execution, joints.FINE))
-    heads = [field.name for field in fields(gaskets.GasketCell)]
+        unknowns = Unknowns(gasket_study(execution, FINE_GASKETS), joint_study(execution, FINE_JOINTS))
+    heads = [field.name for field in fields(GasketCell)]
     _write(folder / "gaskets.csv", heads, [astuple(cell) for cell in unknowns.gaskets.cells])
-    heads = ["preload", "stiffness", *(field.name for field in fields(joints.FixtureBlow))]
+    heads = ["preload", "stiffness", *(field.name for field in fields(FixtureBlow))]
     rows = [(cell.preload, cell.stiffness, *astuple(cell.blow)) for cell in unknowns.joints.cells]
     _write(folder / "joints.csv", heads, rows)
     gasket_figure(unknowns.gaskets).savefig(folder / "gaskets.png", dpi=120)

@@ -10,8 +10,8 @@ import sys
 from kit import Comparison, keep
 
 from strikewave import load_case
-from strikewave.cases.case_files import bundled_cases
-from strikewave.cases.tables.published import published_unit
+from strikewave.cases.files import bundled_cases
+from strikewave.cases.tables.common import published_unit
 
 
 def rows_of(name: str) -> list[Comparison]:

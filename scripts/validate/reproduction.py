@@ -21,8 +21,8 @@ from kit import Comparison, keep
 from strikewave import load_case, run_fem
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.papers.li_ma_2019 import answers
-from strikewave.papers.li_ma_2019.assumed import MeshRow
-from strikewave.papers.li_ma_2019.report.page import reproduction_report
+from strikewave.papers.li_ma_2019.further import MeshRow
+from strikewave.papers.li_ma_2019.report import reproduction_report
 from strikewave.papers.li_ma_2019.reproduce import reproduce
 from strikewave.papers.li_ma_2019.result import Computed, Reproduction, si_unit
 from strikewave.papers.li_ma_2019.runs import ELEMENT_CASES, NON_REFLECTING, WAVE_ELEMENTS, Effort, coarser

@@ -28,7 +28,7 @@ def test_every_command_refuses_a_key_of_many_parts(strikewave, tmp_path, command
 
 @pytest.mark.parametrize("text", FILES.values(), ids=FILES)
 def test_calibrations_sensors_and_specifications_refuse_it_too(tmp_path, text):
-    from strikewave.cases.small_file import read_small_file
+    from strikewave.cases.files import read_small_file
     from strikewave.records.calibration import read_calibrations
     from strikewave.specifications.reading import parse_specification
 

@@ -12,7 +12,7 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.quantities import PROVENANCES
 from strikewave.cases.case import FORM, load_case, parse_case
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 from strikewave.cases.written_case import document_of, dump_case
 
 

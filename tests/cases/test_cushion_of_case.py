@@ -6,8 +6,8 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.cases.case import parse_case
-from strikewave.cases.case_files import read_case_text
 from strikewave.cases.contact_of_case import cushion_contact
+from strikewave.cases.files import read_case_text
 
 RUBBER = read_case_text("iec-60068-2-27-rubber")[0].replace("source = ", "# source = ")
 MATERIAL = 'material = "natural rubber 65 IRHD"'

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 from strikewave.base.materials import materials
 from strikewave.base.quantities import MaybeDensity, MaybeModulus
 from strikewave.cases.case import Case, parse_case
-from strikewave.cases.material_notices import _COLUMNS, far_numbers
+from strikewave.cases.materials_of_case import _LIMITED_COLUMNS, far_numbers
 from strikewave.cases.tables.hopkinson import HopkinsonSetup, SpecimenTable
 from strikewave.cases.tables.stack import LayerTable
 
@@ -91,7 +91,7 @@ def tables_in(annotation):
 def test_every_density_and_modulus_that_a_table_can_state_is_looked_at(model, names):
     """A new field of that kind under another name is found here."""
     assert set(fields_of(model, set())) == names
-    assert names <= set(_COLUMNS)
+    assert names <= set(_LIMITED_COLUMNS)
 
 
 def test_a_specimen_of_split_bars_is_looked_at_too():

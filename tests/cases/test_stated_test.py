@@ -10,8 +10,14 @@ import pytest
 from PIL import Image, ImageFile
 
 from strikewave.base.errors import InputError
-from strikewave.cases.photographs import LONGEST_SIDE
-from strikewave.cases.stated_test import MOST_PHOTOGRAPHS, ReportTables, StatedTest, example_file, load_test
+from strikewave.cases.stated_test import (
+    LONGEST_SIDE,
+    MOST_PHOTOGRAPHS,
+    ReportTables,
+    StatedTest,
+    example_file,
+    load_test,
+)
 
 WHOLE = """
 item = "board 7"

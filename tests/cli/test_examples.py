@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from strikewave.cases.case_files import bundled_cases, read_case_text
-from strikewave.cli import doctor, examples
+from strikewave.cases.files import bundled_cases, read_case_text
+from strikewave.cli import program_commands
 
 ROOT = Path(__file__).parents[2]
 BOARD = ROOT / "tests" / "data" / "smd-5kg-impacts"
@@ -20,7 +20,7 @@ def test_examples_are_the_files_of_the_package_and_all_cases(strikewave):
     assert {path.stem for path in Path("mine/cases").iterdir()} == set(bundled_cases())
     assert Path("mine/cases/li-ma-2019.toml").read_text("utf-8") == read_case_text("li-ma-2019")[0]
     notebooks = {path.name for path in Path("mine/notebooks").iterdir()}
-    assert notebooks == {path.name for path in (examples.EXAMPLES / "notebooks").iterdir()}
+    assert notebooks == {path.name for path in (program_commands.EXAMPLES / "notebooks").iterdir()}
     assert len(notebooks) == 6
     assert {path.name for path in Path("mine/studies").iterdir()} == {
         "bar-end.toml",
@@ -32,7 +32,7 @@ def test_examples_are_the_files_of_the_package_and_all_cases(strikewave):
 
 
 def test_the_sample_record_is_the_measured_file():
-    assert (examples.EXAMPLES / "records" / "impact_02.lvm.xz").read_bytes() == (
+    assert (program_commands.EXAMPLES / "records" / "impact_02.lvm.xz").read_bytes() == (
         BOARD / "impact_02.lvm.xz"
     ).read_bytes()
 
@@ -55,7 +55,7 @@ def test_doctor_lists_what_the_project_asks_for(strikewave):
     asked = {(one["extra"], f"{one['name']}{one['asked']}".lower()) for one in document["packages"]}
     core = {("core", line.lower()) for line in project["dependencies"]}
     assert core <= asked
-    assert not {extra for extra, _ in asked} & set(doctor.DEVELOPERS)
+    assert not {extra for extra, _ in asked} & set(program_commands.DEVELOPERS)
     assert all(one["found"] for one in document["packages"] if one["extra"] == "core")
     assert document["speeds"] == []
 
@@ -72,7 +72,7 @@ def test_a_package_that_is_missing_is_named_with_the_way_to_get_it(strikewave, m
 
 @pytest.mark.verify
 def test_speeds_are_of_every_kernel_and_positive():
-    assert [one.work for one in doctor.speeds() if one.rate > 1e3] == [
+    assert [one.work for one in program_commands.speeds() if one.rate > 1e3] == [
         "impacts",
         "samples of a spectrum, each frequency",
         "layer steps of a bar",

@@ -130,7 +130,7 @@ def test_completion_names_what_the_libraries_know():
     """Choices stand as literals in signatures, so that a help imports no library; both are the same."""
     from strikewave.analyses.fem.decks import CODES
     from strikewave.analyses.record import srs
-    from strikewave.cases.case_files import bundled_cases
+    from strikewave.cases.files import bundled_cases
     from strikewave.contact.law import SHAPES
     from strikewave.exchange.units import SYSTEMS
     from strikewave.papers.li_ma_2019.result import PAPER
@@ -155,7 +155,7 @@ def test_completion_names_what_the_libraries_know():
 
 def choices(name, option):
     """Return the choices of an option, alone or in a group."""
-    from strikewave.cli.option_groups import spread
+    from strikewave.cli.group import spread
 
     function = spread(command_function(entries()[name].module))
     kind = typing.get_type_hints(function)[option]

@@ -11,7 +11,7 @@ from scipy.special import ellipk
 
 from strikewave import load_case, run_case
 from strikewave.analyses.machine.build import build_machine, release
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 from strikewave.contact import solve_impact
 from strikewave.machines import blows, run_machine
 from strikewave.machines.launch import half_sine_pulse

@@ -10,7 +10,7 @@ import pytest
 from strikewave import load_case, run_case, run_wave
 from strikewave.base import declare
 from strikewave.base.units import in_unit
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 from strikewave.reporting.faces import _keys, at, data_columns, face_rows, face_table, leaves
 from strikewave.reporting.numbers import headed
 from strikewave.reporting.shown_result import shown_table

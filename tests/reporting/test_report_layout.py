@@ -19,7 +19,7 @@ from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import record_result
 from strikewave.analyses.wave.report import wave_report
 from strikewave.base.result import Band, InputShare
-from strikewave.papers.li_ma_2019.report.page import reproduction_report
+from strikewave.papers.li_ma_2019.report import reproduction_report
 from strikewave.papers.li_ma_2019.reproduce import reproduce
 from strikewave.papers.li_ma_2019.runs import Effort
 from strikewave.records.campaign import compare, summed

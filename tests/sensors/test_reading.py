@@ -217,7 +217,7 @@ def test_bad_values_are_refused_in_words(make, word):
 
 def test_an_accelerometer_from_memory_is_reported_with_what_the_case_does_not_give_itself():
     from strikewave import load_case, run_case
-    from strikewave.cases.sensors_of_case import sensor_notices
+    from strikewave.cases.stack_of_case import sensor_notices
 
     case = load_case("li-ma-2019-fig5", ["feed.blows=1"])
     sensor = case.sensor[0].model_copy(update={"model": "PCB 350C02", "range": None})

@@ -175,7 +175,7 @@ WITHOUT_COLUMN = ("buffer", "fit", "compare", "reproduce")
 def first_words(study):
     """Return what the command prints first."""
     from strikewave.analyses.compare.report import compare_words
-    from strikewave.papers.li_ma_2019.report.page import reproduction_words
+    from strikewave.papers.li_ma_2019.report import reproduction_words
     from strikewave.studies.buffer.report import buffer_words
     from strikewave.studies.design.report import design_words
     from strikewave.studies.fit.report import fit_words

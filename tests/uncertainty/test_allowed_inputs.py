@@ -9,7 +9,7 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.wave import run as bar_band
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.quantities import Range, Value
-from strikewave.cases.case_files import read_case_text
+from strikewave.cases.files import read_case_text
 from strikewave.uncertainty.draws import UncertainInput, allowed_inputs, range_of
 from strikewave.uncertainty.known import known_inputs
 

@@ -18,13 +18,12 @@ from strikewave.analyses.wave import run as bar_band
 from strikewave.analyses.wave.run import bar_figures, run_wave
 from strikewave.base.quantities import Provenance, Range, ToleranceBand, Value
 from strikewave.base.result import BandMethod
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE
 from strikewave.cases.tables.contact import ContactTable
 from strikewave.cases.tables.machine import FeedTable, Object, StrikerTable
 from strikewave.cases.tables.machine_kinds import KINDS
-from strikewave.cases.tables.sensor import SensorTable
-from strikewave.cases.tables.stack import LoadTable, StackTable, TapTable
+from strikewave.cases.tables.stack import LoadTable, SensorTable, StackTable, TapTable
 from strikewave.machines import blows, run_machine
 from strikewave.uncertainty.bands import (
     LEVEL,

@@ -11,9 +11,8 @@ from strikewave.analyses.wave import run as bar_run
 from strikewave.analyses.wave.run import bar_figures, run_wave, with_bands
 from strikewave.base.materials import MATERIAL, material, materials
 from strikewave.cases.case import parse_case
-from strikewave.cases.named_materials import named_numbers
-from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import build_stack
+from strikewave.cases.materials_of_case import named_numbers
+from strikewave.cases.stack_of_case import build_channels, build_stack
 from strikewave.contact.cushions import cushion_materials
 from strikewave.contact.elastoplastic import automatic_pressure
 from strikewave.uncertainty.bands import LEVEL

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from strikewave.base.errors import InputError
 from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import load_case
-from strikewave.cases.case_files import read_case_text
+from strikewave.cases.files import read_case_text
 from strikewave.reporting.options.output import Output
 
 

@@ -4,8 +4,7 @@ from strikewave.analyses.fem.build import check_elements
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.wave.build import build_load
 from strikewave.cases.case import Case
-from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import build_stack, build_taps, need
+from strikewave.cases.stack_of_case import build_channels, build_stack, build_taps, need
 
 
 def check(case: Case) -> None:

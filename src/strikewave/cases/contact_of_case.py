@@ -11,18 +11,18 @@ from strikewave.base.errors import MISSING, InputError, InputErrors, checked
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import AUTO, Value
 from strikewave.cases.case import Case
-from strikewave.cases.cushion_of_case import cushion_of, loses_by_rate
-from strikewave.cases.law_names import CUSHION, POWER
-from strikewave.cases.stack_of_case import area_of, layer_material, need
-from strikewave.cases.tables.contact import ContactTable
-from strikewave.cases.tables.machine import AnyStriker
-from strikewave.cases.tables.stack import JointTable
-from strikewave.cases.yield_pressure import (
+from strikewave.cases.contact_parts import (
     capped_pressure,
+    cushion_of,
+    loses_by_rate,
     pressure_of_materials,
     pressure_words,
     refuse_beyond_law,
 )
+from strikewave.cases.stack_of_case import area_of, layer_material, need
+from strikewave.cases.tables.contact import CUSHION, POWER, ContactTable
+from strikewave.cases.tables.machine import AnyStriker
+from strikewave.cases.tables.stack import JointTable
 from strikewave.contact import (
     AnyContact,
     Geometry,

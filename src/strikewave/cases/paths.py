@@ -7,10 +7,11 @@ in ours.
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Generic, Literal, Protocol, TypeVar, get_args, get_origin, runtime_checkable
+from typing import Any, Generic, Literal, Protocol, TypeVar, cast, get_args, get_origin, runtime_checkable
 
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
@@ -336,3 +337,131 @@ def _kind_of(table: type[BaseModel]) -> str:
         if len(kinds) == 1:
             return str(kinds[0])
     return ""
+
+
+T = TypeVar("T")
+
+
+def quantities_of(part: Any, path: str) -> Iterator[tuple[str, Value]]:
+    """Yield every quantity below a part of a case with its path."""
+    return ((place, leaf) for place, leaf in _leaves(part, path) if isinstance(leaf, Value))
+
+
+def entries_of(part: Any, path: str) -> Iterator[tuple[str, float | str]]:
+    """Yield every quantity, in SI, and every word below a part of a case with its path."""
+    for place, leaf in _leaves(part, path):
+        if isinstance(leaf, Value):
+            yield place, leaf.si
+        elif isinstance(leaf, str) and leaf:
+            yield place, leaf
+
+
+def _leaves(part: Any, path: str) -> Iterator[tuple[str, Any]]:
+    """Yield what stands in a part of a case, below its tables and rows, with its path."""
+    if isinstance(part, BaseModel) and not isinstance(part, Value):
+        for key, value in part:
+            yield from _leaves(value, f"{path}.{key}")
+    elif isinstance(part, tuple):
+        for place, row in enumerate(part):
+            yield from _leaves(row, f"{path}.{row_name(row, place)}")
+    else:
+        yield path, part
+
+
+def with_quantities(part: T, values: Mapping[str, Value]) -> T:
+    """Return a part of a case with quantities at paths below it, also such as it leaves out; none is checked.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> dense = Value(si=8e3, typed="8000 kg/m^3")
+    >>> changed = with_quantities(load_case("li-ma-2019-fig13"), {"stack.layer.nose.density": dense})
+    >>> changed.stack.layer[0].density.si
+    8000.0
+    """
+    tree = dict[str, Any]()
+    for path, value in values.items():
+        *places, key = path.split(".")
+        branch = tree
+        for place in places:
+            branch = branch.setdefault(place, {})
+        branch[key] = value
+    return cast(T, _with_tree(part, tree))
+
+
+def _with_tree(part: Any, tree: Value | dict[str, Any]) -> Any:
+    """Return a part of a case with some quantities replaced, which stand in a tree of the keys of their paths."""
+    if isinstance(tree, Value):
+        return tree
+    if isinstance(part, tuple):
+        names = [row_name(row, place) for place, row in enumerate(part)]
+        return tuple(
+            _with_tree(row, tree[name]) if name in tree else row for name, row in zip(names, part, strict=True)
+        )
+    return part.model_copy(update={key: _with_tree(getattr(part, key), branch) for key, branch in tree.items()})
+
+
+SAME = 1e-12
+"""Relative difference up to which two values are the same: another unit may cost a few bits."""
+
+
+def with_provenance(part: T, raw: Any, origin: Any = None) -> T:
+    """Return a part of a case as read from a file, with the provenance that its values have in truth.
+
+    - A value typed without a provenance is the user's; where it is that of the source, it has the provenance there.
+    - A value that differs from the source is the user's, unless the file gives it another provenance or note than the
+      source does: then the file speaks of the new value, and is believed. Of a value that became the user's the note of
+      the source goes.
+
+    Parameters
+    ----------
+    part : model, tuple or value
+        As validated.
+    raw : mapping, list or scalar
+        What the file holds there.
+    origin : model, tuple or value, optional
+        The same part of the built-in case named as source; rows are found by name, else by place.
+
+    Examples
+    --------
+    >>> from strikewave.cases.tables.stack import RecorderTable
+    >>> text = {"sampling_rate": "200 kHz", "delay": "0 s", "pre_trigger": "10 ms", "memory": 40000}
+    >>> with_provenance(RecorderTable.model_validate(text), text).memory.provenance
+    'user'
+    """
+    new: Any = part
+    if isinstance(part, Value):
+        new = _of_value(part, raw, origin)
+    elif isinstance(part, BaseModel) and isinstance(raw, Mapping):
+        fields = type(part).model_fields
+        found = {key: (entry, fields[key].alias or key) for key, entry in part}
+        update = {
+            key: with_provenance(entry, raw[name], getattr(origin, key, None))
+            for key, (entry, name) in found.items()
+            if name in raw
+        }
+        update = {key: entry for key, entry in update.items() if entry is not found[key][0]}
+        new = part.model_copy(update=update) if update else part
+    elif isinstance(part, tuple) and isinstance(raw, list) and len(raw) == len(part):
+        rows = tuple(map(with_provenance, part, raw, _partners(part, origin)))
+        new = part if all(a is b for a, b in zip(rows, part, strict=True)) else rows
+    return new
+
+
+def _of_value(value: Value, raw: Any, origin: Any) -> Value:
+    known = isinstance(origin, Value)
+    same = known and math.isclose(value.si, origin.si, rel_tol=SAME)
+    if not (isinstance(raw, Mapping) and "provenance" in raw):
+        return value.model_copy(update={"provenance": origin.provenance if same else "user"})
+    if known and not same and (value.provenance, value.note) == (origin.provenance, origin.note):
+        return value.model_copy(update={"provenance": "user", "note": ""})
+    return value
+
+
+def _partners(rows: tuple[Any, ...], origin: Any) -> list[Any]:
+    """Return for each row of an array that of the source: by its name, else the one at its place that none has."""
+    theirs = {row_name(row, place): row for place, row in enumerate(origin)} if isinstance(origin, tuple) else {}
+    names = [row_name(row, place) for place, row in enumerate(rows)]
+    places = dict(enumerate(theirs))
+    free = {place: theirs[name] for place, name in places.items() if name not in names}
+    return [theirs.get(name, free.get(place)) for place, name in enumerate(names)]

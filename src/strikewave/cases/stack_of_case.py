@@ -1,27 +1,51 @@
-"""Case in, stack, taps and load out."""
+"""Case in; stack, taps, load and measuring channels out, and where the stack loses energy."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+import scipy
 
-from strikewave.base.errors import MISSING, InputError, checked, nearest
+from strikewave.base import declare
+from strikewave.base.citations import FROM_MEMORY
+from strikewave.base.declare import KEY
+from strikewave.base.errors import MISSING, InputError, checked, nearest, show
 from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
+from strikewave.base.result import INFO, Notice
+from strikewave.base.shock_quantities import FREQUENCY, RATIO
 from strikewave.cases.case import Case
-from strikewave.cases.cushion_of_case import cushion_of
-from strikewave.cases.law_names import CUSHION
-from strikewave.cases.tables.stack import EndTable, JointTable, LayerTable
-from strikewave.cases.yield_pressure import capped_pressure, pressure_words, refuse_beyond_law
+from strikewave.cases.contact_parts import capped_pressure, cushion_of, pressure_words, refuse_beyond_law
+from strikewave.cases.files import read_small_file
+from strikewave.cases.paths import Form
+from strikewave.cases.tables.common import CaseTable
+from strikewave.cases.tables.contact import CUSHION
+from strikewave.cases.tables.stack import EndTable, JointTable, LayerTable, SensorTable
 from strikewave.contact.damping import named_contact
 from strikewave.contact.elastoplastic import cap_of
 from strikewave.contact.stiffness import Geometry, stiffness_of
+from strikewave.records import Channel, Options, read_record
+from strikewave.records.calibration import known_unit
+from strikewave.sensors import (
+    Accelerometer,
+    Gasket,
+    Mounting,
+    Recorder,
+    Sensor,
+    accelerometer,
+    accelerometers,
+    oscilloscope,
+    storage_recorder,
+)
+from strikewave.sensors.chain import RATE_OVER_CUTOFF
+from strikewave.sensors.mounting import mounting_system
 from strikewave.sensors.trial import SensorChannel
-from strikewave.waves import BONDED, End, Joint, Layer, Stack, Tap
+from strikewave.waves import BONDED, End, Joint, Layer, Sampled, Stack, Tap
 from strikewave.waves.dispersion import Theory
 from strikewave.waves.layers import LossFit
 from strikewave.waves.li_ma import EXACT
@@ -359,3 +383,276 @@ def check_route(case: Case, taps: Sequence[tuple[str, Tap]], channels: Sequence[
             allowed = f'a layer between two others for the route "{case.solver.route}"'
             hint = 'move the tap, or take solver.route = "exact"'
             raise InputError(f"tap.{name}.layer", case.stack.layer[tap.layer].name, allowed, hint)
+
+
+FORCE, SPEED, ACCELERATION = "N", "m/s", "m/s^2"
+
+
+def read_load(path: str) -> Sampled:
+    """Read a load from the first channel of a file; time may be uneven.
+
+    A channel without a unit is a force in N. One in m/s or m/s^2 is the speed or acceleration of the face, which
+    is at rest at the first sample.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, has no time, or its first channel is no such quantity.
+    """
+    try:
+        channel = _first(path)
+    except InputError as error:
+        raise InputError("load.file", path if error.got == path else error.got, error.allowed, error.hint) from None
+    time = channel.stamps if channel.stamps is not None else channel.time
+    if not np.all(np.isfinite(time)):
+        raise InputError("load.file", path, "a file with time", 'a first column such as "time [us]"')
+    unit, factor = (FORCE, 1.0) if not channel.unit else known_unit(channel.unit) or ("", 1.0)
+    if unit not in (FORCE, SPEED, ACCELERATION):
+        allowed = "a force, a speed or an acceleration as the first channel"
+        raise InputError("load.file", channel.unit, allowed, 'name its unit, such as "force [kN]"')
+    values = channel.values * factor
+    if unit == ACCELERATION:
+        values, unit = scipy.integrate.cumulative_trapezoid(values, time, initial=0.0), SPEED
+    try:
+        return Sampled(time, values, "force" if unit == FORCE else "speed", bool(channel.unit))
+    except ValueError as error:
+        raise InputError("load.file", path, "times that rise and finite values", str(error)) from None
+
+
+def _first(path: str) -> Channel:
+    record = read_record(path)
+    if record.format == "text" and record.channels and record.channels[0].stamps is None:
+        record = read_record(path, Options(time="1"))
+    if not record.channels:
+        raise InputError("load.file", path, "a file with time and one channel")
+    return record.channels[0]
+
+
+_SENSOR_FIELDS = {"resonance": float, "quality": float, "range": float, "zero_shift": float}
+_RECORDER_FIELDS = {"sampling_rate": float, "cutoff": float, "order": int, "bits": int}
+"""Fields of [[sensor]] that overrule the model of the sensor, and its recorder."""
+
+
+def build_channels(case: Case) -> tuple[SensorChannel, ...]:
+    """Return the measuring channels of a case.
+
+    Raises
+    ------
+    InputError
+        If a sensor names what is not there, or has values that do not fit together.
+    """
+    once("sensor", [sensor.name for sensor in case.sensor])
+    return tuple(_channel(case, table) for table in case.sensor)
+
+
+def _channel(case: Case, table: SensorTable) -> SensorChannel:
+    path = f"sensor.{table.name}"
+    taps = [name for name, _ in build_taps(case)] if case.stack.layer else []
+    if table.tap and table.tap not in taps:
+        hint = nearest(table.tap, taps) if taps else "the case has no stack; leave tap out for the rigid assembly"
+        raise InputError(f"{path}.tap", table.tap, "the name of a tap", hint)
+    rate = case.recorder.sampling_rate.si if case.recorder else None
+    sensor, recorder = chain_of(table, rate)
+    return SensorChannel(sensor, taps.index(table.tap) if table.tap else None, recorder)
+
+
+def chain_of(table: SensorTable, rate: float | None = None) -> tuple[Sensor, Recorder]:
+    """Return the sensor of a table on its mounting, and its recorder; ``rate`` is the sampling rate of [recorder], Hz.
+
+    Raises
+    ------
+    InputError
+        If it names no known accelerometer, or has values that do not fit together.
+    """
+    path = f"sensor.{table.name}"
+    known = accelerometer(table.model, f"{path}.model") if table.model else None
+    sensor = known.mounted() if known else Sensor()
+    changes: dict[str, Any] = {"name": table.name, "mounting": _mounting(table, path), **_given(table, _SENSOR_FIELDS)}
+    sensor = checked(path, lambda: dataclasses.replace(sensor, **changes))
+    checked(f"{path}.gasket", lambda: mounting_system(sensor.mounting))  # kept for the run
+    recorder = checked(path, lambda: dataclasses.replace(_recorder(table, rate), **_given(table, _RECORDER_FIELDS)))
+    if recorder.bits and math.isinf(sensor.range):
+        raise InputError(f"{path}.range", MISSING, "a range for a recorder with bits", 'add range = "20000 g"')
+    return sensor, recorder
+
+
+def sensor_notices(case: Case) -> Iterator[Notice]:
+    """Report the accelerometers whose numbers are from memory, but for those that the case gives itself."""
+    for table in case.sensor:
+        yield from memory_notices(table)
+
+
+def memory_notices(table: SensorTable) -> Iterator[Notice]:
+    """Report a sensor whose range or resonance are those of an accelerometer that the table has from memory.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> sensor = load_case("li-ma-2019-fig5").sensor[0].model_copy(update={"model": "PCB 350C02", "range": None})
+    >>> [notice.code for notice in memory_notices(sensor)]
+    ['sensor-from-memory']
+    """
+    known = accelerometer(table.model, f"sensor.{table.name}.model") if table.model else None
+    if known is None or known.status != FROM_MEMORY:
+        return
+    taken = [name for name in ("range", "resonance") if getattr(table, name) is None]
+    if taken:
+        message = (
+            f"{' and '.join(taken)} of sensor {table.name} ({known.name}) are from memory: no data sheet that states "
+            f"them could be opened; give {' and '.join(f'sensor.{table.name}.{name}' for name in taken)} from yours"
+        )
+        yield Notice("sensor-from-memory", message, 1.0, 0.0, severity=INFO)
+
+
+def _given(table: SensorTable, fields: dict[str, Any]) -> dict[str, Any]:
+    """Return the fields that a table gives, in SI."""
+    given = {key: (getattr(table, key), kind) for key, kind in fields.items()}
+    return {key: kind(value.si) for key, (value, kind) in given.items() if isinstance(value, Value)}
+
+
+def _recorder(table: SensorTable, rate: float | None) -> Recorder:
+    if table.recorder == "ideal":
+        return Recorder()
+    if table.recorder == "oscilloscope":
+        return oscilloscope()
+    stored = storage_recorder()
+    return stored if rate is None else dataclasses.replace(stored, sampling_rate=rate, cutoff=rate / RATE_OVER_CUTOFF)
+
+
+def _mounting(table: SensorTable, path: str) -> Mounting:
+    if not table.gasket:
+        return Mounting()
+    if table.mass is None:
+        raise InputError(f"{path}.mass", MISSING, "the mass of a buffered sensor", 'add mass = "5 gram"')
+    gaskets = []
+    for k, gasket in enumerate(table.gasket):
+        here = f"{path}.gasket.{k}"
+        matter = matter_of(gasket, here)
+        if matter.density is None or matter.modulus is None:
+            raise InputError(f"{here}.material", MISSING, "a material, or density and modulus", 'add material = "PTFE"')
+        parts = (matter.density, matter.modulus, area_of(gasket, here), gasket.thickness.si, matter.loss_factor or 0.0)
+        gaskets.append(checked(here, lambda parts=parts: Gasket(*parts)))  # type: ignore[misc]
+    stiffness = table.edge_stiffness.si if table.edge_stiffness else math.inf
+    damping = table.edge_damping.si if table.edge_damping else 0.0
+    mass = table.mass.si
+    return checked(path, lambda: Mounting(tuple(gaskets), mass, stiffness, damping))
+
+
+class SensorFile(CaseTable):
+    """What such a file holds: the [[sensor]] of a case, as ``buffer --record`` writes it."""
+
+    sensor: tuple[SensorTable, ...]
+
+
+FORM = Form(SensorFile, "sensor", 'sensor.shock.range="20000 g"')
+ALLOWED = 'a TOML file with one [[sensor]], such as name = "shock" and model = "Endevco 2225"'
+
+
+class StatedSensor(NamedTuple):
+    """A sensor with its recorder, and where its numbers come from.
+
+    Attributes
+    ----------
+    sensor, recorder : Sensor, Recorder
+        What reads, and what keeps it.
+    model : Accelerometer or None
+        The row of the table that its numbers are from, as far as they are not its own.
+    notices : tuple of Notice
+        Numbers from memory.
+    """
+
+    sensor: Sensor
+    recorder: Recorder
+    model: Accelerometer | None
+    notices: tuple[Notice, ...]
+
+
+def stated_sensor(asked: str, field: str) -> StatedSensor:
+    """Return the accelerometer of a name, directly mounted, or the sensor of a file that ends in ``.toml``.
+
+    Raises
+    ------
+    InputError
+        If the table has no such accelerometer, or the file cannot be used.
+
+    Examples
+    --------
+    >>> stated_sensor("endevco 2225", "--sensor").sensor.resonance
+    80000.0
+    """
+    if asked.lower().endswith(".toml"):
+        return _of_table(_only_table(Path(asked), field), field)
+    known = {name.lower(): row for name, row in accelerometers().items()}
+    model = known.get(asked.lower())
+    if model is None:
+        hint = nearest(asked, accelerometers())
+        listed = "" if hint.startswith("choose") else f" ({', '.join(accelerometers())})"
+        raise InputError(field, asked, f"an accelerometer of the table{listed}, or a file that ends in .toml", hint)
+    message = f"range and resonance of {model.name} are from memory: no data sheet that states them could be opened; "
+    message += "give them in a file with [[sensor]] from yours"
+    said = (Notice("sensor-from-memory", message, 1.0, 0.0, INFO),) if model.status == FROM_MEMORY else ()
+    return StatedSensor(model.mounted(), Recorder(), model, said)
+
+
+def _of_table(table: SensorTable, field: str) -> StatedSensor:
+    if table.tap:
+        raise InputError(f"{field} sensor.{table.name}.tap", table.tap, "no tap: a record has none", "remove it")
+    sensor, recorder = chain_of(table)
+    if math.isinf(sensor.range) and math.isinf(sensor.resonance) and sensor.mounting.direct:
+        raise InputError(
+            f"{field} sensor.{table.name}", MISSING, "a model, a range or a resonance", 'add model = "Endevco 2225"'
+        )
+    from_table = table.model and (table.range is None or table.resonance is None)
+    model = accelerometer(table.model) if from_table else None
+    return StatedSensor(sensor, recorder, model, tuple(memory_notices(table)))
+
+
+def _only_table(file: Path, field: str) -> SensorTable:
+    document = read_small_file(file, field, ALLOWED)
+    if set(document) != {"sensor"}:
+        raise InputError(field, str(file), ALLOWED, f"it has {', '.join(map(show, document)) or 'nothing'}")
+    tables = FORM.read(document, f"{field} ").sensor
+    if len(tables) != 1:
+        raise InputError(field, str(file), ALLOWED, f"it has {len(tables)}")
+    return tables[0]
+
+
+@declare.dataclass
+class FittedLoss:
+    """A loss factor held by springs and dashpots over a band of frequencies."""
+
+    where: str = declare.word("what loses energy", column=KEY)
+    loss_factor: float = declare.number(RATIO, "its loss factor in the case")
+    error: float = declare.number(RATIO, "by how much of it the springs and dashpots miss it at most")
+    low: float = declare.number(FREQUENCY, "low end of the band")
+    high: float = declare.number(FREQUENCY, "high end of the band")
+
+
+def fitted_losses(case: Case) -> tuple[FittedLoss, ...]:
+    """Return the losses of layers, of gaskets between layers, and of gaskets under sensors.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> fitted_losses(load_case("li-ma-2019-fig13-bar", ["stack.layer.lower.loss_factor=0.1"]))[0].loss_factor
+    0.1
+    """
+    losses = []
+    for layer in case.stack.layer:
+        fit = layer_loss(layer, f"stack.layer.{layer.name}")
+        if fit is not None and layer.loss_factor is not None:
+            losses.append(FittedLoss(layer.name, layer.loss_factor.si, fit.error, *fit.band))
+    for joint in case.stack.joint:
+        path = f"stack.joint.{joint.after}"
+        eta = matter_of(joint, path).loss_factor if joint.kind == "gasket" else None
+        if eta:
+            fit = fitted(joint, path, 1.0, eta)
+            losses.append(FittedLoss(f"gasket after {joint.after}", eta, fit.error, *fit.band))
+    for channel in build_channels(case):
+        mounting = channel.sensor.mounting
+        for k, gasket in enumerate(mounting.gaskets):
+            if gasket.loss_factor:
+                fit = mounting.loss(gasket)
+                where = f"gasket {k + 1} under {channel.sensor.name}"
+                losses.append(FittedLoss(where, gasket.loss_factor, fit.error, *fit.band))
+    return tuple(losses)

@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
+import copy
+import dataclasses
 import functools
 import importlib
+import inspect
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_args, get_origin, get_type_hints
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
 from strikewave.base.interrupts import Stopped, interrupts_as_such
-from strikewave.cli.option_groups import spread
 from strikewave.reporting.command_inputs import working_on
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from typer._click import Command, Context, HelpFormatter
 
 PANELS: dict[str, dict[str, tuple[str, str]]] = {
@@ -53,13 +55,13 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "app": ("strikewave.web.command", "Open the app in a browser."),
     },
     "Cases": {
-        "new": ("strikewave.cli.new", "Write a new case file to edit."),
-        "validate": ("strikewave.cli.validate", "Check a case without running it."),
-        "diff": ("strikewave.cli.diff", "List the differences of two cases."),
-        "cases": ("strikewave.cli.cases", "List the built-in cases."),
-        "materials": ("strikewave.cli.materials", "List the materials with their sources."),
-        "examples": ("strikewave.cli.examples", "Copy notebooks, a record, studies and cases."),
-        "doctor": ("strikewave.cli.doctor", "Say what is installed, missing and cached."),
+        "new": ("strikewave.cli.case_commands:new_case", "Write a new case file to edit."),
+        "validate": ("strikewave.cli.case_commands:validate_case", "Check a case without running it."),
+        "diff": ("strikewave.cli.case_commands:diff_cases", "List the differences of two cases."),
+        "cases": ("strikewave.cli.case_commands:list_cases", "List the built-in cases."),
+        "materials": ("strikewave.cli.case_commands:list_materials", "List the materials with their sources."),
+        "examples": ("strikewave.cli.program_commands:write_examples", "Copy notebooks, a record, studies and cases."),
+        "doctor": ("strikewave.cli.program_commands:examine", "Say what is installed, missing and cached."),
     },
 }
 """Panel of the help, name, module and summary of a command; its function is ``command``, or stands after a colon.
@@ -83,7 +85,7 @@ class CommandEntry(NamedTuple):
     summary: str
 
 
-HELP = CommandEntry("", "strikewave.cli.help", "Show the help of a command.")
+HELP = CommandEntry("", "strikewave.cli.program_commands:show_help", "Show the help of a command.")
 """``strikewave help COMMAND`` works, and stands in no panel: ``strikewave COMMAND --help`` is shown below them."""
 
 
@@ -201,3 +203,75 @@ class CommandGroup(WholeWords, TyperGroup):
         for panel, rows in PANELS.items():
             with formatter.section(panel):
                 formatter.write_dl([(name.ljust(width), summary) for name, (_, summary) in rows.items()])
+
+
+def spread(command: Callable[..., int]) -> Callable[..., int]:
+    """Return a command whose groups are spread into their options, in their place; called, it puts them together again.
+
+    Parameters
+    ----------
+    command : callable
+        A parameter annotated with a dataclass is a group; the fields of the dataclass are annotated as parameters of a
+        command are, and have defaults where not required. Its ``panel``, a class variable, heads them in the help. The
+        command runs in the context that its method ``in_force`` returns, if it has one.
+
+    Raises
+    ------
+    ValueError
+        If two options have one name.
+
+    Examples
+    --------
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Output:
+    ...     out: str | None = None
+    ...     json: bool = False
+    >>> def command(file: str, output: Output) -> int:
+    ...     return len(file) + output.json
+    >>> list(inspect.signature(spread(command)).parameters)
+    ['file', 'out', 'json']
+    >>> spread(command)(file="a.csv", out=None, json=True)
+    6
+    """
+    hints = get_type_hints(command, include_extras=True)
+    groups = {name: hint for name, hint in hints.items() if dataclasses.is_dataclass(hint) and isinstance(hint, type)}
+    options = [
+        option
+        for one in inspect.signature(command).parameters.values()
+        for option in (_options(groups[one.name]) if one.name in groups else [one.replace(annotation=hints[one.name])])
+    ]
+
+    @functools.wraps(command)
+    def gathered(**values: Any) -> int:
+        with contextlib.ExitStack() as stack:
+            for name, group in groups.items():
+                values[name] = group(**{field.name: values.pop(field.name) for field in dataclasses.fields(group)})
+                if hasattr(values[name], "in_force"):
+                    stack.enter_context(values[name].in_force())
+            return command(**values)
+
+    keyword_only = [option.replace(kind=inspect.Parameter.KEYWORD_ONLY) for option in options]
+    gathered.__dict__["__signature__"] = inspect.Signature(keyword_only)
+    gathered.__annotations__ = {option.name: option.annotation for option in options}
+    return gathered
+
+
+def _options(group: type) -> list[inspect.Parameter]:
+    """Return the fields of a group as parameters."""
+    hints = get_type_hints(group, include_extras=True)
+    panel: str | None = getattr(group, "panel", None)
+    return [
+        one.replace(kind=inspect.Parameter.KEYWORD_ONLY, annotation=_under(panel, hints[name]))
+        for name, one in inspect.signature(group).parameters.items()
+    ]
+
+
+def _under(panel: str | None, annotation: Any) -> Any:
+    """Return the annotation of an option whose help stands in a panel."""
+    if panel is None or get_origin(annotation) is not Annotated:
+        return annotation
+    kind, option = get_args(annotation)
+    placed = copy.copy(option)
+    placed.rich_help_panel = panel
+    return Annotated[kind, placed]

@@ -19,7 +19,7 @@ from strikewave.base.percents import percent
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.base.result import FAILED, INFO, RUN_PASSED, WARNING, BalanceCheck, failed_words
 from strikewave.cases.case import Case, load_case
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 from strikewave.cases.paths import row_name
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.bands import banded_words

@@ -20,7 +20,7 @@ from strikewave.sensors import insertion_loss as loss_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from strikewave.cases.losses_of_case import FittedLoss
+    from strikewave.cases.stack_of_case import FittedLoss
     from strikewave.sensors.trial import SensorChannel
     from strikewave.waves.transit import WaveSetup
 

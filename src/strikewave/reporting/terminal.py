@@ -41,7 +41,7 @@ from strikewave.reporting.numbers import headed, percent, shown, shown_heads
 
 if TYPE_CHECKING:
     from strikewave.base.result import Band, Comparison, Notice, Result
-    from strikewave.cases.losses_of_case import FittedLoss
+    from strikewave.cases.stack_of_case import FittedLoss
     from strikewave.reporting.parts import Table
     from strikewave.sensors.trial import SensorChannel
 

@@ -16,9 +16,9 @@ from pydantic import BeforeValidator, Field, model_validator
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.percents import sign_needed
 from strikewave.base.units import typed_number
+from strikewave.cases.files import read_small_file
 from strikewave.cases.paths import Form
-from strikewave.cases.small_file import read_small_file
-from strikewave.cases.tables.performed_test import Line
+from strikewave.cases.tables.common import Line
 from strikewave.records.budget import (
     DIVISORS,
     NORMAL,

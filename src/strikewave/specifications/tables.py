@@ -18,8 +18,7 @@ from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.percents import sign_needed
 from strikewave.base.quantities import Range
 from strikewave.base.units import DIMENSIONS, typed_number
-from strikewave.cases.tables.base import CaseTable
-from strikewave.cases.tables.performed_test import Line, line_text, notes_text
+from strikewave.cases.tables.common import CaseTable, Line, line_text, notes_text
 from strikewave.specifications.ideal_pulses import TRAPEZOID
 from strikewave.specifications.judging import INDICATIVE, STATUSES
 

@@ -14,8 +14,8 @@ from strikewave.base.result import Verdict
 from strikewave.base.shock_quantities import ACCELERATION, PUBLISHED_QUANTITIES
 from strikewave.base.variables import LabelledArrays
 from strikewave.cases.case import Case
+from strikewave.cases.tables.common import published_unit
 from strikewave.cases.tables.machine import RotaryTable
-from strikewave.cases.tables.published import published_unit
 
 RUN_TOLERANCE = 1e-7
 """Local error of a step of a full run, over the scales of one contact. Measured on the blows of li-ma-2019: it

@@ -12,10 +12,9 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BeforeValidator
 
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases, read_small_file
 from strikewave.cases.paths import Form
-from strikewave.cases.small_file import read_small_file
-from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.common import CaseTable
 
 Stated = TypeVar("Stated", bound=CaseTable)
 

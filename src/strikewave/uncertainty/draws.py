@@ -16,9 +16,8 @@ from pydantic import BaseModel
 from strikewave.base.errors import MISSING, InputError, StrikewaveError
 from strikewave.base.quantities import DEVIATIONS, TRUNCATION, Range, Value
 from strikewave.base.units import DIMENSIONS
-from strikewave.cases.by_path import with_quantities
 from strikewave.cases.case import FORM, Case
-from strikewave.cases.paths import Form
+from strikewave.cases.paths import Form, with_quantities
 from strikewave.cases.tables.machine import OwnStriker, RotaryTable
 
 Array = NDArray[np.float64]

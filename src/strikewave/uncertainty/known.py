@@ -5,7 +5,7 @@ a unit of its last digit, and to 1 % at best; what was inferred, fitted or assum
 that nobody can weigh or read off (`strikewave.cases.plausible`) keeps its plausible range while its value is assumed or
 the user's, whatever tolerance stands there: it says how a machine scatters about a value that nobody knows. To narrow
 it, mark the value as measured. A fitted value whose fit no longer applies is an assumed one. What a named material
-stands for (`strikewave.cases.named_materials`) is known as its table has it, and as pieces of it differ.
+stands for (`strikewave.cases.materials_of_case`) is known as its table has it, and as pieces of it differ.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from strikewave.base.quantities import AUTO, TRUNCATION, Range, Value
 from strikewave.base.units import take_apart
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import automatic_pressures
-from strikewave.cases.named_materials import named_numbers
+from strikewave.cases.materials_of_case import named_numbers
 from strikewave.cases.paths import row_name
 from strikewave.cases.plausible import NOT_MOVED, PLAUSIBLE, GoesWith, PlausibleRange
 from strikewave.cases.tables.machine import LaunchedTable

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from strikewave.analyses.hopkinson.build import load_setup
-from strikewave.cases.tables.performed_test import EXAMPLE as TEST_EXAMPLE
+from strikewave.cases.tables.common import EXAMPLE as TEST_EXAMPLE
 
 from ...hopkinson import bench
 

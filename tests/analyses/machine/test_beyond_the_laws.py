@@ -4,7 +4,7 @@ import pytest
 
 from strikewave import load_case, run_case
 from strikewave.analyses.machine.build import release
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 
 CODES = {
     *("contact-longer-than-face", "nose-heavy", "spot-wider-than-face", "indentation-large", "approach-fast"),

@@ -10,7 +10,7 @@ from strikewave.analyses.machine.kind import LaunchedKind, MachineKind, kind_of
 from strikewave.base.citations import SOURCES
 from strikewave.base.errors import InputError
 from strikewave.cases.case import load_case, parse_case
-from strikewave.cases.case_files import bundled_cases, read_case_text
+from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.tables.machine_kinds import KINDS
 
 LAUNCHED = [name for name in bundled_cases() if load_case(name).launched() is not None]

@@ -8,7 +8,7 @@ import pytest
 from strikewave import compare, load_case, run_case
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.readings import MOST_A_WINDOW, RIGID_STEP, pulse_axis
-from strikewave.cases.tables.sensor import SensorTable
+from strikewave.cases.tables.stack import SensorTable
 from strikewave.sensors import Reading
 from strikewave.sensors.trial import still_on
 

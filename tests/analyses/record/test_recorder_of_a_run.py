@@ -9,7 +9,7 @@ import pytest
 
 import strikewave
 from strikewave.cases.case import load_case
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 from strikewave.records.record import OF_BODY
 from strikewave.reporting.histories import write_histories
 

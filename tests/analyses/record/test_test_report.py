@@ -22,7 +22,7 @@ from strikewave.analyses.record.test_report.shocks import DOUBT, MOST_LISTED
 from strikewave.analyses.record.verdicts.words import tag_of_records
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.stated_test import NO_TEST, ReportTables, StatedTest, example_file, load_test
-from strikewave.cases.tables.performed_test import PerformedTest
+from strikewave.cases.tables.common import PerformedTest
 from strikewave.reporting.clause_words import SHOWN
 from strikewave.reporting.pdf import check_pdf, pdf_of
 from strikewave.specifications.ideal_pulses import IdealPulse

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.cases.load_file import read_load
+from strikewave.cases.stack_of_case import read_load
 
 G = 9.80665
 

@@ -58,7 +58,7 @@ def test_a_gap_and_a_refused_peak_are_said_in_the_report():
 
 
 def test_insertion_loss_table_is_that_of_the_continuous_layers(struck):
-    from strikewave.cases.sensors_of_case import build_channels
+    from strikewave.cases.stack_of_case import build_channels
     from strikewave.sensors import insertion_loss
 
     channels = build_channels(struck.case)

@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from strikewave.papers.li_ma_2019.screen import progress
+from strikewave.papers.li_ma_2019.reproduce import progress
 
 ROW = {"name", "where", "quantity", "value_si", "si", "published_value", "published_unit", "origin", "note", "computed"}
 ANSWER = {"by", "value_si", "low_si", "high_si", "role", "note", "difference"}

@@ -17,17 +17,27 @@ from strikewave.cases.case import parse_case
 from strikewave.contact import Chain, ChainContact, hertz, simulate
 from strikewave.fem.run import interval_means
 from strikewave.fem.solids import Elastic
-from strikewave.papers.li_ma_2019.beams import (
+from strikewave.papers.li_ma_2019.bodies import (
     MIDDLE_SHARE,
     FrameWall,
+    answer_of,
     bending_stiffness,
     clamped_stiffness,
     endless_compliance,
+    frame_blow,
+    gathered,
+    layered,
+    lumped,
     shear_stiffness,
 )
-from strikewave.papers.li_ma_2019.bodies import answer_of, frame_blow, gathered, layered, lumped
-from strikewave.papers.li_ma_2019.body_reasons import endless_wall, first_hump, reasons, wall_stiffness
-from strikewave.papers.li_ma_2019.body_rows import body_rows, compare
+from strikewave.papers.li_ma_2019.body_reasons import (
+    body_rows,
+    compare,
+    endless_wall,
+    first_hump,
+    reasons,
+    wall_stiffness,
+)
 from strikewave.papers.li_ma_2019.runs import coarser
 from strikewave.papers.li_ma_2019.solid_bars import (
     bar_dispersed,

@@ -17,10 +17,15 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 from strikewave.base.materials import material
-from strikewave.papers.li_ma_2019.contact_equations import delivered
-from strikewave.papers.li_ma_2019.equations import equation_rows
+from strikewave.papers.li_ma_2019.equations import (
+    arrival_times,
+    delivered,
+    end_speeds,
+    equation_rows,
+    mean_over_rigid,
+    solid_bar_speed,
+)
 from strikewave.papers.li_ma_2019.examples import STEPS_OF_TRANSIT, ContactExample, WaveExample
-from strikewave.papers.li_ma_2019.wave_equations import arrival_times, end_speeds, mean_over_rigid, solid_bar_speed
 from strikewave.waves import round_bar
 
 N = 10.0 / 9.0

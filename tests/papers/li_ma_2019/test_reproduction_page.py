@@ -26,9 +26,15 @@ from strikewave.papers.li_ma_2019.element_pulses import (
 )
 from strikewave.papers.li_ma_2019.figures import PublishedMark
 from strikewave.papers.li_ma_2019.published import published_numbers
-from strikewave.papers.li_ma_2019.report.figures import figure_sections, key_numbers, pictures, ratios
-from strikewave.papers.li_ma_2019.report.page import again, reproduction_report
-from strikewave.papers.li_ma_2019.report.tables import (
+from strikewave.papers.li_ma_2019.report import (
+    again,
+    figure_sections,
+    key_numbers,
+    pictures,
+    ratios,
+    reproduction_report,
+)
+from strikewave.papers.li_ma_2019.report_tables import (
     elements_section,
     equation_sections,
     findings_section,

@@ -9,8 +9,11 @@ import pytest
 from strikewave.base import declare
 from strikewave.base.json_document import plain
 from strikewave.cases.case import load_case
-from strikewave.papers.li_ma_2019.assumed import (
+from strikewave.papers.li_ma_2019.bodies import SimpleAnswer
+from strikewave.papers.li_ma_2019.body_reasons import BodyRow
+from strikewave.papers.li_ma_2019.further import (
     SHARE,
+    STAGES,
     Answer,
     Dimension,
     DimensionRow,
@@ -19,11 +22,8 @@ from strikewave.papers.li_ma_2019.assumed import (
     changed,
     mesh_rows,
 )
-from strikewave.papers.li_ma_2019.bodies import SimpleAnswer
-from strikewave.papers.li_ma_2019.body_rows import BodyRow
-from strikewave.papers.li_ma_2019.execution import executing
-from strikewave.papers.li_ma_2019.further import STAGES
-from strikewave.papers.li_ma_2019.report.studies import blow_table, body_table, dimension_table, mesh_table
+from strikewave.papers.li_ma_2019.report_tables import blow_table, body_table, dimension_table, mesh_table
+from strikewave.papers.li_ma_2019.runs import executing
 from strikewave.reporting.shown_units import ShownUnits, showing
 
 BASE = Answer(20e3, 2e-4, 2.0, 4e4, 0.01)
@@ -82,7 +82,7 @@ def test_bodies_stand_in_the_chosen_units():
 @pytest.mark.verify
 def test_blows_are_those_of_whole_bodies():
     from strikewave.analyses.fem.run import run_fem
-    from strikewave.papers.li_ma_2019.assumed import studied
+    from strikewave.papers.li_ma_2019.further import studied
     from strikewave.papers.li_ma_2019.runs import coarser
 
     case = load_case("li-ma-2019-fem-rigid")

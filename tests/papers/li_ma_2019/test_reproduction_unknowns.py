@@ -15,19 +15,20 @@ from strikewave.analyses.machine.run import run_case
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cases.case import parse_case
 from strikewave.cases.written_case import dump_case
-from strikewave.papers.li_ma_2019 import gaskets, joints
+from strikewave.papers.li_ma_2019 import unknowns
 from strikewave.papers.li_ma_2019.answers import number_rows
-from strikewave.papers.li_ma_2019.execution import executing
-from strikewave.papers.li_ma_2019.machine_findings import (
+from strikewave.papers.li_ma_2019.figures import gasket_figure, joint_figure
+from strikewave.papers.li_ma_2019.findings import (
     costly_rate,
     lost_between_samples,
     tangential_blow,
     tangential_speed,
 )
-from strikewave.papers.li_ma_2019.map_figures import gasket_figure, joint_figure
 from strikewave.papers.li_ma_2019.published import published_number
-from strikewave.papers.li_ma_2019.report.figures import mechanism_table
-from strikewave.papers.li_ma_2019.report.tables import numbers_table, plain_rows
+from strikewave.papers.li_ma_2019.report import mechanism_table
+from strikewave.papers.li_ma_2019.report_tables import numbers_table, plain_rows
+from strikewave.papers.li_ma_2019.runs import executing
+from strikewave.papers.li_ma_2019.unknowns import USUAL_JOINTS as USUAL_JOINTS
 from strikewave.studies.fit.study import fit
 
 DOCS = Path(__file__).parents[3] / "docs/reproduction.md"
@@ -38,13 +39,13 @@ BUFFERED = published_number("buffered peak").value
 @pytest.fixture(scope="module")
 def elastomer():
     """One 3 mm elastomer of 50 MPa with a loss factor of 0.8, as a whole case."""
-    return gaskets.with_gasket(load_case(gaskets.COMPARISON, gaskets.FIRST_BLOW), 50e6, 0.8, 3e-3)
+    return unknowns.with_gasket(load_case(unknowns.COMPARISON, unknowns.FIRST_BLOW), 50e6, 0.8, 3e-3)
 
 
 @pytest.mark.verify
 def test_a_cell_of_the_gaskets_is_the_fit_that_any_case_can_be_given(elastomer):
     """`fit` searches otherwise (least squares); both meet the peak to 2e-4, which the direct one follows."""
-    cell = gaskets.gasket_cell(elastomer, 50e6, 0.8, 3e-3)
+    cell = unknowns.gasket_cell(elastomer, 50e6, 0.8, 3e-3)
     case = fit(elastomer).case
     reading = observe(case).readings[0].sensors
     assert cell.engagement == pytest.approx(case.values()["machine.engagement"].si, rel=5e-4)
@@ -53,7 +54,7 @@ def test_a_cell_of_the_gaskets_is_the_fit_that_any_case_can_be_given(elastomer):
 
 def test_the_elastomer_reads_what_an_independent_model_reads(elastomer):
     """A second model of this gasket, written apart from this program: 9948 g direct, calmer than the direct sensor."""
-    cell = gaskets.gasket_cell(elastomer, 50e6, 0.8, 3e-3)
+    cell = unknowns.gasket_cell(elastomer, 50e6, 0.8, 3e-3)
     assert abs(cell.direct) / STANDARD_GRAVITY == pytest.approx(9948.0, rel=0.01)  # 0.7 % by the feed alone
     assert cell.calm
 
@@ -71,8 +72,8 @@ def test_lossless_gaskets_of_the_case_magnify_and_ring(result):
 
 
 def test_an_engagement_beyond_the_feed_is_no_result():
-    soft = gaskets.with_gasket(load_case(gaskets.COMPARISON, gaskets.FIRST_BLOW), 5e6, 0.8, 6e-3)
-    assert math.isnan(gaskets.gasket_cell(soft).direct)
+    soft = unknowns.with_gasket(load_case(unknowns.COMPARISON, unknowns.FIRST_BLOW), 5e6, 0.8, 6e-3)
+    assert math.isnan(unknowns.gasket_cell(soft).direct)
 
 
 def test_the_range_over_gaskets_holds_direct_runs_of_its_ends(result):
@@ -81,15 +82,17 @@ def test_the_range_over_gaskets_holds_direct_runs_of_its_ends(result):
     span = result.unknowns.direct_peak
     for end, pick in ((span.low, min), (span.high, max)):
         cell = pick(study.calm, key=lambda one: abs(one.direct))
-        case = gaskets.with_gasket(
-            load_case(gaskets.COMPARISON, [*gaskets.FIRST_BLOW, f"machine.engagement={cell.engagement * 1e3:.12g} mm"]),
+        case = unknowns.with_gasket(
+            load_case(
+                unknowns.COMPARISON, [*unknowns.FIRST_BLOW, f"machine.engagement={cell.engagement * 1e3:.12g} mm"]
+            ),
             cell.modulus,
             cell.loss_factor,
             cell.thickness,
         )
         sensors = run_case(case).readings[0].sensors
         assert abs(sensors["direct"].peak) == pytest.approx(end, rel=1e-6)
-        assert abs(sensors["buffered"].peak) == pytest.approx(BUFFERED, rel=gaskets.MET)
+        assert abs(sensors["buffered"].peak) == pytest.approx(BUFFERED, rel=unknowns.MET)
 
 
 def test_the_range_over_joints_holds_direct_runs_of_its_ends(result):
@@ -98,7 +101,7 @@ def test_the_range_over_joints_holds_direct_runs_of_its_ends(result):
     for end, pick in ((span.low, min), (span.high, max)):
         cell = pick(study.keeping, key=lambda one: abs(one.blow.peak))
         changes = ["feed.blows=1", "sensor.oscilloscope.range=10000000 g"]  # so that the reading is not cut off
-        case = load_case(joints.FIXTURE, [*changes, *joints.joint_changes(cell.preload, cell.stiffness)])
+        case = load_case(unknowns.FIXTURE, [*changes, *unknowns.joint_changes(cell.preload, cell.stiffness)])
         quantum = 2e7 / 2**8  # g, of the eight bits over that range
         peak = abs(run_case(case).readings[0].sensors["oscilloscope"].peak) / STANDARD_GRAVITY
         assert peak == pytest.approx(end / STANDARD_GRAVITY, abs=quantum)
@@ -106,11 +109,11 @@ def test_the_range_over_joints_holds_direct_runs_of_its_ends(result):
 
 def test_joints_that_hold_read_the_same_whatever_presses_them(result):
     """A joint that never opens is a spring, or nothing: preload cannot matter."""
-    more = joints.fixture_blow(joints.with_joints(joints.joint_changes(40e3, 2e9)))
-    less = joints.fixture_blow(joints.with_joints(joints.joint_changes(20e3, 2e9)))
+    more = unknowns.fixture_blow(unknowns.with_joints(unknowns.joint_changes(40e3, 2e9)))
+    less = unknowns.fixture_blow(unknowns.with_joints(unknowns.joint_changes(20e3, 2e9)))
     assert more == less
-    rigid = joints.with_joints(joints.joint_changes(20e3, joints.RIGID))
-    assert joints.fixture_blow(rigid) == result.unknowns.joints.assumed
+    rigid = unknowns.with_joints(unknowns.joint_changes(20e3, unknowns.RIGID))
+    assert unknowns.fixture_blow(rigid) == result.unknowns.joints.assumed
 
 
 def test_the_rigid_pulse_knows_nothing_of_chatter(result):
@@ -211,7 +214,7 @@ def test_what_a_peak_loses_between_samples_is_what_sampling_loses():
 
 
 def test_a_pulse_is_kept_within_its_share():
-    blow = joints.FixtureBlow(1.0, 1.0, False, 4e4, 2e-4)
+    blow = unknowns.FixtureBlow(1.0, 1.0, False, 4e4, 2e-4)
     assert blow.keeps(dataclasses.replace(blow, rigid_peak=4.1e4))
     assert not blow.keeps(dataclasses.replace(blow, rigid_width=2.2e-4))
 
@@ -228,7 +231,7 @@ def documented(first):
 def test_the_documented_map_over_joints_is_that_of_the_runs():
     """Joints that hold: to the last digit. Those that chatter are irregular: another processor rounds otherwise."""
     with executing() as execution:
-        study = joints.joint_study(execution, joints.USUAL._replace(trains=()))
+        study = unknowns.joint_study(execution, USUAL_JOINTS._replace(trains=()))
     heads, rows = documented("Preload of each joint")
     cells = iter(study.cells)
     for row in rows.values():
@@ -247,12 +250,12 @@ def test_the_documented_map_over_joints_is_that_of_the_runs():
 def test_the_documented_map_over_gaskets_is_that_of_the_runs():
     """A cell of each row, and the ends of the range of the calm ones."""
     heads, rows = documented("Thickness, loss factor")
-    case = load_case(gaskets.COMPARISON, gaskets.FIRST_BLOW)
+    case = load_case(unknowns.COMPARISON, unknowns.FIRST_BLOW)
     wanted = [(head, 3 + k % 3) for k, head in enumerate(rows)] + [("1 mm, 0.8", 0), ("6 mm, 0.2", 7)]
     for head, column in wanted:
         thickness, loss = (float(word) for word in re.findall(r"[0-9.]+", head))
         modulus = 1e6 * float(heads[column].split()[0])
-        cell = gaskets.gasket_cell(gaskets.with_gasket(case, modulus, loss, thickness / 1e3), modulus, loss)
+        cell = unknowns.gasket_cell(unknowns.with_gasket(case, modulus, loss, thickness / 1e3), modulus, loss)
         text = rows[head][column]
         assert text.startswith("**") == cell.calm
         assert float(text.strip("*")) == pytest.approx(abs(cell.direct) / STANDARD_GRAVITY / 1e3, abs=0.051)

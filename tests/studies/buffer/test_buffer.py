@@ -15,7 +15,7 @@ from strikewave.base.errors import InputError
 from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import parse_case
-from strikewave.cases.tables.sensor import SensorTable
+from strikewave.cases.tables.stack import SensorTable
 from strikewave.cases.written_case import dump_case
 from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
 from strikewave.sensors import Recorder, Sensor

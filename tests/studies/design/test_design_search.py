@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
-from strikewave.cases.case_files import read_case_text
+from strikewave.cases.files import read_case_text
 from strikewave.studies.design.goals import Goal, checks_of
 from strikewave.studies.design.plan import RESOLUTION, plan_of
 from strikewave.studies.design.search import BROKEN, FAR, DesignRuns, margin_merit, objective_merit, search

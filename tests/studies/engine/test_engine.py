@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from strikewave import load_case, run_case
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 from strikewave.studies.engine import keys
 from strikewave.studies.engine import store as stores
 from strikewave.studies.engine.case_evaluation import OF_FIRST, CaseEvaluation, numbers_of, read_kept

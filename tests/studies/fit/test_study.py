@@ -424,7 +424,7 @@ def test_an_earlier_fit_keeps_the_values_that_are_not_fitted_anew():
     first = fitted([0.01, 0.02])
     again = fitted([0.01, np.inf], case=first)
     assert [one.fields for one in again.fit] == [(FORCE,)]
-    from strikewave.cases.fits import FitTable
+    from strikewave.cases.case import FitTable
 
     held = CASE.model_copy(
         update={

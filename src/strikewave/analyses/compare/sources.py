@@ -21,7 +21,7 @@ import numpy as np
 from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, mean_curve
 from strikewave.base.errors import InputError, StrikewaveError, nearest, show
 from strikewave.base.result import Notice
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 from strikewave.records import Options, Request
 from strikewave.records.budget import Budget
 from strikewave.records.measured_uncertainty import blow_uncertainty

@@ -19,28 +19,26 @@ from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import once
 from strikewave.cases.tables.fem import (
     AnyBoundaryTable,
-    DrivenSide,
-    FemTable,
-    FixedSide,
-    GuidedSide,
-    PressedSide,
-    SymmetrySide,
-)
-from strikewave.cases.tables.mesh import (
     AnyPart,
     AnyShaped,
     Ball,
     BilinearTable,
     Block,
     Cylinder,
+    DrivenSide,
     ElasticTable,
+    FemTable,
     FilePart,
+    FixedSide,
     FramePart,
+    GuidedSide,
     HalfCylinder,
     HalfSpace,
     JohnsonCookTable,
     MeshTable,
+    PressedSide,
     ShapedPart,
+    SymmetrySide,
     Tube,
     ZerilliArmstrongTable,
 )
@@ -435,7 +433,7 @@ def vector(table: Any) -> Vector:
 
     Examples
     --------
-    >>> from strikewave.cases.tables.mesh import VelocityTable
+    >>> from strikewave.cases.tables.fem import VelocityTable
     >>> vector(VelocityTable(z="-1 m/s"))
     (0.0, 0.0, -1.0)
     """

@@ -12,9 +12,8 @@ from strikewave.analyses.fem.sectors import open_cuts, sectors, unlike_sectors
 from strikewave.base.materials import material
 from strikewave.base.percents import percent, plain
 from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
-from strikewave.cases.case import Case
-from strikewave.cases.comparisons import origin_notices
-from strikewave.cases.material_notices import material_notices
+from strikewave.cases.case import Case, origin_notices
+from strikewave.cases.materials_of_case import material_notices
 from strikewave.fem.contact import thickness
 from strikewave.fem.mesh import TINY
 from strikewave.fem.model import Model, stays

@@ -19,7 +19,7 @@ from strikewave.base.declare import KEY, MAIN, Quantity
 from strikewave.base.result import BALANCE_LIMIT, ELEMENTS_SCHEMA, BalanceCheck, Comparison
 from strikewave.base.shock_quantities import ENERGY, FORCE, MEASURED_IMPULSE, RATIO, RESTITUTION, STEP
 from strikewave.base.variables import LabelledArrays, quantity
-from strikewave.cases.comparisons import comparisons
+from strikewave.cases.case import comparisons
 from strikewave.fem.model import Model
 from strikewave.fem.run import (
     BALANCE_ERROR,
@@ -49,7 +49,7 @@ from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.shown_result import Curve, history_curve
 
 if TYPE_CHECKING:
-    from strikewave.cases.tables.published import Published
+    from strikewave.cases.tables.common import Published
 
 Array = NDArray[np.float64]
 

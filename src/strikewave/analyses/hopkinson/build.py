@@ -20,9 +20,8 @@ from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
 from strikewave.base.result import Notice
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.paths import Form
-from strikewave.cases.provenance import with_provenance
-from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.paths import Form, with_provenance
+from strikewave.cases.tables.common import CaseTable, PerformedTest
 from strikewave.cases.tables.hopkinson import (
     AccelerometerTable,
     BarTable,
@@ -32,7 +31,6 @@ from strikewave.cases.tables.hopkinson import (
     RecordedTable,
     SpecimenTable,
 )
-from strikewave.cases.tables.performed_test import PerformedTest
 from strikewave.hopkinson import Pulses, Reduction, StressStrainCurve
 from strikewave.hopkinson.bars import Bar, BarMaterial, Bridge, Specimen, StrikerBar, elastic
 from strikewave.hopkinson.pulses import GaugeTrace, quieten

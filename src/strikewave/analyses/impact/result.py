@@ -16,8 +16,8 @@ from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import INFO, Notice
 from strikewave.base.shock_quantities import FORCE, RATIO, RESTITUTION
-from strikewave.cases.contact_range_notices import duration_notices, indentation_notices, speed_notices
-from strikewave.cases.yield_pressure import ELASTIC, HIGH, LOW, WORTH_SHOWING, YIELDING, pressures_of_answers
+from strikewave.cases.contact_notices import duration_notices, indentation_notices, speed_notices
+from strikewave.cases.contact_parts import ELASTIC, HIGH, LOW, WORTH_SHOWING, YIELDING, pressures_of_answers
 from strikewave.contact import Impact, Stiffness, cap_of, first_yield, impact_history, reduced_mass, solve_impact
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.contact.registry import FROM_MEMORY

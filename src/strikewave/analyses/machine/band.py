@@ -18,7 +18,7 @@ from strikewave.analyses.machine.result import SHOWN_WIDTHS, TimedBlow, figures_
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_BROKEN, Band, BandMethod
 from strikewave.cases.case import Case
-from strikewave.cases.sensors_of_case import build_channels
+from strikewave.cases.stack_of_case import build_channels
 from strikewave.machines import Blow, MachineRun, blows, run_machine
 from strikewave.machines.blows import pulse_window
 from strikewave.machines.fast_run import TrainBlow, fast_train, why_not

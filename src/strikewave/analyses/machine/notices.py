@@ -18,21 +18,22 @@ from strikewave.base.percents import plain
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import FAILED, INFO, Notice, Verdict, balance_notices
 from strikewave.base.shock_quantities import ACCELERATION
-from strikewave.cases.case import Case
-from strikewave.cases.comparisons import origin_notices
+from strikewave.cases.case import Case, origin_notices
 from strikewave.cases.contact_notices import (
     cushion_notices,
+    damping_speed_notices,
     force_words,
     joint_yield_notices,
     law_notices,
     low_pressure_notices,
+    size_notices,
+    speed_notices,
 )
 from strikewave.cases.contact_of_case import struck_material
-from strikewave.cases.contact_range_notices import damping_speed_notices, size_notices, speed_notices
-from strikewave.cases.law_names import CUSHION
-from strikewave.cases.material_notices import material_notices
+from strikewave.cases.contact_parts import ELASTIC, YIELDING
+from strikewave.cases.materials_of_case import material_notices
 from strikewave.cases.stack_of_case import build_taps
-from strikewave.cases.yield_pressure import ELASTIC, YIELDING
+from strikewave.cases.tables.contact import CUSHION
 from strikewave.machines import Blow
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import REST_SHARE, StackSpan

@@ -19,9 +19,8 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import first_yield_of
 from strikewave.cases.contact_of_case import struck_material
-from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import build_taps, check_route
-from strikewave.cases.yield_pressure import ELASTIC, YIELDING, pressures_of_answers
+from strikewave.cases.contact_parts import ELASTIC, YIELDING, pressures_of_answers
+from strikewave.cases.stack_of_case import build_channels, build_taps, check_route
 from strikewave.machines import Blow, Machine, blows, run_machine
 from strikewave.machines.strike import kept_step
 from strikewave.waves import Stack

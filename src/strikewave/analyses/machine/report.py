@@ -363,7 +363,7 @@ def stack_section(solution: Solution) -> list[Section]:
 
 def accuracy_section(solution: Solution) -> list[Section]:
     """Say how exact the waves are, layer by layer; nothing without a stack."""
-    from strikewave.cases.losses_of_case import fitted_losses
+    from strikewave.cases.stack_of_case import fitted_losses
 
     setup = solution.waves
     if setup is None or not any(solution.readings):
@@ -395,7 +395,7 @@ def sensor_section(solution: Solution) -> list[Section]:
     readings = [reading for reading in solution.readings if reading is not None]
     if not solution.case.sensor or not readings:
         return []
-    from strikewave.cases.sensors_of_case import build_channels
+    from strikewave.cases.stack_of_case import build_channels
 
     channels, data = build_channels(solution.case), solution.arrays
     struck = [k for k, reading in enumerate(solution.readings) if reading is not None]

@@ -40,7 +40,7 @@ from strikewave.base.shock_quantities import (
 )
 from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import Case, parse_case
-from strikewave.cases.yield_pressure import ELASTIC, HIGH, LOW, WORTH_SHOWING
+from strikewave.cases.contact_parts import ELASTIC, HIGH, LOW, WORTH_SHOWING
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS
 from strikewave.reporting.case_result import CaseResult

@@ -31,10 +31,9 @@ from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.compiled import is_cold
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import Comparison, balance_notices
-from strikewave.cases.case import Case
-from strikewave.cases.comparisons import comparisons
+from strikewave.cases.case import Case, comparisons
 from strikewave.cases.contact_of_case import contact_source
-from strikewave.cases.sensors_of_case import sensor_notices
+from strikewave.cases.stack_of_case import sensor_notices
 from strikewave.contact import damping_law, solve_impact
 from strikewave.machines import Blow, Machine
 from strikewave.reporting.bands import lacking_notices

@@ -19,8 +19,7 @@ from strikewave.analyses.machine.words import (
     summary_words,
 )
 from strikewave.cases.case import Case
-from strikewave.cases.losses_of_case import fitted_losses
-from strikewave.cases.sensors_of_case import build_channels
+from strikewave.cases.stack_of_case import build_channels, fitted_losses
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.faces import columns_of, text_of
 from strikewave.reporting.options.output import Output

@@ -11,8 +11,8 @@ from strikewave.analyses.machine.result import INTERVAL, ContactAnswer, ContactA
 from strikewave.base.declare import NO_UNIT
 from strikewave.base.result import Band
 from strikewave.base.shock_quantities import KILOGRAMS, PULSE_WIDTH, RIGID_PEAK, VELOCITY, VELOCITY_CHANGE
+from strikewave.cases.contact_parts import YIELDING
 from strikewave.cases.tables.machine_kinds import KINDS
-from strikewave.cases.yield_pressure import YIELDING
 from strikewave.machines import Blow
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import amount, bands_below, columns_of, part_tables, text_of

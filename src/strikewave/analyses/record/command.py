@@ -74,7 +74,7 @@ def command(
     from strikewave.analyses.record.paired import read_pair
     from strikewave.analyses.record.screen.command import examine_records
     from strikewave.base.errors import InputError
-    from strikewave.cases.sensor_file import stated_sensor
+    from strikewave.cases.stack_of_case import stated_sensor
     from strikewave.records import Request
 
     if base and columns == "repeats":

@@ -17,7 +17,7 @@ from strikewave.analyses.record.verdicts.options import RecordSpecificationOptio
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Source
 from strikewave.base.units import si_value
-from strikewave.cases.sensor_file import stated_sensor
+from strikewave.cases.stack_of_case import stated_sensor
 from strikewave.cases.stated_test import StatedTest, load_test
 from strikewave.records import (
     FileReading,
@@ -40,7 +40,7 @@ from strikewave.signal.filters import Filter
 from strikewave.specifications.judging import Rule
 
 if TYPE_CHECKING:
-    from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.cases.stack_of_case import StatedSensor
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 

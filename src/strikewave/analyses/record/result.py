@@ -44,7 +44,7 @@ from strikewave.signal.filters import Filter
 from strikewave.specifications.judged_records import RecordsVerdict
 
 if TYPE_CHECKING:
-    from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.cases.stack_of_case import StatedSensor
     from strikewave.cases.stated_test import StatedTest
 
 

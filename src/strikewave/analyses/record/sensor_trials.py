@@ -26,7 +26,7 @@ from strikewave.sensors.trial import NOISE, TAKES, SensorTrial, lowest_resonance
 from strikewave.signal.filters import Filter
 
 if TYPE_CHECKING:
-    from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.cases.stack_of_case import StatedSensor
 
 BEFORE, AFTER, PERIODS = 2.0, 2.0, 2.0
 """Lengths of a blow that are tried before and after it, and periods of the lowest resonance if they are longer: the

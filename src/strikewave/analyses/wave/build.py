@@ -53,7 +53,7 @@ def build_load(case: Case, stack: Stack) -> Load:
     if load.shape == "file":
         if not load.file:
             raise InputError("load.file", MISSING, "a file with time and force", 'add file = "force.csv"')
-        from strikewave.cases.load_file import read_load  # the readers of records take long to import
+        from strikewave.cases.stack_of_case import read_load  # the readers of records take long to import
 
         return _as_applied(read_load(load.file), load)
     peak = need(load.peak, "load.peak", "a force", 'add peak = "20 kN"')

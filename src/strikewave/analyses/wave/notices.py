@@ -17,18 +17,19 @@ from strikewave.base.first_few import first_few
 from strikewave.base.materials import material
 from strikewave.base.percents import plain
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, Notice
-from strikewave.cases.case import Case
-from strikewave.cases.comparisons import origin_notices
-from strikewave.cases.contact_notices import joint_yield_notices, law_notices, yield_notices
-from strikewave.cases.contact_of_case import struck_material
-from strikewave.cases.contact_range_notices import (
+from strikewave.cases.case import Case, origin_notices
+from strikewave.cases.contact_notices import (
     damping_speed_notices,
     joint_size_notices,
+    joint_yield_notices,
+    law_notices,
     size_notices,
     speed_notices,
+    yield_notices,
 )
-from strikewave.cases.material_notices import material_notices
-from strikewave.cases.sensors_of_case import sensor_notices
+from strikewave.cases.contact_of_case import struck_material
+from strikewave.cases.materials_of_case import material_notices
+from strikewave.cases.stack_of_case import sensor_notices
 from strikewave.reporting.numbers import percent
 from strikewave.sensors.trial import SensorChannel, channel_notices, shortest_period
 from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Stack

@@ -32,7 +32,7 @@ from strikewave.base.shock_quantities import (
     VELOCITY,
 )
 from strikewave.base.variables import LabelledArrays, quantity
-from strikewave.cases.losses_of_case import FittedLoss, fitted_losses
+from strikewave.cases.stack_of_case import FittedLoss, fitted_losses
 from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.shown_result import Curve, history_curve

@@ -18,8 +18,7 @@ from strikewave.base.errors import InputError, checked
 from strikewave.base.quantities import Value
 from strikewave.base.result import INFO, BandMethod, Notice
 from strikewave.cases.case import Case
-from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import build_stack, build_taps, check_route, need
+from strikewave.cases.stack_of_case import build_channels, build_stack, build_taps, check_route, need
 from strikewave.reporting.bands import lacking_notices
 from strikewave.sensors import Reading, Recorder, Sensor, read
 from strikewave.sensors.trial import SensorChannel, sensor_sources

@@ -20,8 +20,7 @@ from strikewave.base.quantities import (
     Value,
     positive,
 )
-from strikewave.cases.tables.base import CaseTable, case_name
-from strikewave.cases.tables.performed_test import PerformedTest
+from strikewave.cases.tables.common import CaseTable, PerformedTest, case_name
 from strikewave.hopkinson.alignment import Method
 from strikewave.hopkinson.bars import BridgeKind
 from strikewave.hopkinson.echoes import Way

@@ -48,7 +48,7 @@ from strikewave.base.quantities import (
     Value,
 )
 from strikewave.cases.plausible import GoesWith
-from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.common import CaseTable
 
 
 class MachineTable(CaseTable):

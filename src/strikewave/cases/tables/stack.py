@@ -1,12 +1,16 @@
-"""[stack] with its layers, joints and far end, what loads it, and where it is watched."""
+"""[stack] with its layers, joints and far end, [load], and what watches it: [[tap]], [[sensor]] and [recorder]."""
 
 from __future__ import annotations
 
 from typing import Literal
 
 from strikewave.base.quantities import (
+    Duration,
+    Frequency,
     Length,
+    MaybeAcceleration,
     MaybeArea,
+    MaybeBits,
     MaybeContactPressure,
     MaybeDamping,
     MaybeDensity,
@@ -18,18 +22,20 @@ from strikewave.base.quantities import (
     MaybeLoss,
     MaybeMass,
     MaybeModulus,
+    MaybeOrder,
     MaybePoisson,
     MaybePreload,
     MaybeQuality,
+    MaybeShift,
     MaybeSpeed,
     MaybeSpringRate,
     MaybeTime,
+    SampleCount,
     Share,
     Value,
 )
-from strikewave.cases.law_names import StiffnessName
-from strikewave.cases.tables.base import CaseTable, Name
-from strikewave.cases.tables.contact import CushionTable
+from strikewave.cases.tables.common import CaseTable, Name
+from strikewave.cases.tables.contact import CushionTable, StiffnessName
 
 
 class LayerTable(CaseTable):
@@ -133,3 +139,56 @@ class TapTable(CaseTable):
     name: Name
     layer: str
     position: Share = Value(si=0.5, typed=0.5)
+
+
+class RecorderTable(CaseTable):
+    """[recorder]: triggered by the valve signal, or at the start of a machine without one."""
+
+    sampling_rate: Frequency
+    delay: Duration
+    pre_trigger: Duration
+    memory: SampleCount
+
+    @property
+    def begin(self) -> float:
+        """Time of the first sample after the valve signal, s."""
+        return self.delay.si - self.pre_trigger.si
+
+
+class GasketTable(CaseTable):
+    """[[sensor.gasket]]: a layer under a buffered sensor, from the mounting surface up."""
+
+    material: str = ""
+    density: MaybeDensity = None
+    modulus: MaybeModulus = None
+    loss_factor: MaybeLoss = None
+    thickness: Length
+    diameter: MaybeLength = None
+    area: MaybeArea = None
+
+
+class SensorTable(CaseTable):
+    """[[sensor]]: an accelerometer at a tap or at the rigid assembly, its mounting and its recorder.
+
+    With gaskets it is buffered: ``mass`` is then its own, and the edge is what the gaskets stand on; without
+    them it is mounted directly.
+    ``model`` names one of the known accelerometers; resonance, quality and range overrule it. ``recorder`` is
+    "storage" (that of [recorder]), "oscilloscope", or "ideal"; sampling_rate, cutoff, order and bits overrule it.
+    """
+
+    name: Name
+    tap: str = ""
+    model: str = ""
+    resonance: MaybeFrequency = None
+    quality: MaybeQuality = None
+    range: MaybeAcceleration = None
+    zero_shift: MaybeShift = None
+    mass: MaybeMass = None
+    gasket: tuple[GasketTable, ...] = ()
+    edge_stiffness: MaybeSpringRate = None
+    edge_damping: MaybeDamping = None
+    recorder: Literal["storage", "oscilloscope", "ideal"] = "ideal"
+    sampling_rate: MaybeFrequency = None
+    cutoff: MaybeFrequency = None
+    order: MaybeOrder = None
+    bits: MaybeBits = None

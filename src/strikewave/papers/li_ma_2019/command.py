@@ -47,8 +47,8 @@ def command(
     stopped is continued by the same command. With --json, no files are written unless --out is given. The exit code is
     3 where a run failed a check.
     """
+    from strikewave.papers.li_ma_2019.reproduce import ReproduceCommand, run_reproduction
     from strikewave.papers.li_ma_2019.runs import Effort
-    from strikewave.papers.li_ma_2019.screen import ReproduceCommand, run_reproduction
     from strikewave.studies.engine.runner import pool_of
 
     gone = {word: word in (without or ()) for word in LEFT_OUT}

@@ -3,15 +3,447 @@
 from __future__ import annotations
 
 import functools
+import math
 import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from importlib import resources
-from typing import Any
+from statistics import harmonic_mean
+from typing import Any, NamedTuple
 
-from strikewave.papers.li_ma_2019.contact_equations import contact_values
-from strikewave.papers.li_ma_2019.examples import ContactExample, WaveExample
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import quad, simpson
+from scipy.optimize import brentq
+from scipy.special import i0, i1, j0, j1
+
+from strikewave.base.materials import Material
+from strikewave.contact import Stiffness, exact, factor, impact_history, palmgren, restitution
+from strikewave.papers.li_ma_2019.examples import (
+    SAMPLES,
+    ContactExample,
+    FarEnd,
+    SolvedContact,
+    Watched,
+    WaveExample,
+    incident_of,
+    pulse_of,
+    solve_blow,
+    step_of,
+    watch,
+)
 from strikewave.papers.li_ma_2019.types import EquationRow
-from strikewave.papers.li_ma_2019.values import Values
-from strikewave.papers.li_ma_2019.wave_equations import wave_values
+from strikewave.waves import Layer
+from strikewave.waves.dispersion import phase_speed
+from strikewave.waves.li_ma import Sandwich, acceleration, arrivals, mean_acceleration, strain, velocity
+
+EQUAL = 5e-7
+"""Relative difference that is written as 0 %: as much is left by integration and rounding."""
+
+
+@dataclass(frozen=True)
+class Values:
+    """What an equation gives as printed, corrected and exactly; ``words`` are what its text mentions by name."""
+
+    printed: float | None
+    corrected: float | None = None
+    exact: float | None = None
+    words: Mapping[str, float | str] = field(default_factory=dict)
+
+
+EXPONENT = 10.0 / 9.0
+"""Exponent n of the line contact, as (2) and (3) print it."""
+FORCE = 20e3
+"""Force of the rows on stiffness, N: about the 19.7 kN that the paper simulates."""
+SHALLOW = 1e-6
+"""Depth at which K is read off Palmgren's formula, m: any would do, since the formula is a power."""
+PRINTED_INTEGRAL = 0.3
+"""The right side of (15)."""
+INTEGRAL = 0.25 * math.sqrt(math.pi) * math.gamma(19.0 / 18.0) / math.gamma(23.0 / 9.0)
+"""Its left side, B(19/18, 3/2)/2."""
+BEARING_MODULUS = 206e9 / (1.0 - 0.3**2)
+"""E' of bearing steel, for which the rule of roller bearings holds, Pa."""
+
+
+def contact_values(example: ContactExample) -> dict[str, Values]:
+    """Return the numbers of (1) to (25).
+
+    Examples
+    --------
+    >>> values = contact_values(ContactExample())
+    >>> round(values["(25)"].printed, 4), round(values["(25)"].exact, 4)
+    (0.474, 0.5)
+    """
+    blow = solve_blow(example)
+    return {**_stiffness(example), **_impact(blow), **_losses(blow), **_turning(blow), **_damping(blow)}
+
+
+class Delivered(NamedTuple):
+    """Restitution that was asked for, and what comes out as printed, with (15) exact, and with the exact factor."""
+
+    asked: float
+    printed: float
+    integral_exact: float
+    exact: float
+
+
+def delivered(asked: float) -> Delivered:
+    """Return what comes out where a restitution is asked for.
+
+    Examples
+    --------
+    >>> print([round(value, 4) for value in delivered(0.3)])
+    [0.3, 0.2591, 0.2672, 0.3]
+    """
+    laws = ("li-ma-printed", "li-ma-corrected", "exact")
+    return Delivered(asked, *(float(restitution(factor(law, asked))) for law in laws))
+
+
+def equivalent_modulus(one: Material, other: Material) -> tuple[float, float]:
+    """Return what (5) gives as printed, 1/Pa, and with both sums below the line, Pa."""
+    total = sum((1.0 - body.poissons_ratio**2) / body.youngs_modulus for body in (one, other))
+    return 2.0 * total, 2.0 / total
+
+
+def roller_indentation(force: float, modulus: float, length: float) -> float:
+    """Return Palmgren's indentation, equation (2), m; force in N, E' in Pa, length in m."""
+    return 3.81 * (2.0 / (math.pi * modulus)) ** 0.9 * force**0.9 / length**0.8
+
+
+def _stiffness(example: ContactExample) -> dict[str, Values]:
+    """Return (2) to (5)."""
+    printed, modulus = equivalent_modulus(example.striker, example.struck)
+    law: Stiffness = palmgren(example.striker, example.struck, example.contact_length)
+    length = example.contact_length
+    depth = roller_indentation(FORCE, modulus, length)
+    bearing = 3.84e-5 * FORCE**0.9 / (1e3 * length) ** 0.8 * 1e-3 * (BEARING_MODULUS / modulus) ** 0.9
+    at_depth = brentq(lambda f: roller_indentation(f, modulus, length) / SHALLOW - 1.0, 1.0, 1e6, xtol=1e-9, rtol=1e-14)
+    plane = [body.youngs_modulus / (1.0 - body.poissons_ratio**2) for body in (example.striker, example.struck)]
+    upside_down = roller_indentation(1.0, printed, length) ** -EXPONENT
+    return {
+        "(2)": Values(depth, words={"bearing": bearing, "off": 100.0 * (depth / bearing - 1.0)}),
+        "(3)": Values(law.stiffness * depth**law.exponent, exact=FORCE),
+        "(4)": Values(law.stiffness, exact=at_depth / SHALLOW**EXPONENT, words={"printed_modulus": upside_down}),
+        "(5)": Values(printed, modulus, harmonic_mean(plane)),
+    }
+
+
+def _impact(blow: SolvedContact) -> dict[str, Values]:
+    """Return (1) and (6) to (11)."""
+    one, other, v0 = blow.example.striker_mass, blow.example.struck_mass, blow.example.speed
+    time = float(blow.closed.peak_time)
+    peak = impact_history(blow.closed, [time])
+    depth, rate = float(peak.indentation[0]), float(peak.rate[0])
+    fast, slow = (float(speed) for speed in blow.motion.speeds(blow.end))
+    lost = 0.5 * one * (v0**2 - fast**2) - 0.5 * other * slow**2
+    impulse, work = _impulse_and_work(blow)
+    e = (slow - fast) / v0
+    closed_loss = float(blow.closed.energy_lost)
+    damped = blow.damping_work(0.0, blow.turning) + blow.damping_work(blow.turning, blow.end)
+    force = blow.stiffness * depth**EXPONENT + blow.damping * depth**EXPONENT * rate
+    return {
+        "(1)": Values(force, exact=float(blow.motion.forces(time)[0])),
+        "(6)": Values(lost, exact=closed_loss),
+        "(7)": Values((one * (v0 - fast) - other * slow) / (one * v0), exact=0.0),
+        "(8)": Values(e, exact=blow.example.restitution),
+        "(9)": Values(blow.energy * (1.0 - e**2), exact=work),
+        "(10)": Values(one * other / (one + other), exact=impulse / (v0 * (1.0 + e))),
+        "(11)": Values(damped, exact=closed_loss),
+    }
+
+
+def _impulse_and_work(blow: SolvedContact) -> tuple[float, float]:
+    """Return impulse (N s) and work (J) of the contact force over the integrated motion."""
+    impulse = work = 0.0
+    for begin, end in ((0.0, blow.turning), (blow.turning, blow.end)):
+        times = np.linspace(begin, end, SAMPLES)
+        force = blow.motion.forces(times)[:, 0]
+        impulse += float(simpson(force, x=times))
+        work += float(simpson(force * blow.approach(times)[1], x=times))
+    return impulse, work
+
+
+def _losses(blow: SolvedContact) -> dict[str, Values]:
+    """Return (12) to (16): the estimate of the loss with the true C and depth."""
+    v0, e = blow.example.speed, blow.example.restitution
+    unit = blow.damping * v0 * blow.deepest ** (EXPONENT + 1.0)
+    integral = float(quad(lambda x: x**EXPONENT * math.sqrt(1.0 - x * x), 0.0, 1.0, epsabs=1e-13, epsrel=1e-13)[0])
+    elastic = _elastic_energy(blow)
+    before = blow.damping_work(0.0, blow.turning)
+    after = blow.damping_work(blow.turning, blow.end)
+    lost = blow.energy * (1.0 - e**2)
+    return {
+        "(12)": Values(unit * INTEGRAL, blow.energy - elastic, before),
+        "(13)": Values(unit * e * INTEGRAL, elastic - blow.energy * e**2, after),
+        "(14)": Values(unit * (1.0 + e) * INTEGRAL, lost, before + after),
+        "(15)": Values(PRINTED_INTEGRAL, INTEGRAL, integral),
+        "(16)": Values(unit * (1.0 + e) * PRINTED_INTEGRAL, lost, before + after),
+    }
+
+
+def _elastic_energy(blow: SolvedContact) -> float:
+    """Return U(max) of (18) at the largest indentation of the closed form, J."""
+    return blow.stiffness * blow.deepest ** (EXPONENT + 1.0) / (EXPONENT + 1.0)
+
+
+def _turning(blow: SolvedContact) -> dict[str, Values]:
+    """Return (17) to (21): the balance at the largest indentation."""
+    one, other, v0 = blow.example.striker_mass, blow.example.struck_mass, blow.example.speed
+    speeds = blow.motion.speeds(blow.turning)
+    depth = float(blow.approach(np.array([blow.turning]))[0][0])
+    common = one * v0 / (one + other)
+    kinetic = 0.5 * (one * float(speeds[0]) ** 2 + other * float(speeds[1]) ** 2)
+    stored = float(quad(lambda d: blow.stiffness * d**EXPONENT, 0.0, depth, epsrel=1e-12)[0])
+    lost = blow.damping_work(0.0, blow.turning)
+    estimate = PRINTED_INTEGRAL * blow.damping * v0
+    printed_depth = (blow.energy / (blow.stiffness / (EXPONENT + 1.0) + estimate)) ** (1.0 / (EXPONENT + 1.0))
+    words = {"kinetic": 0.5 * (one + other) * common**2, "kinetic_exact": kinetic}
+    return {
+        "(17)": Values(kinetic + stored + lost, exact=0.5 * one * v0**2),
+        "(18)": Values(_elastic_energy(blow), exact=stored),
+        "(19)": Values(estimate * blow.deepest ** (EXPONENT + 1.0), blow.energy - _elastic_energy(blow), lost, words),
+        "(20)": Values(printed_depth, blow.deepest, depth),
+        "(21)": Values(common, exact=float(speeds[1])),
+    }
+
+
+def _damping(blow: SolvedContact) -> dict[str, Values]:
+    """Return (22) to (25): the damping, and the restitution that comes of it."""
+    example, v0, e = blow.example, blow.example.speed, blow.example.restitution
+    fast, slow = (float(speed) for speed in blow.motion.speeds(blow.end))
+    lost = 0.5 * example.striker_mass * (v0**2 - fast**2) - 0.5 * example.struck_mass * slow**2
+    damped = blow.damping_work(0.0, blow.turning) + blow.damping_work(blow.turning, blow.end)
+    true = lost / (damped / blow.damping)
+    estimated = blow.energy * (1.0 - e) / (PRINTED_INTEGRAL * v0 * blow.deepest ** (EXPONENT + 1.0))
+    printed, better, right = (float(factor(law, e)) for law in ("li-ma-printed", "li-ma-corrected", "exact"))
+    out = delivered(e)
+    words = {name: delivered(asked).printed for name, asked in (("tenth", 0.1), ("third", 0.3), ("half", 0.5))}
+    over = blow.stiffness / v0
+    return {
+        "(22)": Values(damped / lost, exact=1.0),
+        "(23)": Values(estimated, right * over, true),
+        "(24)": Values(printed * over, right * over, true, {"factor": better * e / (1.0 - e), "better": better * over}),
+        "(25)": Values(
+            out.printed,
+            float(restitution(exact(e))),
+            (slow - fast) / v0,
+            {**words, "better": out.integral_exact, "asked": e},
+        ),
+    }
+
+
+Array = NDArray[np.float64]
+
+LOW_FREQUENCY = 2.0 * math.pi * 100.0
+"""rad/s: a wave over a thousand times as long as the example's bar is thick, where c = sqrt(E/rho) must hold."""
+INTO_WINDOW = 0.3
+"""How far into its window, over t0, an equation with several waves is read: away from its ends, where waves arrive."""
+BEHIND_FRONT = 0.01
+"""How far behind a front, over t0, its height is read: past the jump, long before the next one."""
+PASSED = 6.0
+"""Transits after the pulse for which a wave is followed: until the echoes that count have passed."""
+NOTHING = 1e-30
+"""Share of an area that stands for a free end; its inverse for a rigid wall: below rounding, and no division by 0."""
+SETTLED = 60.0
+"""Transits after which a step has settled to rounding in all but extreme examples."""
+
+
+class Arrivals(NamedTuple):
+    """When the waves of a step come to x after the first, over t0."""
+
+    printed: tuple[float, ...]
+    corrected: tuple[float, ...]
+    exact: tuple[float, ...]
+
+
+def arrival_times(example: WaveExample, count: int = 5) -> Arrivals:
+    """Return when the first waves come to x: by (36), corrected, and by delay lines; over t0.
+
+    Examples
+    --------
+    >>> times = arrival_times(WaveExample())
+    >>> times.printed, times.exact
+    ((0.0, 0.5, 1.5, 2.5, 3.5), (0.0, 1.0, 2.0, 3.0, 4.0))
+    """
+    sums = (arrivals(example.sandwich, example.position, count, route) for route in ("as printed", "corrected"))
+    printed, corrected = (tuple(sorted(wave.transits for wave in waves)) for waves in sums)
+    seen = watch(example, step_of(example), float(count)).arrivals() / example.specimen.transit
+    return Arrivals(printed, corrected, tuple(round(float(time), 9) for time in seen[:count]))
+
+
+def wave_values(example: WaveExample) -> dict[str, Values]:
+    """Return the numbers of (26) to (40).
+
+    Examples
+    --------
+    >>> values = wave_values(WaveExample())
+    >>> round(values["(30)"].printed / values["(30)"].exact, 9)
+    0.5
+    """
+    seen = watch(example, step_of(example), PASSED)
+    return {**_first(example, seen), **_echoes(example, seen), **_any_number(example), **_motion(example)}
+
+
+def _first(example: WaveExample, seen: Watched) -> dict[str, Values]:
+    """Return (26) to (29): the first wave."""
+    upper, specimen, sandwich = example.upper, example.specimen, example.sandwich
+    now = float(seen.strain[seen.at(0.5 * example.rest * specimen.transit)])
+    entry = 2.0 / (1.0 + upper.impedance / specimen.impedance)
+    incident = example.force / upper.area
+    return {
+        "(26)": Values(entry * upper.area / specimen.area * incident, exact=specimen.modulus * now),
+        "(27)": Values(entry, exact=specimen.modulus * specimen.area * now / example.force),
+        "(28)": Values(sandwich.gamma * incident, sandwich.gamma * example.incident, now),
+        "(29)": Values(sandwich.gamma, exact=now / example.incident),
+    }
+
+
+def _echoes(example: WaveExample, seen: Watched) -> dict[str, Values]:
+    """Return (30) to the second (35): echoes one by one, under a step."""
+    sandwich, rest, transit = example.sandwich, example.rest, example.specimen.transit
+    gamma, one, two = sandwich.gamma, sandwich.first_reflection, sandwich.second_reflection
+    came = seen.arrivals()
+    first, second = (float(seen.strain[seen.at(came[k] + BEHIND_FRONT * transit)]) for k in (0, 1))
+    terms = (gamma, gamma * two, -one * two, -one * two**2, one**2 * two**2)  # brackets as printed
+    values = {
+        "(30)": Values(rest * transit, 2.0 * rest * transit, float(came[1])),
+        "(31)": Values(two, exact=second / first - 1.0),
+        "(33)": Values((1.0 + rest) * transit, 2.0 * transit, float(came[2])),
+    }
+    for number, count in (("(32)", 2), ("(34)", 3), ("(35)", 4), ("second (35)", 5)):
+        time = (rest + count - 2 + INTO_WINDOW) * transit
+        whole, corrected = (
+            float(strain(sandwich, incident_of(example, step_of(example)), example.position, [time], route, taken)[0])
+            for route, taken in (("as printed", count), ("corrected", None))
+        )
+        words = {"bracket": whole} if count > 2 else {}
+        values[number] = Values(
+            example.incident * sum(terms[:count]), corrected, float(seen.strain[seen.at(time)]), words
+        )
+    return values
+
+
+def _any_number(example: WaveExample) -> dict[str, Values]:
+    """Return (36) and (37): any number of waves."""
+    sandwich, place, transit = example.sandwich, example.position, example.specimen.transit
+    pulse = pulse_of(example, example.short)
+    seen = watch(example, pulse, example.short / transit + PASSED)
+    routes = ("as printed", "corrected")
+    printed, corrected = (
+        float(strain(sandwich, incident_of(example, pulse), place, seen.time, route).max()) for route in routes
+    )
+    late = [SETTLED * transit]
+    settled = float(strain(sandwich, incident_of(example, step_of(example)), place, late, "as printed")[0])
+    times = arrival_times(example)
+    places = ", ".join(f"{t:g}" for t in times.printed) + " t₀ instead of " + ", ".join(f"{t:g}" for t in times.exact)
+    words: dict[str, float | str] = {"short_us": example.short * 1e6, "settled": settled, "places": f"{places} t₀"}
+    early = sum(time < 2.0 for time in times.exact)
+    return {
+        "(36)": Values(printed, corrected, float(seen.strain.max()), words),
+        "(37)": Values(float(len(arrivals(sandwich, place, 2, "as printed"))), exact=float(early)),
+    }
+
+
+def _motion(example: WaveExample) -> dict[str, Values]:
+    """Return (38) to (40): velocity, speed and acceleration."""
+    specimen = example.specimen
+    free, wall = (end_speeds(example, end) for end in ("free", "rigid"))
+    pulse = pulse_of(example, example.slow)
+    seen = watch(example, pulse, example.slow / specimen.transit + PASSED)
+    printed, corrected = (
+        float(acceleration(example.sandwich, incident_of(example, pulse), example.position, seen.time, route).max())
+        for route in ("as printed", "corrected")
+    )
+    words = {"slow_us": example.slow * 1e6, "impedances": example.lower.impedance / specimen.impedance}
+    return {
+        "(38)": Values(*free, {"rigid_printed": wall[0], "rigid_exact": wall[2]}),
+        "(39)": Values(
+            specimen.bar_speed,
+            exact=solid_bar_speed(specimen) if specimen.poissons_ratio else None,
+            words={"short_wave": float(phase_speed(1.0, specimen.poissons_ratio or 0.0))},
+        ),
+        "(40)": Values(printed, corrected, float(seen.acceleration.max()), words),
+    }
+
+
+def solid_bar_speed(bar: Layer, angular_frequency: float = LOW_FREQUENCY) -> float:
+    """Return the speed of a long wave in a round bar as an elastic solid, m/s: it knows no sqrt(E/rho).
+
+    First root c = w/k of Pochhammer's and Chree's equation (Graff 1975, section 8.2), with lambda and mu of Lame,
+    c1^2 = (lambda + 2 mu)/rho, c2^2 = mu/rho, s^2 = k^2 - (w/c1)^2, q^2 = (w/c2)^2 - k^2 and a the radius:
+
+        (2/a) (q^2 + k^2) s I1(s a) J1(q a) + (q^2 - k^2)^2 I0(s a) J1(q a) - 4 k^2 q s I1(s a) J0(q a) = 0.
+
+    Raises
+    ------
+    ValueError
+        If the bar has no Poisson's ratio above 0, where c lies between c2 and c1.
+
+    Examples
+    --------
+    >>> bar = WaveExample().specimen
+    >>> round(solid_bar_speed(bar), 2), round(bar.bar_speed, 2)
+    (5089.13, 5089.13)
+    """
+    nu, radius = bar.poissons_ratio or 0.0, 0.5 * bar.diameter
+    if nu <= 0.0:
+        raise ValueError(f"the bar needs a Poisson's ratio above 0, got {nu!r}")
+    lame, shear = bar.modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), bar.modulus / (2.0 * (1.0 + nu))
+    fast, slow = math.sqrt((lame + 2.0 * shear) / bar.density), math.sqrt(shear / bar.density)
+
+    def residual(speed: float) -> float:
+        k = angular_frequency / speed
+        s, q = math.sqrt(k**2 - (angular_frequency / fast) ** 2), math.sqrt((angular_frequency / slow) ** 2 - k**2)
+        pressure, turn = s * i1(s * radius), j1(q * radius)
+        mixed = (q**2 - k**2) ** 2 * i0(s * radius) * turn - 4.0 * k**2 * q * pressure * j0(q * radius)
+        return float(2.0 / radius * (q**2 + k**2) * pressure * turn + mixed)
+
+    return float(brentq(residual, 1.01 * slow, 0.999 * fast, xtol=1e-9))
+
+
+def end_speeds(example: WaveExample, end: FarEnd) -> tuple[float, float, float]:
+    """Return the speed of the specimen's far end under a step, m/s: as printed, corrected, by delay lines.
+
+    Taken one transit after the wave has come there.
+
+    Examples
+    --------
+    >>> printed, corrected, exact = end_speeds(WaveExample(), "free")
+    >>> bool(abs(printed) < 1e-9 * exact), round(corrected / exact, 9)
+    (True, 1.0)
+    """
+    area = {"free": NOTHING, "rigid": 1.0 / NOTHING}[end] * example.specimen.area
+    behind = Layer("behind", example.lower.density, example.lower.modulus, area, example.lower.length)
+    sandwich = Sandwich(example.upper, example.specimen, behind)
+    time = example.specimen.transit
+    pulse = step_of(example)
+    printed, corrected = (
+        float(velocity(sandwich, incident_of(example, pulse), 1.0, [time], route)[0])
+        for route in ("as printed", "corrected")
+    )
+    seen = watch(example, pulse, 2.0, end, position=1.0)
+    return printed, corrected, float(seen.velocity[seen.at(time)])
+
+
+def mean_over_rigid(example: WaveExample) -> float:
+    """Return the largest mean of the wave acceleration over the specimen, over its largest net force per mass.
+
+    The mean is that of the corrected route, the force that of delay lines: 1, so that a rigid-body acceleration has no
+    place beside it.
+
+    Examples
+    --------
+    >>> round(mean_over_rigid(WaveExample()), 6)
+    1.0
+    """
+    pulse, specimen = pulse_of(example, example.slow), example.specimen
+    transits = example.slow / specimen.transit + PASSED
+    first, last = (watch(example, pulse, transits, position=place) for place in (0.0, 1.0))
+    times = first.time
+    leaving = np.interp(times, last.time + specimen.transit, last.strain)
+    net = specimen.modulus * specimen.area * (first.strain - leaving) / specimen.mass
+    mean = mean_acceleration(example.sandwich, incident_of(example, pulse), times, "corrected")
+    return float(mean.max() / net.max())
 
 
 def equation_rows(contact: ContactExample | None = None, wave: WaveExample | None = None) -> tuple[EquationRow, ...]:

@@ -12,7 +12,7 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import Material
 from strikewave.base.units import DIMENSIONS, convertible, parse_quantity, take_apart
 from strikewave.cases.case import load_case
-from strikewave.cases.tables.mesh import FramePart, HalfCylinder
+from strikewave.cases.tables.fem import FramePart, HalfCylinder
 from strikewave.contact import contact_modulus
 from strikewave.papers.li_ma_2019.types import Consistency, Origin, PublishedNumber
 

@@ -14,15 +14,11 @@ from strikewave.base.declare import Quantity
 from strikewave.base.result import Notice, Result, Source
 from strikewave.base.shock_quantities import ACCELERATION, MEASURED_IMPULSE, MICROSECONDS, RATIO, STEP
 from strikewave.base.units import DIMENSIONS, convertible, in_unit
-from strikewave.papers.li_ma_2019.assumed import DimensionStudy
-from strikewave.papers.li_ma_2019.body_reasons import Reason
-from strikewave.papers.li_ma_2019.body_rows import BodyRow, body_rows
-from strikewave.papers.li_ma_2019.further import Further
-from strikewave.papers.li_ma_2019.gaskets import GasketCell
-from strikewave.papers.li_ma_2019.joints import JointCell
+from strikewave.papers.li_ma_2019.body_reasons import BodyRow, Reason, body_rows
+from strikewave.papers.li_ma_2019.further import DimensionStudy, Further
 from strikewave.papers.li_ma_2019.runs import Effort, Runs
 from strikewave.papers.li_ma_2019.types import Consistency, EquationRow, Finding, PublishedNumber
-from strikewave.papers.li_ma_2019.unknowns import Unknowns
+from strikewave.papers.li_ma_2019.unknowns import GasketCell, JointCell, Unknowns
 from strikewave.reporting.columns import Column
 from strikewave.reporting.shown_result import ShownResult
 

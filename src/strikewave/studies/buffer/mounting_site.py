@@ -24,9 +24,8 @@ from strikewave.base.quantities import Value
 from strikewave.base.result import Notice, Verdict, balance_notices
 from strikewave.base.shock_quantities import MICROSECONDS, PULSE_WIDTH
 from strikewave.cases.case import Case
-from strikewave.cases.sensors_of_case import build_channels
-from strikewave.cases.stack_of_case import area_of, need
-from strikewave.cases.tables.sensor import GasketTable, SensorTable
+from strikewave.cases.stack_of_case import area_of, build_channels, need
+from strikewave.cases.tables.stack import GasketTable, SensorTable
 from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, accelerometer, read
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.sensors.trial import SensorChannel, shortest_period

@@ -11,7 +11,7 @@ from strikewave.base.errors import IntegrationError
 from strikewave.base.materials import material
 from strikewave.base.percents import percent, plain
 from strikewave.base.result import FAILED, INFO, Notice
-from strikewave.cases.sensors_of_case import memory_notices
+from strikewave.cases.stack_of_case import memory_notices
 from strikewave.contact import AnyContact
 from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
 from strikewave.sensors.trial import channel_notices, sensor_pulse

@@ -16,7 +16,7 @@ from strikewave.base.errors import MISSING, InputError
 from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case, load_case
-from strikewave.cases.tables.sensor import SensorTable
+from strikewave.cases.tables.stack import SensorTable
 from strikewave.records import (
     ChannelReading,
     HealthNotice,

@@ -26,7 +26,7 @@ from strikewave.base.units import DIMENSIONS, range_ends, typed_number
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import first_yield_of
 from strikewave.cases.contact_of_case import cushion_of_contact, struck_material
-from strikewave.cases.law_names import CUSHION
+from strikewave.cases.tables.contact import CUSHION
 from strikewave.contact.cushions import LARGEST_STRAIN
 from strikewave.specifications.judging import CANNOT_TELL
 from strikewave.specifications.reading import load_specification

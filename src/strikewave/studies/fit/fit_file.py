@@ -17,11 +17,9 @@ from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError
 from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import Case, load_case
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import LARGEST_SMALL_FILE, bundled_cases
 from strikewave.cases.paths import Form
-from strikewave.cases.small_file import LARGEST_FILE
-from strikewave.cases.tables.base import CaseTable
-from strikewave.cases.tables.performed_test import Line
+from strikewave.cases.tables.common import CaseTable, Line
 from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.measured_files import MeasurementOptions
 from strikewave.reporting.options.kinds import read_share
@@ -208,7 +206,7 @@ def is_fit_file(name: str) -> bool:
         return False
     try:
         with open(name, "rb") as file:
-            document = read_toml(file.read(LARGEST_FILE + 1).decode("utf-8-sig"))
+            document = read_toml(file.read(LARGEST_SMALL_FILE + 1).decode("utf-8-sig"))
     except (OSError, ValueError):
         return False
     return states_a_study(document, OF_FIT)

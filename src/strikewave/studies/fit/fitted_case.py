@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.quantities import Value
-from strikewave.cases.case import Case
-from strikewave.cases.fits import NONE, FitTable
+from strikewave.cases.case import NONE, Case, FitTable
 from strikewave.studies.fit.covariance import Estimate
 from strikewave.studies.fit.free_fields import FreeField
 from strikewave.uncertainty.draws import FELT

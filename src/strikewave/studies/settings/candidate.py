@@ -20,7 +20,7 @@ from strikewave.base.materials import Material, material
 from strikewave.base.result import BALANCE_LIMIT
 from strikewave.base.shock_quantities import ENERGY, LENGTH, PULSE_WIDTH, RATIO, VARIATION, VELOCITY_CHANGE
 from strikewave.cases.case import Case
-from strikewave.cases.law_names import CUSHION, POWER
+from strikewave.cases.tables.contact import CUSHION, POWER
 from strikewave.contact import Geometry, first_yield, stiffness_law
 from strikewave.machines import Blow, MachineRun, Striker, Turntable
 from strikewave.machines.blows import contact_table

@@ -16,9 +16,9 @@ from strikewave.base.first_few import first_few
 from strikewave.base.quantities import Value
 from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import SCHEMA, Case, load_case
-from strikewave.cases.case_files import bundled_cases, read_case_text
+from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.paths import Form
-from strikewave.cases.tables.base import CaseTable
+from strikewave.cases.tables.common import CaseTable
 from strikewave.cases.written_case import dump_case
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.case_evaluation import (

@@ -11,7 +11,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import DropHeight, Mass, MaybeGap, MaybeShare, Restitution
 from strikewave.base.result import INFO, Notice
-from strikewave.cases.tables.base import CaseTable, Name
+from strikewave.cases.tables.common import CaseTable, Name
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case

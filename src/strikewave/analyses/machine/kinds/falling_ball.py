@@ -32,7 +32,7 @@ class FallingBall(LaunchedKind):
     def release(self, case: Case, mass: float) -> Release:
         """Return a ball at v = sqrt(2 g (1 - friction) h)."""
         from strikewave.analyses.machine.build import guided_fall
-        from strikewave.cases.contact_range_notices import ball_notices
+        from strikewave.cases.contact_notices import ball_notices
 
         speed, travel, energy = guided_fall(self.height, self.friction, case.impact().striker.mass.si)
         return Release(energy, travel, striker=speed, notices=tuple(ball_notices(case)))

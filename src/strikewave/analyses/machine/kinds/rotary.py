@@ -41,7 +41,7 @@ class Rotary(RotaryTable, MachineKind):
     def rigid_contact(self, case: Case, machine: Machine) -> tuple[AnyContact, float]:
         """Return the printed law, damping by eq (24) of Li & Ma 2019, before a massive turntable."""
         from strikewave.cases.contact_of_case import contact_stiffness
-        from strikewave.cases.law_names import CUSHION
+        from strikewave.cases.tables.contact import CUSHION
         from strikewave.contact import factor
 
         if case.impact().contact.law == CUSHION:

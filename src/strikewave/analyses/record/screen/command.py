@@ -32,7 +32,7 @@ from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import report_table
 
 if TYPE_CHECKING:
-    from strikewave.cases.sensor_file import StatedSensor
+    from strikewave.cases.stack_of_case import StatedSensor
     from strikewave.cases.stated_test import StatedTest
     from strikewave.records.budget import Budget
     from strikewave.specifications.judged_records import Asked

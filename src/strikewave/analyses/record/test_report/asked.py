@@ -28,7 +28,7 @@ def missing(stated: StatedTest, uncertainty: bool) -> list[Asked17025]:
 
     Examples
     --------
-    >>> from strikewave.cases.tables.performed_test import PerformedTest
+    >>> from strikewave.cases.tables.common import PerformedTest
     >>> [one.key for one in missing(StatedTest(PerformedTest(item="board", laboratory="hall 3")), True)][:3]
     ['report.laboratory_address', 'report.number', 'customer.name, customer.contact']
     """

@@ -23,7 +23,7 @@ from strikewave.analyses.record.verdicts.chapter import clause_table
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.percents import percent
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import ChannelReading
 from strikewave.reporting.clause_words import verdict_words

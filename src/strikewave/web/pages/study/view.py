@@ -15,7 +15,7 @@ from strikewave.base.declare import declarations
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import RUN_BROKEN, RUN_FAILED, RUN_PASSED, Verdicts, status_of
 from strikewave.cases.case import Case
-from strikewave.cases.case_files import bundled_cases
+from strikewave.cases.files import bundled_cases
 from strikewave.reporting.shown_result import ShownResult, shown_table
 from strikewave.specifications.reading import asked_names
 from strikewave.studies.design.report import drawn_numbers

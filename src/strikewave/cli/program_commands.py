@@ -1,12 +1,14 @@
-"""``strikewave doctor``: what is installed, what is missing, what is cached, and how fast the kernels are."""
+"""Commands on the program itself: ``help``, ``doctor``, ``examples``."""
 
 from __future__ import annotations
 
 import importlib.metadata
+import lzma
 import os
 import platform
 import re
 import shutil
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -17,10 +19,31 @@ import typer
 from strikewave._version import __version__
 from strikewave.base.errors import InputError
 from strikewave.base.json_document import head
+from strikewave.cases.files import bundled_cases, read_case_text
+from strikewave.cli.group import entries
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.options.output import Shown
 from strikewave.reporting.pdf import check_pdf
 from strikewave.reporting.terminal import print_json, say, table, tell
+
+
+def _names(incomplete: str) -> list[tuple[str, str]]:
+    """Return the commands that begin so, with their summaries."""
+    return [(name, entry.summary) for name, entry in entries().items() if name.startswith(incomplete)]
+
+
+def show_help(
+    context: typer.Context,
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="COMMAND", help="A command; the list of all by default.", autocompletion=_names),
+    ] = None,
+) -> int:
+    """Show the help of a command."""
+    root = context.find_root()
+    words = ["--help"] if name is None else [name, "--help"]
+    return int(root.command.main(words, prog_name=root.info_name, standalone_mode=False) or 0)
+
 
 CORE = "core"
 DEVELOPERS = ("dev", "docs", "package")
@@ -158,7 +181,7 @@ def speeds() -> list[Speed]:
     ]
 
 
-def command(
+def examine(
     *,
     speed: Annotated[bool, typer.Option("--speed/--no-speed", help="Measure the kernels; on by default.")] = True,
     shown: Shown,
@@ -198,4 +221,82 @@ def command(
     missing = sorted({one.extra for one in asked if not one.found})
     if missing:
         say(f"to add what is missing: pip install 'strikewave[{','.join(missing)}]'")
+    return 0
+
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+PACKED = ".xz"
+"""Ending of what is packed where it is kept."""
+
+
+def copy_examples(folder: Path) -> list[Path]:
+    """Copy notebooks, sample records with their credit, studies, and the built-in cases; the folder appears whole.
+
+    Parameters
+    ----------
+    folder : Path
+        Not there yet, or empty.
+
+    Returns
+    -------
+    list of Path
+        The files, relative to the folder.
+
+    Raises
+    ------
+    InputError
+        If something stands in its place, or the folder above it is not there.
+
+    Examples
+    --------
+    >>> with tempfile.TemporaryDirectory() as place:
+    ...     files = copy_examples(Path(place) / "mine")
+    >>> Path("notebooks/first-blow.ipynb") in files, Path("cases/li-ma-2019.toml") in files
+    (True, True)
+    """
+    if folder.is_symlink() or (folder.exists() and (not folder.is_dir() or any(folder.iterdir()))):
+        raise InputError("FOLDER", str(folder), "a folder that is not there yet, or empty", "choose another name")
+    if not folder.absolute().parent.is_dir():
+        raise InputError("FOLDER", str(folder), "a folder in one that exists")
+    with tempfile.TemporaryDirectory(dir=folder.absolute().parent, prefix=f".{folder.name}.") as place:
+        whole = Path(place) / "whole"
+        _fill(whole)
+        files = sorted(path.relative_to(whole) for path in whole.rglob("*") if path.is_file())
+        if folder.exists():
+            folder.rmdir()
+        whole.rename(folder)
+    return files
+
+
+def _fill(whole: Path) -> None:
+    for kept in sorted(path for path in EXAMPLES.rglob("*") if path.is_file()):
+        place = whole / kept.relative_to(EXAMPLES)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        if kept.suffix == PACKED:
+            place.with_suffix("").write_bytes(lzma.decompress(kept.read_bytes()))
+        else:
+            shutil.copyfile(kept, place)
+    (whole / "cases").mkdir()
+    for name in bundled_cases():
+        (whole / "cases" / f"{name}.toml").write_text(read_case_text(name)[0], "utf-8")
+
+
+def write_examples(
+    folder: Annotated[Path, typer.Argument(help="The folder to make, which holds them.", show_default=False)],
+    *,
+    shown: Shown,
+) -> int:
+    """Copy notebooks, a record, studies and cases.
+
+    Notebooks need `pip install "strikewave[notebooks]"`; records come with source and licence; cases are the built-in
+    ones, to change; studies are files of `strikewave design`.
+    """
+    files = copy_examples(folder)
+    if shown.json:
+        print_json({**head({}), "written": [str(folder / path) for path in files]})
+        return 0
+    counts = ", ".join(
+        f"{name} {sum(path.parts[0] == name for path in files)}" for name in ("notebooks", "cases", "studies")
+    )
+    say(f"written: {folder} ({counts}, a measured record); then: jupyter lab {folder / 'notebooks'}")
     return 0

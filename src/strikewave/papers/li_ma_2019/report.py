@@ -1,33 +1,56 @@
-"""The chapters of a reproduced paper on its figures: what it shows, what is computed, and why the two differ."""
+"""The report of a reproduced paper: every equation, figure and published number that can be computed, on one page."""
 
 from __future__ import annotations
 
 import re
+import shlex
 import string
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.fem.report import fields_section
 from strikewave.analyses.wave.report import field_of_solution
 from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import ACCELERATION, IMPULSE, LENGTH, MICROSECONDS, STRESS
+from strikewave.cases.case import Case
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
-from strikewave.papers.li_ma_2019 import gaskets
+from strikewave.papers.li_ma_2019 import unknowns
 from strikewave.papers.li_ma_2019.answers import element_pulse
 from strikewave.papers.li_ma_2019.element_pulses import element_numbers, first_touch, struck_body, whole_force
-from strikewave.papers.li_ma_2019.figures import PublishedMark, Ratio, reading_traces
-from strikewave.papers.li_ma_2019.gaskets import AFTER, GasketStudy, extremes
-from strikewave.papers.li_ma_2019.joints import JointStudy
-from strikewave.papers.li_ma_2019.map_figures import gasket_figure, joint_figure
+from strikewave.papers.li_ma_2019.figures import PublishedMark, Ratio, gasket_figure, joint_figure, reading_traces
 from strikewave.papers.li_ma_2019.published import half_sine_change, published_number
-from strikewave.papers.li_ma_2019.report.tables import ORIGINS, computed_text, share, span_text
+from strikewave.papers.li_ma_2019.report_tables import (
+    ORIGINS,
+    VERDICTS,
+    claims_section,
+    computed_text,
+    elements_section,
+    equation_sections,
+    findings_section,
+    materials_section,
+    numbers_section,
+    provenance_section,
+    share,
+    span_text,
+    study_tables,
+)
 from strikewave.papers.li_ma_2019.result import Computed, NumberRow, Reproduction, si_unit
-from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, QUIET_WAVE_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS
+from strikewave.papers.li_ma_2019.runs import (
+    BAR,
+    PASSING,
+    QUIET_ELEMENTS,
+    QUIET_WAVE_ELEMENTS,
+    RIGID_ELEMENTS,
+    WAVE_ELEMENTS,
+    quick_changes,
+)
+from strikewave.papers.li_ma_2019.unknowns import AFTER, GasketStudy, JointStudy, extremes
+from strikewave.reporting import chapters
 from strikewave.reporting.curves import Trace
 from strikewave.reporting.faces import amount, text_of
 from strikewave.reporting.numbers import listed, with_unit
-from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
+from strikewave.reporting.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag
 from strikewave.reporting.wave_curves import staircase_diagram
 from strikewave.reporting.wave_field import xt_diagram
 
@@ -36,6 +59,92 @@ if TYPE_CHECKING:
 
     from strikewave.analyses.fem.result import FemSolution
     from strikewave.analyses.machine.result import Solution
+
+
+def reproduction_report(result: Reproduction) -> str:
+    """Return the report as one HTML page: no script, nothing fetched."""
+    sections = [
+        claims_section(result.findings, overview_picture(result)),
+        *figure_sections(result),
+        numbers_section(result.numbers, result.checks),
+        *equation_sections(result.equations),
+        elements_section(result.runs.elements, study_tables(result)),
+        findings_section(result.findings),
+        chapters.warnings(result.notices),
+        _done(result),
+        materials_section(result.numbers),
+        provenance_section(result.runs.cases),
+        _one_by_one(result),
+    ]
+    summary = chapters.Summary(
+        "Report of a reproduction", reproduction_words(result), key_numbers(result), _status(result)
+    )
+    return chapters.result_page(result, summary, sections)
+
+
+def _status(result: Reproduction) -> Tag:
+    if result.broken:
+        return Tag("a run failed a check, see warnings", "bad")
+    if not result.runs.elements:
+        return Tag("the element models were not run", "warned")
+    return Tag("quick: coarse elements", "warned") if result.runs.quick else Tag("all runs, full meshes", "good")
+
+
+def reproduction_words(result: Reproduction) -> str:
+    """Say in words what the paper claims, and what came out: on the screen and at the head of the report."""
+    verdicts = [row.verdict for row in result.equations]
+    counted = listed([f"{verdicts.count(name)} {name}" for name in VERDICTS if name in verdicts])
+    broken = f"{result.verdicts.sentence} " if result.verdicts.words else ""
+    return (
+        f"{broken}The paper says that a contact law with damping gives the rigid-body pulse of a rotary shock "
+        "machine, that one-dimensional waves give what a sensor reads beyond it, and that tests and LS-DYNA confirm "
+        f"both. Of its {len(verdicts)} numbered equations: {counted}. What the machine was fitted to agrees by "
+        "construction; what was not shows how far bodies, springs and waves of assumed dimensions come."
+    )
+
+
+def _done(result: Reproduction) -> Section:
+    fitted = sorted(set(fitted_inputs(result)))
+    text = (
+        f"{len(result.runs.cases)} cases were run: the rotary machine with its object as bodies and as stacks in which "
+        "waves run, a bar alone"
+        + (", and finite-element models" if result.runs.elements else "; the finite-element models were left out")
+        + ". Every equation was computed as printed, as corrected and exactly; every published number is set beside "
+        f"what was computed. Fitted to published numbers: {listed(fitted)}."
+    )
+    rows: list[list[Cell]] = [[name, verdict] for name, verdict in result.runs.checked]
+    return Section("What was done", text, [Table("What the checks of the runs came to", ["run", "verdict"], rows)])
+
+
+def _one_by_one(result: Reproduction) -> Section:
+    lines = [*(again(case, result.runs.quick) for case in result.runs.cases), _command("bar", BAR, PASSING)]
+    return Section("The runs, one by one", "Each has a report of its own.", [Code("\n".join(lines))])
+
+
+def again(case: Case, quick: bool = False) -> str:
+    """Return the command that runs a case as it was run here.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> again(load_case("li-ma-2019")), again(load_case("li-ma-2019-fem-wave"), quick=True)[:75]
+    ('strikewave run li-ma-2019', "strikewave fem li-ma-2019-fem-wave --set 'mesh.part.striker.size=3.75 mm' -")
+    """
+    return _command(case.command, case.name, quick_changes(case.name) if quick and case.mesh else ())
+
+
+def _command(command: str, case: str, changes: Sequence[str] = ()) -> str:
+    return " ".join(["strikewave", command, case, *(f"--set {shlex.quote(change)}" for change in changes)])
+
+
+page = reproduction_report
+"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+
+
+def picture(result: Reproduction) -> Figure:
+    """Return how far everything that can be compared is from the published numbers."""
+    return overview_picture(result).figure
+
 
 MARKS = (
     " The paper publishes numbers, no curves: they are marks, a level for a peak, a bar from first touch on for a "
@@ -165,7 +274,7 @@ def _span(values: list[float]) -> str:
 def ringing(solution: Solution, sensor: str) -> float:
     """Return the root mean square of what a sensor reads `AFTER` the first touch of the first blow, m/s^2."""
     first = reading_traces(solution, sensor)[0]
-    return gaskets.ringing(first.time, first.values)
+    return unknowns.ringing(first.time, first.values)
 
 
 def _buffering(result: Reproduction) -> str:
