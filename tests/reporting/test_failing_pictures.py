@@ -32,8 +32,11 @@ def raising(error):
         (PAGE, "report.html", "impact.svg", InputError("view", "nothing left", "some")),
     ],
 )
-def test_a_picture_that_fails_is_named_and_the_rest_is_written(strikewave, monkeypatch, planted, lost, stays, error):
-    code, whole, _ = strikewave("impact", *IMPACT, "--out", "whole", "--json")
+def test_a_picture_that_fails_is_named_and_the_rest_is_written(
+    strikewave, monkeypatch, without_lines, planted, lost, stays, error
+):
+    with without_lines():
+        code, whole, _ = strikewave("impact", *IMPACT, "--out", "whole", "--json")
     assert code == 0
     monkeypatch.setattr(planted, raising(error))
     code, out, err = strikewave("impact", *IMPACT, "--out", "a", "--json")

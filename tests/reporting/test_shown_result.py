@@ -190,6 +190,7 @@ def test_the_report_is_that_of_the_command_whole_and_nothing_beside_it(run, tmp_
     assert sorted(path.name for path in tmp_path.iterdir()) == ["report.html", "run.html"]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_report_for_a_folder_takes_the_place_of_no_page_of_the_users(run, tmp_path):
     (tmp_path / "report.html").write_text("<!doctype html><title>thesis</title>")
     with pytest.raises(InputError, match="no other page of this name"):

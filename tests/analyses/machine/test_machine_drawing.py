@@ -268,6 +268,7 @@ def test_layers_named_as_parts_of_the_machine_keep_their_own_places():
     assert middles["layer stop"] == outlines(case).places.middles["layer specimen"]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_report_links_the_animation_where_there_is_one(solution):
     assert '<a href="machine.html">' in report(solution, moving="machine.html")
 

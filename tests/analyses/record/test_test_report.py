@@ -86,6 +86,7 @@ def tables_of(page):
     return found
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_every_shock_stands_once_with_the_verdict_and_the_failed_clauses_of_the_result(result):
     head, *rows = tables_of(report_of_test(result.of_test(NO_TEST)))[f"Each shock{DOUBT}"]
     assert [row[0] for row in rows] == [str(k + 1) for k in range(len(SHOCKS))]
@@ -102,6 +103,7 @@ def test_every_shock_stands_once_with_the_verdict_and_the_failed_clauses_of_the_
     assert doubts == pytest.approx([0.05 * peak for peak in SHOCKS.values()], rel=0.05)  # two digits; noise beside 5 %
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_directions_say_what_was_asked_for_done_and_passed(result):
     tables = tables_of(report_of_test(result.of_test(NO_TEST)))
     rows = tables["Shocks by direction"][1:]
@@ -110,6 +112,7 @@ def test_directions_say_what_was_asked_for_done_and_passed(result):
     assert tables["All shocks together"][1][:4] == ["directions", "at least 6", "2", "FAIL"]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_report_with_all_that_is_asked_for_names_all_of_it_and_lists_nothing_as_missing(result, tmp_path):
     page = report_of_test(result.of_test(stated(tmp_path, filled_in("a b"))))
     assert "Nothing: all that clause 7.8 asks for" in page
@@ -119,6 +122,7 @@ def test_a_report_with_all_that_is_asked_for_names_all_of_it_and_lists_nothing_a
     assert page.count("Table") > 8
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_what_is_not_stated_is_listed_with_its_clause_and_the_key_that_states_it(result):
     rows = tables_of(report_of_test(result.of_test(NO_TEST)))["Not stated"][1:]
     assert {row[0][:7] for row in rows} == {"7.8.2.1", "7.8.3.1", "6.5, no"}
@@ -136,6 +140,7 @@ def overdue(due):
     return StatedTest(PerformedTest(date="2026-03-02"), ReportTables(equipment=[row]))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_an_overdue_calibration_stands_at_the_top_and_marks_the_verdict_wherever_it_is(result):
     marked = result.of_test(overdue("2026-03-01"))
     page = report_of_test(marked)
@@ -175,6 +180,7 @@ def many(result, count):
     return dataclasses.replace(result, verdict=dataclasses.replace(result.verdict, shocks=tuple(shocks)))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_4000_shocks_are_summed_up_and_those_that_fail_listed(result):
     multiplied = many(result, 4000)
     shocks = multiplied.verdict.shocks
@@ -251,6 +257,7 @@ def test_without_a_specification_or_a_test_there_is_no_test_report(strikewave, t
     assert result.test_report(tmp_path).name == "test-report.html"
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_shock_of_which_nothing_can_be_said_is_counted_named_and_told_why(tmp_path):
     """A peak of 59 g with 5 % lies across the limit of 60 g."""
     for name, peak in (("a", 50.0), ("b", 59.0), ("c", 66.0)):
@@ -263,6 +270,7 @@ def test_a_shock_of_which_nothing_can_be_said_is_counted_named_and_told_why(tmp_
     assert rows[2][-1].endswith("the uncertainty reaches over the limit")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_annex_has_the_budget_and_the_hashes_of_what_was_judged_by(tmp_path, folder):
     """Specification of one's own, budget and test file, each by the SHA-256 of its bytes."""
     origin = (resources.files("strikewave.specifications.published") / "iec-60068-2-27.toml").read_text("utf-8")

@@ -323,6 +323,7 @@ def test_own_file_and_errors_of_the_options(strikewave, judged):
     assert (code, "add --force" in err) == (2, True)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_records_of_a_force_or_of_nothing_cannot_be_judged(strikewave):
     write_shot("good.csv")
     Path("force.csv").write_text(Path("good.csv").read_text().replace("(g)", "(N)"))
@@ -391,6 +392,7 @@ def test_a_specification_fixes_which_spectrum_is_judged(strikewave, words):
     assert strikewave("srs", "fast.csv", "--spec", "own.toml", *same, "--json")[0] == 0
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_spec_lists_and_shows_with_status_and_source_of_every_number(strikewave):
     code, out, _ = strikewave("spec", "--json")
     assert code == 0
