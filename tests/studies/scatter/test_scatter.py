@@ -19,7 +19,7 @@ from strikewave.machines.fast_run import fast_train
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
-from strikewave.studies.scatter.study import ScatterPlan, scatter
+from strikewave.studies.scatter.study import OddBlows, ScatterPlan, scatter
 from strikewave.studies.settings.candidate import supply
 from strikewave.uncertainty.draws import drawn, drawn_case, quantiles, stated, tolerances_of
 from strikewave.uncertainty.shares import (
@@ -431,7 +431,7 @@ def test_the_machine_of_equal_blows_has_them(spring):
     within = study.figures["peak"].within
     assert study.nominal_run.variation("peak") < within.limit < LARGEST_CV
     assert {len(run.kinds) for run in study.runs} == {11}
-    assert study.kinds()["missed"] == (0, 0)
+    assert study.odd_blows["missed"] == OddBlows(0, 0)
     assert study.largest_displacement < case.feed.stroke.si
     # none is touched again on its way back, which would turn the velocity change around
     assert max(run.variation("velocity_change") for run in study.runs) < 0.05

@@ -49,7 +49,7 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
     from matplotlib.ticker import MaxNLocator
 
     size, _ = axis_unit("m/s^2", "g")
-    low, middle, high = study.peaks() / size
+    low, middle, high = (end / size for end in (study.peak_band.low, study.peak_band.median, study.peak_band.high))
     number = np.arange(1, middle.size + 1)
     nominal = study.nominal_run.peak / size
     axes.vlines(number, low, high, color=BLUE, alpha=0.35, linewidth=9.0, label="95 % of runs")

@@ -34,7 +34,7 @@ def scatter_report(study: ScatterStudy) -> str:
 
 def scatter_words(study: ScatterStudy) -> str:
     """Say in words what the tolerances do."""
-    low, high = (amount(ACCELERATION, value) for value in study.peaks()[[0, 2], 0])
+    low, high = (amount(ACCELERATION, end[0]) for end in (study.peak_band.low, study.peak_band.high))
     words = [
         f"{len(study.completed)} full runs with every one of {_count(len(study.tolerances), 'tolerance')} drawn anew."
         + (f" {study.verdicts.sentence}" if study.verdicts.words else ""),
@@ -148,7 +148,7 @@ class ScatterCommand(StudyCommand[ScatterStudy]):
         tell(f"bounds of the CV between runs: for normal figures; 95 % of runs below: with 95 % confidence{counted}")
         if len(result.runs) < FEWEST_FOR_LIMIT:
             tell(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
-        kinds = ", ".join(f"{blows} {kind} (in {runs} runs)" for kind, (blows, runs) in result.kinds().items())
+        kinds = ", ".join(f"{one.blows} {kind} (in {one.runs} runs)" for kind, one in result.odd_blows.items())
         tell(f"blows: {kinds}; largest displacement (rearward) {text_of(result, 'largest_displacement')}")
         for one in result.shares:
             _print_shares(result, one)

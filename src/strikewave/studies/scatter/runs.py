@@ -21,7 +21,7 @@ from strikewave.machines.blows import KINDS
 from strikewave.studies.engine.evaluation import MOST_REASON, Job, KeptHistory, RunOutcome
 from strikewave.studies.engine.plan import DrawVariation
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import StudyProgress, carry_out
+from strikewave.studies.engine.runner import carry_out
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.simulation import FINER_TOLERANCE, RUN_TOLERANCE
 from strikewave.uncertainty.draws import UncertainInput
@@ -156,10 +156,11 @@ class TrainEvaluation:
         return RunOutcome((run.largest_displacement,), tuple(histories), verdict=run.verdict)
 
 
+@dataclass
 class Runner:
-    """Runs a case at drawn values.
+    """Runs a case at drawn values, each alone, so that no number depends on it; ``advance`` is told how many are done.
 
-    Parameters
+    Attributes
     ----------
     case : Case
         Of a machine.
@@ -168,23 +169,15 @@ class Runner:
     store : RunStore
         Finished runs.
     pool : Pool
-        Who runs them. Each run is computed alone, so that no number depends on it.
-    advance : callable, optional
-        Called with the number of runs done so far.
+        Who runs them.
     """
 
-    def __init__(
-        self,
-        case: Case,
-        tolerances: tuple[UncertainInput, ...],
-        store: RunStore,
-        pool: Pool,
-        advance: Callable[[int], None] | None = None,
-    ) -> None:
-        self._job = Job(DrawVariation(case, tolerances), TrainEvaluation())
-        self._store, self._pool = store, pool
-        self._advance = advance
-        self._done = 0
+    case: Case
+    tolerances: tuple[UncertainInput, ...]
+    store: RunStore
+    pool: Pool
+    advance: Callable[[int], None] = lambda done: None
+    done: int = 0
 
     def __call__(self, rows: Array) -> list[RunResult]:
         """Return a run for each row of drawn values, in their order.
@@ -194,17 +187,12 @@ class Runner:
         StrikewaveError
             If no process can be started again for one that came to an end before its time.
         """
-
-        def advance(progress: StudyProgress) -> None:
-            if self._advance is not None:
-                self._advance(self._done + progress.done)
-
+        job, begun = Job(DrawVariation(self.case, self.tolerances), TrainEvaluation()), self.done
         places = [tuple(row) for row in rows.tolist()]
-        finished = carry_out(self._job, places, self._store, self._pool, advance)
-        self._done += len(places)
-        if self._advance is not None:  # runs that the store had already were not told one by one
-            self._advance(self._done)
-        return kept_runs(self._store, finished.keys)
+        keys = carry_out(job, places, self.store, self.pool, lambda now: self.advance(begun + now.done)).keys
+        self.done += len(places)
+        self.advance(self.done)  # runs that the store had already were not told one by one
+        return kept_runs(self.store, keys)
 
 
 def kept_runs(store: RunStore, keys: Sequence[bytes]) -> list[RunResult]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import ClassVar
 
@@ -390,22 +389,21 @@ class ScatterStudy(Study):
         """Which of the runs keep no limit of the scatter within a run: they failed, or missed a blow."""
         return [bool(run.failure) or "missed" in run.kinds for run in self.runs]
 
-    def kinds(self) -> dict[str, tuple[int, int]]:
-        """Return how many blows were missed, double and glancing, and in how many runs."""
-        counts = [Counter(run.kinds) for run in self.completed]
-        return {
-            kind: (sum(count[kind] for count in counts), sum(count[kind] > 0 for count in counts))
-            for kind in ("missed", "double", "glancing")
-        }
+    @declare.computed(declare.named(OddBlows, "blows that are not full", key="kinds", label="kind"))
+    def odd_blows(self) -> dict[str, OddBlows]:
+        """How many blows were missed, double and glancing, and in how many runs."""
+        counts = {kind: [run.kinds.count(kind) for run in self.completed] for kind in ("missed", "double", "glancing")}
+        return {kind: OddBlows(sum(of_runs), sum(map(bool, of_runs))) for kind, of_runs in counts.items()}
 
-    def peaks(self) -> Array:
-        """Return the percentiles `BAND` of the peaks of each blow over the runs, shape (3, blows)."""
+    @declare.computed(declare.part(PeakBand, "peaks of each blow over the runs", key="peaks", quantity=PEAK))
+    def peak_band(self) -> PeakBand:
+        """Percentiles `BAND` of the peaks of each blow over the runs."""
         longest = max(len(run.kinds) for run in self.completed)
         table = np.full((len(self.completed), longest), np.nan)
         for row, run in zip(table, self.completed, strict=True):
             row[: run.peak.size] = run.peak
         peaks = [column[np.isfinite(column)] for column in table.T]
-        return np.array([np.percentile(p, BAND) if p.size else np.full(3, np.nan) for p in peaks]).T
+        return PeakBand(BAND, *np.array([np.percentile(p, BAND) if p.size else np.full(3, np.nan) for p in peaks]).T)
 
     def found_notices(self) -> tuple[Notice, ...]:
         """Return what should be known."""
@@ -422,13 +420,6 @@ class ScatterStudy(Study):
                 )
                 notices.append(Notice("tolerances-interact", message, shares.sum, 1.0))
         return tuple(notices)
-
-    odd_blows = declare.computed(declare.named(OddBlows, "blows that are not full", key="kinds", label="kind"))(
-        lambda study: {kind: OddBlows(*counts) for kind, counts in study.kinds().items()}
-    )
-    peak_band = declare.computed(
-        declare.part(PeakBand, "peaks of each blow over the runs", key="peaks", quantity=PEAK)
-    )(lambda study: PeakBand(BAND, *study.peaks()))
 
     @declare.computed(declare.number(Quantity("m", "mm", digits=3), "largest displacement of the object in any run"))
     def largest_displacement(self) -> float:
@@ -500,7 +491,7 @@ class ScatterStudy(Study):
     def preview(self) -> Curve:
         """Return the median peak of each blow over the runs."""
         size, name = axis_unit(*ACCELERATION.units)
-        median = self.peaks()[1]
+        median = self.peak_band.median
         return Curve(np.arange(1.0, median.size + 1.0), median / size, "blow", f"median peak ({name})")
 
     def tables(self) -> dict[str, str]:
@@ -555,7 +546,11 @@ def scatter(
     nominal_run = run_result(drawn_case(case, tolerances, nominal(tolerances)[0].tolist()))
     if nominal_run.failure or not nominal_run.struck.any():
         raise InputError("case", nominal_run.failure or "no blow", "a case whose nominal run strikes")
-    advance = None if progress is None else (lambda done: progress((1 + done) / whole))
+
+    def advance(done: int) -> None:
+        if progress is not None:
+            progress((1 + done) / whole)
+
     with at_work(store, pool, plan.workers) as (kept, ready):
         runner = Runner(case, tolerances, kept, ready, advance)
         runs = runner(numbers)
