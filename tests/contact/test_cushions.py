@@ -18,7 +18,6 @@ from strikewave.contact import (
     Damper,
     HardeningContact,
     LogarithmicContact,
-    cushions,
     exact,
     impact_history,
     slow_force,
@@ -29,6 +28,7 @@ from strikewave.contact.cushions import (
     Pad,
     Wear,
     balance_of,
+    carried,
     crush,
     cushion_law,
     cushion_laws,
@@ -357,7 +357,7 @@ def test_a_mass_on_a_cushion_of_a_surface_that_is_struck_is_an_impact_at_its_spe
     lasts = float(solve_impact(contact, MASS, math.inf, speed).duration)
     kick = np.zeros(round(0.6 * lasts / step))
     kick[1] = speed / step
-    motion = cushions(contact, MASS, kick, step)
+    motion = carried(contact, MASS, kick, step)
     blow = solve_impact(contact, MASS, math.inf, speed)
     assert motion.acceleration.max() == pytest.approx(float(blow.peak_force) / MASS, rel=1e-3)
     assert motion.compression.max() == pytest.approx(float(blow.max_indentation), rel=1e-3)
@@ -369,7 +369,7 @@ def test_a_carried_mass_on_a_retarded_cushion_is_a_damped_oscillator():
     w = 0.7 * math.sqrt(k / MASS)
     times = step * np.arange(round(10 * math.pi / w / step))
     push, swing = 100.0, 20.0
-    motion = cushions(retarded(linear(PAD, 5e6), retardation), MASS, push + swing * np.sin(w * times), step)
+    motion = carried(retarded(linear(PAD, 5e6), retardation), MASS, push + swing * np.sin(w * times), step)
     lost = 1j * w * retardation
     ratio = abs((1 + lost) / (1 + lost - (w**2) * MASS / k))
     last = motion.acceleration[times > 8 * math.pi / w]
@@ -381,10 +381,10 @@ def test_a_carried_mass_on_a_retarded_cushion_is_a_damped_oscillator():
 def test_a_carried_mass_takes_no_set_and_no_hysteresis():
     for contact in (made("crush"), Cushion("linear", PAD, {"modulus": 5e6}).contact(restitution=0.5)):
         with pytest.raises(ValueError, match="a cushion that comes back, without hysteresis"):
-            cushions(contact, MASS, [0.0, 1.0], 1e-5)
+            carried(contact, MASS, [0.0, 1.0], 1e-5)
     with pytest.raises(IntegrationError, match="it bottoms out"):
-        cushions(made("tangent"), 500.0, np.full(2000, 1e4), 1e-5)
-    assert np.all(cushions(made("tangent"), MASS, np.zeros(5), 1e-5).compression == 0.0)
+        carried(made("tangent"), 500.0, np.full(2000, 1e4), 1e-5)
+    assert np.all(carried(made("tangent"), MASS, np.zeros(5), 1e-5).compression == 0.0)
 
 
 def test_what_no_cushion_can_be_is_refused():
@@ -433,12 +433,12 @@ def test_a_mass_carried_by_a_ramp_follows_its_closed_form():
     w = math.sqrt(5e6 * AREA / THICKNESS / MASS)
     step, rise = 1e-4, 3e4
     t = step * np.arange(200)
-    ramp = cushions(linear(PAD, 5e6), MASS, rise * t, step)
+    ramp = carried(linear(PAD, 5e6), MASS, rise * t, step)
     d = rise / w**2 * (t - np.sin(w * t) / w)
     # 1e-8 a step
     assert ramp.compression == pytest.approx(d, abs=1e-6 * d[-1])
     assert ramp.acceleration == pytest.approx(w**2 * d, abs=1e-6 * w**2 * d[-1])
-    jump = cushions(linear(PAD, 5e6), MASS, np.full(200, 50.0), step)
+    jump = carried(linear(PAD, 5e6), MASS, np.full(200, 50.0), step)
     assert jump.acceleration == pytest.approx(50.0 * (1 - np.cos(w * t)), abs=1e-4)
 
 
@@ -448,7 +448,7 @@ def test_a_mass_flies_where_the_surface_falls_back_and_is_caught_by_the_same_law
     step = 1e-5
     kick = np.zeros(4000)
     kick[2000:2002] = 0.5 / step  # late, so that a step across it would miss it
-    motion = cushions(linear(PAD, 5e6), MASS, kick, step)
+    motion = carried(linear(PAD, 5e6), MASS, kick, step)
     t = step * np.arange(4000) - 2000.5 * step
     on = (t > 2 * step) & (t < math.pi / w)
     assert motion.compression[on] == pytest.approx(np.sin(w * t[on]) / w, abs=1e-4 / w)
@@ -456,7 +456,7 @@ def test_a_mass_flies_where_the_surface_falls_back_and_is_caught_by_the_same_law
     assert np.all(motion.compression[t > 1.01 * math.pi / w] == 0.0)
     assert np.all(motion.compression[:2000] == 0.0)
     for short in ([7.0], np.zeros(3)):
-        assert np.array_equal(cushions(linear(PAD, 5e6), MASS, short, step), np.zeros((2, len(short))))
+        assert np.array_equal(carried(linear(PAD, 5e6), MASS, short, step), np.zeros((2, len(short))))
 
 
 def test_wear_and_properties_of_a_pad_are_products_worked_by_hand():

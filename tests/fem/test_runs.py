@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from scipy.integrate import cumulative_trapezoid
 
+from strikewave import fem
 from strikewave.base.errors import InputError
 from strikewave.fem.engine import Engine
 from strikewave.fem.hexahedron import fitting, nodal_sums, part_masses
@@ -497,3 +498,7 @@ def test_a_run_is_observed_at_each_instant_and_reported_each_fifth_of_a_second(m
     assert [each.duration for each in told] == pytest.approx([4e-6] * 5)
     assert told[-1].steps == run.steps
     assert run.seconds == pytest.approx(1.5)
+
+
+def test_every_public_name_of_the_room_is_where_it_is_looked_for():
+    assert all(callable(getattr(fem, name)) for name in fem.__all__)

@@ -1,5 +1,10 @@
 """Cushions: laws of pads under blows, materials with sources, energy, set and wear.
 
+A pad of the area A and the thickness h bears F = A s(x) at the compression d = x h, where s is the stress (Pa) that its
+material bears at the strain x. So the force goes with the area, and at equal force the compression with the thickness.
+All of them give back what they store but `crush`, which keeps a set; what a pad loses besides comes by the hysteresis
+of the contact, or by a retardation (`retarded`).
+
 Examples
 --------
 >>> from strikewave.contact import solve_impact
@@ -42,33 +47,6 @@ from strikewave.contact.law import (
     single,
 )
 from strikewave.contact.registry import CHECKED, FROM_MEMORY, QUOTED, CushionLaw, law_named, with_added
-
-__all__ = [
-    "Carried",
-    "Cushion",
-    "CushionBalance",
-    "CushionMaterial",
-    "Pad",
-    "Wear",
-    "balance_of",
-    "carried",
-    "crush",
-    "cushion_law",
-    "cushion_laws",
-    "cushion_material",
-    "cushion_materials",
-    "elastomer",
-    "felt",
-    "foam",
-    "linear",
-    "power",
-    "repeated_blows",
-    "retardation_of",
-    "retarded",
-    "solid_strain",
-    "tangent",
-]
-
 
 _OWN: dict[str, CushionLaw] = {}
 """The laws of this module by name; `_law` fills it."""

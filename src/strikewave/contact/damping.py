@@ -1,4 +1,16 @@
-"""Damping of a contact: the hysteresis factor chi of F = K d^n (1 + chi d'/v0), and dampers F = K d^n + c d^p d'."""
+"""Damping of a contact: the hysteresis factor chi of F = K d^n (1 + chi d'/v0), and dampers F = K d^n + c d^p d'.
+
+For two free bodies the restitution that comes out depends on chi alone, not on n, K, mass or speed
+(see `restitution`), so each law can be judged once and for all: only `exact` gives what is asked.
+One law, one short function; `factor` looks one up by name.
+
+With a damper of p = (n - 1)/2 the motion is that of a linear oscillator in another time. With x = (K/m)^(1/2)
+d^((n+1)/2) and ds = (K/m)^(1/2) d^((n-1)/2) dt,
+
+    x'' + 2 zeta w x' + w^2 x = 0,   w^2 = (n + 1)/2,   c = zeta [2 (n + 1) m K]^(1/2),
+
+so that the restitution depends on zeta alone, not on speed, mass or n. It differs only by where the contact ends.
+"""
 
 from __future__ import annotations
 

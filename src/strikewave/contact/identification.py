@@ -2,6 +2,12 @@
 
 The law is F = K d^n (1 + chi d'/v0) of two free bodies. A force pulse alone determines m v and K v^n, never K, m and v
 one by one (see ``contact/force_pulse.py``): one of them must be given. Exponent and restitution follow from the shape.
+
+Least squares of the force of one impact: which unknowns are fitted when some are known, and from where it starts.
+
+The pulse alone has five: begin, peak, width, n and e. Two known of stiffness, mass and speed take one of them away,
+three take peak and width away. The fit starts from several shapes: those of low restitution look much like those of
+a high one, so that there are two minima.
 """
 
 from __future__ import annotations

@@ -1,4 +1,8 @@
-"""An OpenRadioss deck of a model: starter ``_0000.rad``, engine ``_0001.rad``, in the format of 2023."""
+"""An OpenRadioss deck of a model: starter ``_0000.rad``, engine ``_0001.rad``, in the format of 2023.
+
+Sources: Altair Radioss Reference Guide 2022; the definitions of the cards that come along with OpenRadioss; its source,
+in which /PLOAD pulls along the normal of a segment.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""Rigid parts; which parts make one body, which ways it may move, and how it goes back to where it began; SI."""
+"""Rigid parts; which parts make one body, which ways it may move, and how it goes back to where it began; SI.
+
+Of a rigid part momentum p and angular momentum L about the centre of mass follow the forces on the nodes, dp/dt = sum
+f, dL/dt = sum (x - c) x f, at the half steps of central differences. The rotation over a step is that of the angular
+velocity J^-1 L with the inertia J at its middle.
+"""
 
 from __future__ import annotations
 

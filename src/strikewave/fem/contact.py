@@ -49,6 +49,16 @@ as the place from which the gap of that node is measured, until the node has mov
 Sources: Hallquist, Goudreau & Benson 1985, Computer Methods in Applied Mechanics and Engineering 51, 107-137 (both
 surfaces checked against each other); Taylor & Flanagan 1989, PRONTO 3D, SAND87-1912 (contact found in the motion that
 there would be without it).
+
+Nodes of a side tied to faces of another, whose mesh need not match; SI.
+
+A tied node keeps its place p on a face and moves as the face does there: v_s = sum N_i v_i, with the shape functions
+N_i of the four corners at p. The corners carry its mass and its force in turn, m_i += N_i m_s and f_i += N_i f_s, so
+that momentum is kept exactly, and the work too: f_s . v_s = sum N_i f_s . v_i. Angular momentum is kept as well where
+the node lies on the face; one that lies the vector d off it feels the moment d x f_s of a force that is handed on.
+
+A run calls `gather_mass` once, `gather_tied_forces` in each step when all other forces are known (contact too), and
+`move_tied` when the new velocities are. A tied node has no mass of its own then: its inverse mass is to be set to 0.
 """
 
 from __future__ import annotations

@@ -33,6 +33,28 @@ Time step. 4 / (d + sqrt(d^2 + 4 w)), w = (2 G a + lambda b) / (m V) with a, b t
 and the trace of sum g g^T, d = l (q1 c - q2 l min(r, 0)) b / V^2 the damping rate of the bulk viscosity, whose force
 lags half a step: no element is faster, nor is a mesh of such elements. It is 0 for an element that is turned inside
 out, or whose numbers are not finite.
+
+The 8-node hexahedron with selectively reduced full integration (mean dilatation, Nagtegaal et al 1974); SI.
+
+Two by two by two Gauss points carry the deviator of the stress; the volume change is the mean over the element, the
+same as that of the one-point element (`strikewave.fem.hexahedron`): 2 x 2 x 2 points integrate the Jacobian and its
+cofactors exactly, so that the mean over the points of the gradient is g / V. A solid that keeps its volume, plastic or
+nearly incompressible, does not lock (Hughes 1980), and no hourglass mode is without stiffness.
+
+At each point the strain and rotation increments are taken at the middle of the step, and the same laws of the solid
+hold, as in the one-point element. Forces on the modes are those of the deviators at the points, and of the mean of
+their mean stresses, the pressure of the bulk viscosity included, with the mean gradient.
+
+In bending within a plane the element is too stiff by shear (it has no curvature of its own): what it needs is two or
+three elements across, or the one-point element.
+
+Time step. As for the one-point element, with a bound of the largest eigenvalue of the integral of gradient times
+gradient: 8 times the largest over the points of that of w J^-1 J^-T, w the Jacobian; 0 unless each w is positive.
+
+Sources: J. C. Nagtegaal, D. M. Parks, J. R. Rice, On numerically accurate finite element solutions in the fully plastic
+range, Computer Methods in Applied Mechanics and Engineering 4 (1974) 153; T. J. R. Hughes, Generalization of selective
+integration procedures to anisotropic and nonlinear media, International Journal for Numerical Methods in Engineering 15
+(1980) 1413.
 """
 
 from __future__ import annotations

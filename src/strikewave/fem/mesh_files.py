@@ -1,4 +1,14 @@
-"""Meshes from files: gmsh (.msh) and VTK (.vtk, .vtu) through meshio, Abaqus (.inp) as read here."""
+"""Meshes from files: gmsh (.msh) and VTK (.vtk, .vtu) through meshio, Abaqus (.inp) as read here.
+
+Parts are gmsh's physical volumes, Abaqus' element sets or the numbers of VTK cell data; sides are physical surfaces,
+element surfaces, groups of quadrilaterals and node sets.
+
+Of an Abaqus file are read ``*NODE``, ``*ELEMENT``, ``*NSET``, ``*ELSET`` (also ``GENERATE``), ``*SURFACE,
+TYPE=ELEMENT`` and the set of each ``*SOLID SECTION``; all else is passed over. Parts are the sets of the solid
+sections; without those, the sets that hold each element once, be they named with the elements or on their own. A file
+of several parts or instances is refused, as its numbers have no meaning without their part; so is one that includes
+other files.
+"""
 
 from __future__ import annotations
 

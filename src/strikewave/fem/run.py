@@ -1,4 +1,9 @@
-"""What an explicit run gives: histories, energy balance, last state, and the few numbers that it is judged by; SI."""
+"""What an explicit run gives: histories, energy balance, last state, and the few numbers that it is judged by; SI.
+
+Where flat faces meet, contact is a velocity taken within one time step: the force of that step is the impulse over dt,
+and grows without bound as dt gets shorter. Forces and rigid-body accelerations are therefore judged by their means over
+the intervals of the histories, `mean_force` and `mean_acceleration`, which depend on the interval alone.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,14 @@
-"""Plane sections of quadrilaterals, parts that grow out of them along an axis, places of nodes along a line; SI."""
+"""Plane sections of quadrilaterals, parts that grow out of them along an axis, places of nodes along a line; SI.
+
+Along a line nodes stand close where it matters, and grow geometrically to coarse elsewhere. The size of an element is
+h(x) = min(coarse, first + k d(x)), d the distance from the nearest fine zone, k = ln(growth): sizes that grow linearly
+with distance are sizes in geometric progression. The number of elements is the integral of dx / h, rounded up; the
+nodes stand at equal shares of it. Neighbours therefore never differ by more than ``growth``, and no element is larger
+than h asks for.
+
+A disc is an O-grid: a square core in a ring. Its corners are where three elements meet, so that no corner can do better
+than 120 degrees; the sides of the core bulge by as much as makes it so (`BULGE`).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,15 @@
-"""Meshes of bodies: blocks, frames, cylinders, tubes, balls, half-spaces; moved, turned and renamed; SI."""
+"""Meshes of bodies: blocks, frames, cylinders, tubes, balls, half-spaces; moved, turned and renamed; SI.
+
+Every function returns a mesh of one part with named sides.
+
+The axis of a round body is z. A sector is the whole body, the half with y >= 0, or the quarter with x >= 0 and y >= 0;
+the cut faces are the sides ``x-`` and ``y-``.
+
+A ball is meshed by bending: a half-ball whose flat face carries a fine core is mapped by the inversion of space that
+turns its flat face into the lower hemisphere and its dome into the equator's disc. An inversion keeps all angles
+(Liouville), so that the bent mesh is as good as the straight one. The upper half is bent from a coarser half-ball
+with the same dome, and mirrored.
+"""
 
 from __future__ import annotations
 

@@ -2,6 +2,12 @@
 
 Kept are instants evenly over the run and, more densely, while the bodies of the blow touch; some that follow the first
 wave; and that of the largest stress. Their number is bounded: where too many come, every other one goes.
+
+What of a model can be seen: its bodies cut open along a plane, sectors mirrored to halves; SI.
+
+A quarter is mirrored at one of its planes of symmetry and looked at through the other; a half shows its cut as it is;
+of bodies that are there as a whole, the elements before a plane along the blow are left out. Planes of symmetry that
+count hold the axis of the blow, so that what is along it, and every invariant, is the same in a mirror image.
 """
 
 from __future__ import annotations

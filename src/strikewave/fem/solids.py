@@ -1,4 +1,10 @@
-"""Solids of the explicit elements: elastic, bilinear, Johnson-Cook, Zerilli-Armstrong; invariants of stress; SI."""
+"""Solids of the explicit elements: elastic, bilinear, Johnson-Cook, Zerilli-Armstrong; invariants of stress; SI.
+
+Symbols: E Young's modulus (Pa), nu Poisson's ratio, G = E / (2 (1 + nu)) shear modulus, K = E / (3 (1 - 2 nu)) bulk
+modulus, rho density (kg/m^3).
+
+Stresses are (..., 6): xx yy zz xy yz zx, tension positive.
+"""
 
 from __future__ import annotations
 

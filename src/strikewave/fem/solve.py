@@ -3,6 +3,35 @@
 Each interval of the histories is cut into equal steps below the critical one, so that its end is met exactly. Order
 within a step: elements, gravity, ties, loads, boundaries, contact, walls, ties and boundaries again, rigid parts; then
 nodes move.
+
+Vibration of bodies taken away by kinetic relaxation, until they are in static equilibrium; SI.
+
+Bodies without outer loads vibrate about their state of rest. Whenever the kinetic energy of a body passes a maximum,
+where it is nearest to equilibrium, its velocities are set to zero; what is left is a smaller vibration, and so on
+(dynamic relaxation with kinetic damping). It takes no coefficient of damping, and changes nothing in the bodies but
+what the vibration itself would.
+
+A small maximum may be that of a fast vibration, while a slow one has only begun. A body rests when its kinetic energy
+stays below the wanted one, with nothing set to zero, as long as the longest rise to a maximum before; and as long as a
+wave takes there and back.
+
+Sources: P. A. Cundall 1976, Explicit finite-difference methods in geomechanics, Numerical Methods in Engineering,
+Proc. EF Conference, Blacksburg, 132-150; M. R. Barnes 1999, International Journal of Space Structures 14, 89-104.
+
+One blow after another: what the material remembers at the end of one is where the next begins; SI.
+
+Between two blows of a machine lie many milliseconds. In that time
+
+1. what drives and presses the bodies is gone, what strikes is away, and vibration dies out
+   (`strikewave.fem.solve`); contacts of parts that have the same velocity in the case stay closed;
+2. each body goes back to where it began, as one rigid body and only along what boundaries leave it
+   (`strikewave.fem.bodies`); one with a rigid part so that this stands exactly there;
+3. where bodies touch that were moved, they come to rest once more.
+
+Then all get the velocities of the model, time and curves begin at 0, and the energy balance with what residual
+stresses hold. Plastic strain, back stress, temperature, shape and residual stress are kept. What would stand deeper in
+what it strikes than before the first blow begins so much farther away, against its velocity; any other overlap is let
+out without a force, as before a first blow (`strikewave.fem.contact`).
 """
 
 from __future__ import annotations

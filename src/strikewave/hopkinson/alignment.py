@@ -12,6 +12,18 @@ balance
 
 What onset and balance would move is reported in any case; it is done only when asked for, and never beyond the rise
 time of the incident pulse.
+
+A pulse carried along a bar, from the gauge to the face at the specimen.
+
+Each frequency runs at its own speed: over a distance x the component exp(i w t) is turned by exp(-i k(w) x). What is
+left after the plain delay x/c0 is taken off is the change of shape. A bar that loses energy has a complex k; carried
+back, the wave grows by what it lost.
+
+Only the strain on the gauge's own place in the section is carried: the first mode has no uniform section at high
+frequencies (its strain at the surface is not the mean one), and no correction for that is made here.
+
+Source: P. S. Follansbee, C. Frantz, Wave Propagation in the Split Hopkinson Pressure Bar, Journal of Engineering
+Materials and Technology 105 (1983) 61-66.
 """
 
 from __future__ import annotations

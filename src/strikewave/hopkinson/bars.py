@@ -1,4 +1,8 @@
-"""Bars, specimen, striker and strain gauges of a split Hopkinson pressure bar."""
+"""Bars, specimen, striker and strain gauges of a split Hopkinson pressure bar.
+
+Symbols: rho density (kg/m^3), E modulus (Pa), c = sqrt(E/rho) bar speed (m/s), A area (m^2), Z = rho c A = E A/c
+impedance (N s/m), nu Poisson's ratio.
+"""
 
 from __future__ import annotations
 

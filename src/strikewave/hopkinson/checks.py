@@ -1,4 +1,16 @@
-"""Checks of a split-Hopkinson test from its own records: equilibrium, momentum, energy, striker, slope of the rise."""
+"""Checks of a split-Hopkinson test from its own records: equilibrium, momentum, energy, striker, slope of the rise.
+
+How soon the stress in an elastic specimen between two equal bars is uniform: multiple reflections run in the specimen,
+each time reflected by r = (1 - beta)/(1 + beta) of its force, and the forces on the two faces approach each other.
+
+Symbols: beta = Z_specimen/Z_bar, t0 transit time of the specimen (s), k number of the transit, from 1,
+alpha = 2 (F1 - F2)/(F1 + F2).
+
+Source: L. M. Yang, V. P. W. Shim, An analysis of stress uniformity in split Hopkinson bar test specimens,
+International Journal of Impact Engineering 31 (2005) 129-150 (not opened: the closed form is the sum of echoes,
+with which the tests compare it, and with the delay lines of `strikewave.waves`); the 5 % that is usual: Ravichandran &
+Subhash 1994.
+"""
 
 from __future__ import annotations
 

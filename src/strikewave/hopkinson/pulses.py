@@ -2,6 +2,12 @@
 
 Compression is positive. The incident pulse is the first one at its gauge. The others follow from geometry: the
 reflected pulse comes to the same gauge 2 d1/c1 later, the transmitted one to the other gauge d1/c1 + d2/c2 later.
+
+Where a pulse begins and ends in a noisy trace, without a threshold set by hand.
+
+Source: N. Maeda, A method for reading and checking phase times in auto-processing system of seismic wave data,
+Zisin 38 (1985) 365-379: the place that splits a trace into two stretches of white noise of
+different variance with the least information criterion.
 """
 
 from __future__ import annotations

@@ -1,4 +1,21 @@
-"""Velocity amplifiers: bodies in a line that hit one another in pairs, each faster than the one before."""
+"""Velocity amplifiers: bodies in a line that hit one another in pairs, each faster than before; dual masses.
+
+Positions and speeds are positive upwards, along the blow. Bodies are numbered from the bottom, in words from 1. A body
+of infinite mass is a floor, a ceiling or a striker that nothing slows. `collide` finds every collision in its order,
+secondary ones included; `collide_softly` follows the same line with contacts that take time: where two contacts of a
+body overlap, pairs no longer tell how fast the last body goes.
+
+The dual-mass shock amplifier: a second mass on cushions above a drop table, which the rebounding table strikes.
+
+Table and second mass fall together. The table comes to a pulse shaper on the anvil and is thrown back; the second mass,
+on soft cushions, goes on down, closes the gap and meets the table, which comes up: a short, high pulse. Speeds are
+positive upwards.
+
+With the restitutions e1 of the table on the shaper and e2 of the two masses, the ratio mu = m/M of second mass to
+table, and cushions that do nothing on the way, the masses close with (1 + e1) v, and the second one leaves with
+(1 + e2) (1 + e1) v/(1 + mu) - v: `next_speed` of e1 v. At best, elastic and light, it
+goes three times as fast as it fell.
+"""
 
 from __future__ import annotations
 
@@ -15,21 +32,6 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact.chain import Chain, ChainContact, ChainMotion, Link, Spring, simulate
 from strikewave.contact.law import AnyContact, not_negative, positive, refuse
 from strikewave.machines.launch import linear_shaper
-
-__all__ = [
-    "BodyLine",
-    "Collision",
-    "Collisions",
-    "SoftCollisions",
-    "chain_speed",
-    "collide",
-    "collide_softly",
-    "fastest_masses",
-    "gain_limit",
-    "gain_limit_of",
-    "next_speed",
-    "resting_ratio",
-]
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """How fast a striker arrives: fall, pendulum, Machete hammer, gas gun, and the pulse of a drop table.
 
-One law, one short function; a module a machine. A striker bar needs none of its own:
-`strikewave.hopkinson.bars.StrikerBar` gives the strain v/(2c) and the duration 2L/c of the pulse that it makes.
+One law, one short function. A striker bar needs none of its own: `strikewave.hopkinson.bars.StrikerBar` gives the
+strain v/(2c) and the duration 2L/c of the pulse that it makes.
 """
 
 from __future__ import annotations
@@ -18,31 +18,6 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.contact.damping import cut_off_damping_ratio
 from strikewave.contact.impact import solve_impact
 from strikewave.contact.law import AnyContact, Contact, Damper, not_negative, positive, refuse
-
-__all__ = [
-    "STANDARD_ATMOSPHERE",
-    "GunBarrel",
-    "MacheteHammer",
-    "RigidPendulum",
-    "ShapedDrop",
-    "TablePulse",
-    "corded_fall",
-    "drop_for_half_sine",
-    "fall_speed",
-    "half_sine_pulse",
-    "inertia_of_period",
-    "linear_shaper",
-    "machete_energy",
-    "machete_speed",
-    "muzzle_speed",
-    "pendulum_energy",
-    "pendulum_speed",
-    "reservoir_muzzle_speed",
-    "rope_tension",
-    "shaper_pulse",
-    "wave_muzzle_speed",
-]
-
 
 Array = NDArray[np.float64]
 

@@ -2,6 +2,12 @@
 
 Both kinds of span answer the same questions: what moved how at given times, which contacts and switches
 there were, and which impulses.
+
+A launched machine followed over its rebounds: which contacts are one blow, when it rests, where a brake catches it.
+
+Between two blows striker and object fly apart and come together again, by gravity, spring or arm. With a restitution e
+and gravity g a ball that comes with v rises to the heights h e^(2n), flies 2 v e^n/g between the blows n and n + 1, and
+would rest after v/g (1 + e)/(1 - e) of time from its release.
 """
 
 from __future__ import annotations

@@ -1,4 +1,15 @@
-"""The ideal pulses of shock specifications, and the band in time and amplitude that a measured one must stay in."""
+"""The ideal pulses of shock specifications, and the band in time and amplitude that a measured one must stay in.
+
+The band that a measured pulse must stay in: the ideal pulse widened in time and amplitude, and where it is placed.
+
+    upper(t) = max of the ideal pulse from t - tau to t + tau, plus alpha A
+    lower(t) = min of the ideal pulse from t - tau to t + tau, minus alpha A
+
+The band is placed in time where the smallest distance of the record to its curves is largest; of placements as good,
+that is taken which brings the middle of the ideal pulse width next to that of the measured one. A record that can be
+placed within passes, whatever noise does to its onset; straight lines join its samples, and the curves are compared
+every `FINEST` of the duration, so that the sampling of the record plays no part but for the chords themselves.
+"""
 
 from __future__ import annotations
 

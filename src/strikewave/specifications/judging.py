@@ -2,6 +2,12 @@
 
 Each clause has its value, limits, margin, status and verdict. What the health of the record, its sampling or a filter
 does not allow to be stated is not: the verdict is ``cannot-tell`` with the reason.
+
+Whether a value lies within its limits is decided by the value alone or with its uncertainty. Simple acceptance takes
+the value as it is. Guarded decisions (ISO 14253-1, JCGM 106) leave a guard band of the expanded uncertainty U, k = 2,
+on both sides of a limit, within which neither is stated.
+
+Source: JCGM 106:2012, 8.2 (simple acceptance), 8.3 (guard bands, w = r U with r = 1); ISO 14253-1:2017.
 """
 
 from __future__ import annotations

@@ -1,4 +1,9 @@
-"""What is uncertain in a case: the inputs, what is drawn of each, and the case that a draw makes."""
+"""What is uncertain in a case: the inputs, what is drawn of each, and the case that a draw makes.
+
+Where a case refuses a whole side of a range, the other side moves alone. What a quantity may be can depend on others: a
+pad with a retardation has a restitution of 1, and no less. A range that does not know this would make every run fail
+that is drawn from the refused side.
+"""
 
 from __future__ import annotations
 

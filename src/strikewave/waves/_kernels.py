@@ -7,6 +7,10 @@ At a joint between layers 1 and 2 the compression rate is x' = b - Y f with b = 
 Y = 1/Z1 + 1/Z2; the joint's own law closes it, and the waves that leave are f - P1 and f - M2. Springs,
 Maxwell branches and masses follow the trapezoidal rule, which stores and gives back energy exactly: in
 each branch f = w + R x', w' = beta (w + R x') + R x'. Nonlinear contacts are of second order in the step.
+
+Where a striker hits the first face, contact law and delay lines go step by step. With the force F of this step unknown,
+the striker has the speed u - h F and the face (F - 2 M)/Z + V, so that the indentation rate is c0 - c1 F: see
+`strikewave.waves._press_kernels`.
 """
 
 from typing import NamedTuple

@@ -5,6 +5,15 @@ between it and interface II (x = l) many times. Time t counts from its first arr
 motion along the blow are positive. Symbols: c = sqrt(Ee/rhoe) wave speed of the specimen (m/s), l its
 length (m), t0 = l/c, tl = (l - x)/c, gamma, F_I and F_II of `Sandwich`, q = -F_I F_II. Index 1 is the
 upper fixture, e the specimen, 2 the lower fixture. Both routes are a sum over waves, see `arrivals`.
+
+The staircase: how force grows in steps behind and before a layer between two endless neighbours.
+
+A jump of force comes down the first neighbour and enters the layer, which reflects it many times between its
+interfaces I (where it enters) and II (where it leaves). With F_I and F_II of `Sandwich`:
+
+    T_1 = 1 + F_I,    T_2 = 1 + F_II,    q = -F_I F_II
+
+T_1 and T_2 are the shares of force that pass the interfaces, q what one round trip leaves; all (-).
 """
 
 from __future__ import annotations

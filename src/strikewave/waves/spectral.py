@@ -4,6 +4,12 @@ Each frequency is followed through the stack by the reflection recursion, in whi
 neither many layers nor thin or lossy ones overflow. The spectrum is taken along s = sigma + i w (exponential window):
 what would wrap around the end of the period has died to `WRAPPED` of itself, whatever rings on. All joints must be
 linear. The load is rounded over one step to either side (weights 1/4, 1/2, 1/4), which keeps jumps from ringing.
+
+Loss in the time domain: springs and dashpots whose loss factor is constant over a band.
+
+A gasket's loss factor (tangent of the loss angle) is a number at a frequency; in the time domain it needs a
+causal model. The generalised standard linear solid is a spring beside a few Maxwell branches, and passive for
+every input because no spring and no dashpot is negative.
 """
 
 from __future__ import annotations

@@ -3,6 +3,17 @@
 Delay lines are exact when every transit time is a whole number of steps. Other transits are rounded:
 `choose_grid` finds a step for which all of them are nearly whole at once, and `error_bound` says what the
 rounding can do to the result.
+
+Accelerations of what is kept of a run: averages over all steps, in which a jump of velocity keeps its size.
+
+Of velocities that jump, a difference at one fine step grows without bound as the step gets shorter, and between kept
+steps it is seen or not by chance. The average of the acceleration with the hat function of a kept step,
+
+    a_i = integral a(t) max(0, 1 - |t - t_i|/h) dt / h = (V_{i+1/2} - V_{i-1/2})/h,
+
+with h the kept step (s) and V the mean velocity from one kept step to the next (m/s), has the same integral as a(t) and
+the same first moment: a jump keeps its size and its time. It is a(t) sampled behind a low-pass of sinc(f h)^2; where
+every step is kept, it is the central difference.
 """
 
 from __future__ import annotations

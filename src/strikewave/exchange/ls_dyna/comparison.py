@@ -2,6 +2,11 @@
 
 Of strikewave it reads what `strikewave fem` wrote: ``histories.nc`` and, where it is there, ``field.vtkhdf``. Where a
 sector of the bodies is meshed both runs are compared as meshed: the deck holds that sector alone.
+
+How far one curve is from another: differences of size, of phase, and over the pulse.
+
+Source: Sprague, M. A. & Geers, T. L. (2003), "Spectral elements and field separation for an acoustic fluid subject to
+cavitation", J. Comput. Phys. 184, 149-162: M and P as below, C their root of squares.
 """
 
 from __future__ import annotations

@@ -1,4 +1,26 @@
-"""Contact forces and energies that LS-DYNA wrote: text ``rcforc``, ``glstat`` or ``binout``, in the file's units."""
+"""Contact forces and energies that LS-DYNA wrote: text ``rcforc``, ``glstat`` or ``binout``, in the file's units.
+
+The text files line by line, as LSTC's own converter ``l2a`` writes them and as runs of ``smp d R16`` and ``mpp.190 s``
+show::
+
+    rcforc:  "  slave           1 time 0.00000E+00  x  0.00000E+00  y ... z ... mass ...", in newer versions "mx my mz";
+             the sides are "slave" and "master", in newer versions "SURFA" and "SURFB"
+    glstat:  " dt of cycle       1 is controlled by ...", then "name.....   value", one block for each output
+
+A run that was killed leaves a last line without its end: it is left out. A run that was restarted writes some times
+twice: the later lines count.
+
+``binout`` is a data archive of LSTC: a tree of named arrays, spread over one file or several. A file begins with the
+sizes of what follows (8 bytes: of this header, of lengths, offsets, commands and types, then the byte order), and is a
+chain of records: length, command, content. Two commands matter: 2 goes to a folder of the tree, 3 holds an array: its
+type, the length of its name, its name, its numbers. All else, the tables of contents included, is stepped over, so that
+a file whose run was killed reads as far as it goes.
+
+Source: ``lsda.py`` of LSTC, as lasso-python carries it on (BSD licence); its writer makes the files of the tests.
+
+Names of the arrays: ``/rcforc/metadata/ids, side, legend_ids, legend`` and ``/rcforc/d000001/time, x_force, y_force,
+z_force, mass``, ``/glstat/d000001/time, kinetic_energy, ...``, as LSTC's converter ``l2a`` reads them.
+"""
 
 from __future__ import annotations
 

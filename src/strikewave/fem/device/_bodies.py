@@ -6,6 +6,9 @@ lane 0: every place in it is a constant, so that it lies in registers, and rows 
 
 A sum over elements or contacts is taken by the node that it belongs to, in an order that a table fixes: it is the same
 in every run.
+
+In a search of faces those of the same surface stand in groups of consecutive ones, which in a mesh are neighbours, and
+a group has a box about those of its faces: a node that is not in it is in none of them.
 """
 
 from typing import NamedTuple
@@ -247,7 +250,7 @@ def copy_row(i, force, first):
 
 @leaf_kernel
 def book_row(i, nodes, force, before, v, kick, done):
-    """Add work and impulse of a force in a step; see `_boundary_kernels.work_and_impulse`."""
+    """Add work and impulse of a force in a step; see `_node_kernels.work_and_impulse`."""
     work = 0.0
     for c in range(3):
         work += 0.5 * force[i, c] * (before[i, c] + v[nodes[i], c])
