@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from strikewave.analyses.machine.run import run_case
 from strikewave.base.constants import STANDARD_GRAVITY as G
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, InputErrors, StrikewaveError
 from strikewave.cases.case import load_case
 from strikewave.contact import Contact, solve_impact
 from strikewave.signal.pulse import measure_pulse
@@ -297,6 +297,27 @@ def test_a_stroke_that_is_too_short_is_refused_with_what_its_fall_gives():
     """(1 + e) sqrt(2 g h) of 50 mm is 1.981 m/s."""
     with pytest.raises(InputError, match=r'--stroke: got "50 mm".*at most 1\.981 m/s'):
         design("iec-60068-2-27:50g-11ms", "linear, restitution=1", stroke=0.05)
+
+
+def test_a_rate_at_its_bound_is_called_a_rate():
+    bounds = np.log([1.0, 1.0]), np.log([9.0, 9.0])
+    for programmer, diameter, size in (("linear", None, "rate"), (FELT, 0.1, "thickness")):
+        tried = DropDesign(
+            load_case("jesd22-b111-b"), goal_of("jesd22-b110:A"), read_programmer(programmer), diameter, None, ""
+        )
+        assert tried.at_bound(np.log([9.0, 2.0]), *bounds) == f"the {size} stands at the largest that is sought"
+        assert tried.at_bound(np.log([2.0, 9.0]), *bounds) == ""
+
+
+def test_where_nothing_can_be_run_each_reason_is_named_once(monkeypatch):
+    def fails(*_):
+        raise StrikewaveError("it cannot be followed")
+
+    monkeypatch.setattr("strikewave.studies.settings.drop_table.study.run_machine", fails)
+    choice = DropChoices((read_programmer("linear"), read_programmer(FELT)), (0.1,))
+    with pytest.raises(InputErrors) as told:
+        design_drop_table(load_case("jesd22-b111-b"), goal_of("jesd22-b110:A"), choice)
+    assert told.value.lines == ("it cannot be followed",)
 
 
 @pytest.mark.verify

@@ -2,7 +2,9 @@
 
 import functools
 import math
+from dataclasses import replace
 from statistics import median
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -467,6 +469,11 @@ def test_stop_limit_is_kept_or_named(machine, study_of):
     others = [one for one in bound.candidates if not one.meets]
     assert others
     assert all("stop force" in one.obstacles for one in others if one.observation.supply.stop_force > 1.001 * least)
+
+
+def test_a_sentence_spells_units_and_keeps_names():
+    by = SimpleNamespace(asked="customer.toml")
+    assert replace(goal(), specification=by).printed == "blows of 4000 g and 200 µs every 20 ms, by customer.toml"
 
 
 # what is refused

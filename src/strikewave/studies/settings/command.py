@@ -209,9 +209,8 @@ def command(
     case = load_case(place, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
     check_goal(case, goal, choice)
     pool = pool_of(None, running.workers, running.cluster)
-    return SearchCommand(output.tested(case), goal, choice, pool, place=running.store, fresh=running.fresh).run(
-        output, plain
-    )
+    asked = output.tested(case), (goal, choice), pool, plain
+    return SearchCommand(*asked, place=running.store, fresh=running.fresh).run((), output)
 
 
 def _refuse(options: Mapping[str, object], allowed: str) -> None:
@@ -238,4 +237,5 @@ def _drop_table(
     check_drop_changes(changes, case, choice)
     pool = pool_of(None, running.workers, running.cluster)
     plain = plain and not (changes or drop.given())
-    return DropCommand(case, goal, choice, pool, place=running.store, fresh=running.fresh).run(output, plain)
+    asked = case, (goal, choice), pool, plain
+    return DropCommand(*asked, place=running.store, fresh=running.fresh).run((), output)

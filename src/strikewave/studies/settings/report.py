@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,26 +13,22 @@ from strikewave.base.declare import declarations
 from strikewave.base.percents import percent
 from strikewave.base.result import Verdicts
 from strikewave.base.shock_quantities import FORCE
-from strikewave.cases.case import Case
 from strikewave.reporting import chapters
-from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import clause_columns
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import text_of
 from strikewave.reporting.numbers import axis_unit, headed, shown
-from strikewave.reporting.options.output import Output
-from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, Tag, written
-from strikewave.reporting.run_and_write import run_and_write
+from strikewave.reporting.parts import NONE, Cell, Section, Table, Tag, written
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, mark_runs, quiet, sheet_title
-from strikewave.reporting.terminal import print_rows, progress_bar, tell
+from strikewave.reporting.terminal import print_rows, tell
 from strikewave.studies.axes import plain_log_ticks
-from strikewave.studies.command import ResumableCommand
-from strikewave.studies.engine.pools import Pool
+from strikewave.studies.command import Report, StudyCommand
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
 from strikewave.studies.settings.search import MachineCandidate, MachineSearch, asked_line, limit_columns
 from strikewave.studies.settings.study import SettingsStudy, design_settings
+from strikewave.studies.study import picture_section
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,48 +54,38 @@ MARKERS = (("o", BLUE), ("s", ORANGE), ("^", GREEN), ("D", RED), ("v", "#CC79A7"
 
 
 @dataclass
-class SearchCommand(ResumableCommand[MachineSearch]):
-    """A search for settings that meet a goal; one that is stopped goes on where it was.
+class SearchCommand(StudyCommand[MachineSearch]):
+    """A search for settings that meet a goal, as a command; its plan is the goal, and what may be chosen.
 
     Attributes
     ----------
-    case : Case
-        What is not chosen.
-    goal, choice
-        What is asked, and what may be chosen.
-    pool : Pool
-        Who runs it.
+    usual : bool
+        Whether nothing but the goal was asked: only then the folder has its name alone.
     """
 
+    name: ClassVar[str] = "settings"
+    bar: ClassVar[str] = "settings"
+    clocks: ClassVar[tuple[str, ...]] = ("elapsed",)
+    noun: ClassVar[str] = "searches"
     design: ClassVar[Callable[..., MachineSearch]] = staticmethod(design_settings)
     """What searches: `design_settings` or `design_drop_table`."""
 
-    case: Case
-    goal: Any
-    choice: Any
-    pool: Pool
+    plan: tuple[Any, Any]
+    usual: bool = True
 
-    def run(self, output: Output, usual_question: bool) -> int:
-        """Search for settings, write and print them, and return the exit code.
+    @property
+    def marked_text(self) -> str:
+        """What is asked: only the search knows the case."""
+        return asked_line(self.case, *self.plan)
 
-        ``usual_question`` says that nothing but the goal was asked: only then the folder has its name alone.
+    def usual_folder(self, changes: Sequence[str]) -> str:
+        """Return the folder of the result where none is asked for: the name of the goal, and a mark of what else."""
+        name = str(self.plan[0].name)
+        return name if self.usual else f"{name}-{self.marked_text[-10:-2]}"
 
-        Raises
-        ------
-        InputError
-            If the place is taken.
-        """
-        asked = asked_line(self.case, self.goal, self.choice)
-        return run_and_write(self, output, self.goal.name + ("" if usual_question else f"-{asked[-10:-2]}"), asked)
-
-    def solved(self, store: RunStore) -> MachineSearch:
-        """Return the study, with a bar on stderr."""
-        try:
-            with progress_bar("settings") as report:
-                study = self.design(self.case, self.goal, self.choice, store, self.pool, share_reporter(report))
-        except KeyboardInterrupt as stop:
-            self.stopped_after(stop, store, "searches")
-        return dataclasses.replace(study, asked=measured.asked())
+    def made(self, store: RunStore, report: Report) -> MachineSearch:
+        """Return the ranked settings."""
+        return self.design(self.case, *self.plan, store, self.pool, share_reporter(report))
 
     def summary(self, result: MachineSearch) -> str:
         """Say which settings are first, and what they give."""
@@ -237,7 +222,7 @@ def page(study: SettingsStudy) -> str:
         "the settings cost: scatter of the peaks over the largest force of the stop; filled where the goal is met."
     )
     sections = [
-        Section("What the settings give", "", [Picture(picture(study), caption, caption)]),
+        picture_section("What the settings give", picture(study), caption),
         _first_section(study),
         _ranking_section(study),
         chapters.warnings(study.notices),

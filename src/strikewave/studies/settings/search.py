@@ -12,6 +12,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
@@ -31,13 +32,13 @@ from strikewave.machines import MachineRun
 from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.parts import Tag
-from strikewave.reporting.shown_result import ShownResult
 from strikewave.signal.pulse import crossing, refine_peak
 from strikewave.specifications.judging import PulseLimits, Shock
 from strikewave.studies.engine.answers import Failure, Question, answers
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import Advance
 from strikewave.studies.engine.store import RunStore
+from strikewave.studies.study import Study
 
 Array = NDArray[np.float64]
 
@@ -442,7 +443,7 @@ def asked_line(case: Case, goal: MachineGoal, choice: MachineChoice) -> str:
 
 
 @declare.dataclass(eq=False)
-class MachineSearch(ShownResult):
+class MachineSearch(Study):
     """Ranked settings of a machine for a goal; see `Result` for what it shares with others.
 
     Attributes
@@ -457,8 +458,6 @@ class MachineSearch(ShownResult):
         The best first.
     failed : tuple of str
         Why designs gave no result.
-    asked : str
-        Command line that gives it again, where one does.
     """
 
     command: ClassVar[str] = "settings"
@@ -471,7 +470,6 @@ class MachineSearch(ShownResult):
     choice: Any
     candidates: tuple[Any, ...]
     failed: tuple[str, ...]
-    asked: str = ""
 
     case_name = declare.computed(declare.word("case that gives what is not chosen", key="from"))(
         lambda study: study.case.name
@@ -491,15 +489,14 @@ class MachineSearch(ShownResult):
         return not self.candidates[0].meets
 
     @property
-    def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
-        return self.case.test.stated()
-
-    @property
-    def source(self) -> Source:
+    def marked_text(self) -> str:
         """The case of the first candidate, and above it what was asked."""
-        text = asked_line(self.case, self.goal, self.choice) + dump_case(self.case_of())
-        return Source("case", self.name, text, asked=self.asked)
+        return asked_line(self.case, self.goal, self.choice) + dump_case(self.case_of())
+
+    @cached_property
+    def source(self) -> Source:
+        """That case under the name of the goal."""
+        return Source("case", self.name, self.marked_text, asked=self.asked)
 
     def case_of(self, place: int = 0) -> Case:
         """Return the case of a candidate, under a name of its own and without published numbers to compare with."""
@@ -520,7 +517,7 @@ class MachineSearch(ShownResult):
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file, and the cases of the candidates after the first."""
         others = {f"case-{k + 1}.toml": dump_case(self.case_of(k)) for k in range(1, len(self.candidates))}
-        return {"settings.json": self.document_text(), **others}
+        return {**super().texts(), **others}
 
     def not_met(self) -> Iterator[Notice]:
         """Yield the warning that no candidate meets the goal, where none does."""

@@ -17,7 +17,7 @@ from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import face_columns, face_table
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.parts import Cell, Picture, Section, Table, Tag
+from strikewave.reporting.parts import Cell, Section, Table, Tag
 from strikewave.reporting.style import GREY, legend_below, new_figure, plain, quiet, titled
 from strikewave.reporting.terminal import print_rows, table, tell
 from strikewave.studies.settings.drop_table.candidate import WITHIN, DropCandidate
@@ -32,6 +32,7 @@ from strikewave.studies.settings.report import (
     mark_candidates,
 )
 from strikewave.studies.settings.search import MachineSearch, limit_columns
+from strikewave.studies.study import picture_section
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -121,7 +122,7 @@ def page(study: DropStudy) -> str:
     )
     first = study.candidates[0]
     sections = [
-        Section("The pulse", "", [Picture(picture(study), caption, caption)]),
+        picture_section("The pulse", picture(study), caption),
         Section(
             "The first design",
             f"Provenance: {_provenances(first)}. All inputs stand below.",
