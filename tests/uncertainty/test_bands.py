@@ -362,11 +362,11 @@ def test_bands_are_the_same_on_one_thread_and_on_three_and_survive_the_files(tmp
 def test_coarse_runs_of_a_bar_have_the_results_of_fine_ones():
     """To half of one per cent: over the 64 draws of the band half of that is the most, and a tenth of it moves an end."""
     case = load_case("li-ma-2019-fig13-bar", ["stack.layer.sensor.length=21.3 mm"])
-    coarse, fine = bar_figures(bar_band.coarse(case)), run_wave(case)
+    coarse, fine = bar_figures(bar_band.coarse_case(case)), run_wave(case)
     assert coarse == pytest.approx(fine.figures, rel=5e-3)
     assert bar_figures(case) == fine.figures
     stated = load_case("li-ma-2019-fig13-bar", ["solver.error=0.02"])
-    assert bar_band.coarse(stated) is stated
+    assert bar_band.coarse_case(stated) is stated
 
 
 def test_run_without_band_has_none(strikewave):

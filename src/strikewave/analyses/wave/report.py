@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-import math
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
@@ -13,8 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from strikewave.analyses.wave.result import WaveSolution
-from strikewave.base.shock_quantities import STEP
+from strikewave.analyses.wave.result import WaveSolution, error_words, wave_tables, wave_words
 from strikewave.reporting import chapters
 from strikewave.reporting.animation.gif import write_gif
 from strikewave.reporting.animation.page import (
@@ -32,12 +29,11 @@ from strikewave.reporting.animation.page import (
 )
 from strikewave.reporting.bands import band_sections
 from strikewave.reporting.curves import COLOURS, DASHES, Trace, put_legend, thin, traces
-from strikewave.reporting.faces import amount, face_rows, face_table, numbers_of, part_tables
-from strikewave.reporting.numbers import axis_unit, headed, listed, spelled
-from strikewave.reporting.parts import Flow, Part, Picture, Section, Table
+from strikewave.reporting.faces import face_table
+from strikewave.reporting.numbers import axis_unit, headed
+from strikewave.reporting.parts import Flow, Part, Picture, Section
 from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.stack_chapters import (
-    MOST_LAYERS,
     field_pictures,
     fit_table,
     layer_table,
@@ -129,32 +125,6 @@ MOST_CURVES = 4
 """Taps that a picture draws: as many as there are dashes, so that no two curves look alike in print."""
 
 
-def wave_words(solution: WaveSolution) -> str:
-    """Return the peak values at the taps as a sentence."""
-    at_taps = []
-    for row in face_rows(solution, "tap_histories"):
-        words = listed([f"{text} {spelled(unit)}" for text, unit in numbers_of(row.value.peaks, row.bands)])
-        at_taps.append(f"{row.name} (in {row.value.layer}): {words}")
-    return f"A layered bar under its load, route {solution.route}. Signed peak values: {'; '.join(at_taps)}."
-
-
-def error_words(solution: WaveSolution) -> str:
-    """Say how exact the waves of a bar are."""
-    velocity, acceleration = solution.accuracy
-    bounds = "no bound" if math.isinf(velocity) else f"velocity {velocity:.1e}, acceleration {acceleration:.1e}"
-    step = amount(STEP, solution.waves.step)
-    if solution.method == "spectral":
-        dispersion = solution.case.solver.dispersion
-        return (
-            f"spectral solver, dispersion: {dispersion}; error over the largest value at the taps, estimated from half "
-            f"the step: {bounds}; time step {step}"
-        )
-    return (
-        f"error bound over the largest value at the taps: {bounds}; time step {step}, largest mismatch of a transit "
-        f"{solution.waves.mismatch:.1e}"
-    )
-
-
 def _staircase(field: WaveField, layer: int, solution: WaveSolution) -> Picture:
     """Show how force grows at both faces of a layer between two others."""
     name, run = field.stack.layers[layer].name, solution.run
@@ -164,17 +134,6 @@ def _staircase(field: WaveField, layer: int, solution: WaveSolution) -> Picture:
         "for a load that jumps."
     )
     return Picture(staircase_diagram(field, layer, run.time, run.face_force), caption)
-
-
-def wave_tables(solution: WaveSolution) -> list[Table]:
-    """Return the further tables of a bar: contact, masses on springs, joints, layers."""
-    tables = [
-        face_table(solution, "oscillators", caption="Masses on springs"),
-        face_table(solution, "joints", caption="Joints that can open"),
-        face_table(solution, "layers", "stress", "Largest stress in each layer"),
-    ]
-    tables = [dataclasses.replace(table, rows=table.rows[:MOST_LAYERS]) for table in tables if table.rows]
-    return [*part_tables(solution, "contact"), *tables]
 
 
 def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Section]:

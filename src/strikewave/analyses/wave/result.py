@@ -35,7 +35,11 @@ from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.stack_of_case import FittedLoss, fitted_losses
 from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.faces import amount, face_rows, face_table, numbers_of, part_tables
+from strikewave.reporting.numbers import listed, spelled
+from strikewave.reporting.parts import Table
 from strikewave.reporting.shown_result import Curve, history_curve
+from strikewave.reporting.stack_chapters import MOST_LAYERS
 from strikewave.sensors import Reading
 from strikewave.sensors.trial import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest
@@ -445,3 +449,40 @@ class WaveSolution(CaseResult):
             for (what, si), values in zip(units, histories, strict=True):
                 columns.append(Column(f"{name} {what}{by}", values, si))
         return csv_table(columns, HISTORY_DIGITS)
+
+
+def wave_words(solution: WaveSolution) -> str:
+    """Return the peak values at the taps as a sentence."""
+    at_taps = []
+    for row in face_rows(solution, "tap_histories"):
+        words = listed([f"{text} {spelled(unit)}" for text, unit in numbers_of(row.value.peaks, row.bands)])
+        at_taps.append(f"{row.name} (in {row.value.layer}): {words}")
+    return f"A layered bar under its load, route {solution.route}. Signed peak values: {'; '.join(at_taps)}."
+
+
+def error_words(solution: WaveSolution) -> str:
+    """Say how exact the waves of a bar are."""
+    velocity, acceleration = solution.accuracy
+    bounds = "no bound" if math.isinf(velocity) else f"velocity {velocity:.1e}, acceleration {acceleration:.1e}"
+    step = amount(STEP, solution.waves.step)
+    if solution.method == "spectral":
+        dispersion = solution.case.solver.dispersion
+        return (
+            f"spectral solver, dispersion: {dispersion}; error over the largest value at the taps, estimated from half "
+            f"the step: {bounds}; time step {step}"
+        )
+    return (
+        f"error bound over the largest value at the taps: {bounds}; time step {step}, largest mismatch of a transit "
+        f"{solution.waves.mismatch:.1e}"
+    )
+
+
+def wave_tables(solution: WaveSolution) -> list[Table]:
+    """Return the further tables of a bar: contact, masses on springs, joints, layers."""
+    tables = [
+        face_table(solution, "oscillators", caption="Masses on springs"),
+        face_table(solution, "joints", caption="Joints that can open"),
+        face_table(solution, "layers", "stress", "Largest stress in each layer"),
+    ]
+    tables = [dataclasses.replace(table, rows=table.rows[:MOST_LAYERS]) for table in tables if table.rows]
+    return [*part_tables(solution, "contact"), *tables]

@@ -219,7 +219,7 @@ def load_rise(run: BarRun) -> float:
 
 
 BAND_RUNS, FEWEST_BAND_RUNS = 64, 24
-"""Runs of a bar: 5 to 15 ms each; of a long one as many as `WORK` allows, and below the fewest there is no band."""
+"""Runs of a bar, 5 to 15 ms each; of a long one as many as `BAND_WORK` allows: below the fewest there is no band."""
 BAND_ERROR = 0.01
 """Error that a velocity may have, over its largest. Measured on li-ma-2019-fig13-bar: it changes no result of a run by
 more than 2.4e-3, and the ends of no band by more than 5e-4; a bound of 1e-3 takes eight times as long."""
@@ -247,12 +247,12 @@ def with_bands(
     runs = min(BAND_RUNS, int(BAND_WORK / (solution.run.time.size * len(solution.run.stack.layers))))
     if runs < FEWEST_BAND_RUNS:
         message = (
-            f"no band: {FEWEST_BAND_RUNS} runs of so long a bar would take minutes; shorten solver.duration, or raise "
+            f"no band: {FEWEST_BAND_RUNS} runs of so long a bar would take minutes; shorten solver.duration, or "
+            "raise solver.step"
         )
-        message += "solver.step"
         notice = Notice("no-band", message, float(runs), float(FEWEST_BAND_RUNS), severity=INFO)
         return dataclasses.replace(solution, notices=(*solution.notices, notice))
-    inputs, quick = allowed_inputs(case, known_inputs(case, _uncertain_tables(case)), _build_all), coarse(case)
+    inputs, quick = allowed_inputs(case, known_inputs(case, _uncertain_tables(case)), _build_all), coarse_case(case)
     points = latin_hypercube(sum(one.count for one in inputs), runs, stream=BAR_STREAM)
 
     def run(row: Array) -> dict[str, float]:
@@ -276,8 +276,8 @@ def _build_all(case: Case) -> None:
     build_channels(case)
 
 
-def coarse(case: Case) -> Case:
-    """Return a case that may be off by `ERROR`, unless it states a time step, or a larger error."""
+def coarse_case(case: Case) -> Case:
+    """Return a case that may be off by `BAND_ERROR`, unless it states a time step, or a larger error."""
     stated = case.solver.error
     if case.solver.step is not None or (stated is not None and stated.si >= BAND_ERROR):
         return case

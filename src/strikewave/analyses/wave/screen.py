@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.analyses.wave.report import error_words, wave_tables, wave_words
+from strikewave.analyses.wave.result import error_words, wave_tables, wave_words
 from strikewave.analyses.wave.run import WaveSolution, run_wave, with_bands
 from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.errors import MISSING, InputError
