@@ -11,7 +11,8 @@ from strikewave.analyses.fem import report as fem_fields
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.figures import cut as fem_cut
 from strikewave.analyses.fem.figures.pictures import frame_window
-from strikewave.analyses.fem.report import fields_section, place_words
+from strikewave.analyses.fem.report import fields_section
+from strikewave.analyses.fem.result import place_words
 from strikewave.analyses.fem.run import run_fem
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import SurfaceContact

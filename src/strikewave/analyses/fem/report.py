@@ -9,8 +9,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
 from strikewave.analyses.fem.figures import histories
 from strikewave.analyses.fem.figures.animation import fem_page, movie_of, write_fem_gif
 from strikewave.analyses.fem.figures.cut import (
@@ -24,7 +22,7 @@ from strikewave.analyses.fem.figures.cut import (
 )
 from strikewave.analyses.fem.figures.histories import blows_figure, summary_sheet
 from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture, view_of
-from strikewave.analyses.fem.result import FemSolution
+from strikewave.analyses.fem.result import FemSolution, instant_words, largest_words, place_words
 from strikewave.analyses.fem.sectors import unlike_sectors
 from strikewave.base.shock_quantities import DENSITY, LENGTH, MASS, MICROSECONDS, MODULUS, STEP, STRESS, VELOCITY
 from strikewave.fem.quality import PartQuality, quality_report
@@ -476,30 +474,6 @@ def _wave(film: SnapshotRecorder) -> list[Part]:
 
 def _instant(still: Snapshot) -> str:
     return instant_words(still.time)
-
-
-def largest_words(film: SnapshotRecorder, mesh: Mesh) -> str:
-    """Say where von Mises stress and plastic strain are largest of all elements, seen or not; nothing where none is."""
-    names, places = {"von_mises": "von Mises stress", "plastic_strain": "plastic strain"}, []
-    for name, spot in film.largest.items():
-        value = amount(STRESS, spot.value) if name == "von_mises" else written(spot.value)
-        places.append(f"{names[name]} {value} in {place_words(mesh, spot.element)} at {instant_words(spot.time)}")
-    if not places:
-        return ""
-    where = "centre of the element before the blow"
-    return f"Largest values of all elements at the stored instants: {listed(places)} ({where})."
-
-
-def place_words(mesh: Mesh, element: int) -> str:
-    """Name the part of an element and its middle before the blow."""
-    middle = mesh.points[mesh.hexahedra[element]].mean(axis=0) * 1e3
-    place = ", ".join(f"{x:.4g}" for x in np.where(np.abs(middle) < 1e-9, 0.0, middle))
-    return f"{mesh.names[int(mesh.part[element])]} at ({place}) mm"
-
-
-def instant_words(time: float) -> str:
-    """Write a time with its unit; the time 0 as the start."""
-    return amount(MICROSECONDS, time) if time > 0.0 else "the start"
 
 
 _WORDS = (

@@ -17,7 +17,16 @@ from strikewave.analyses.fem.sectors import Sector, blow_of_bodies, sectors
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, Quantity
 from strikewave.base.result import BALANCE_LIMIT, ELEMENTS_SCHEMA, BalanceCheck, Comparison
-from strikewave.base.shock_quantities import ENERGY, FORCE, MEASURED_IMPULSE, RATIO, RESTITUTION, STEP
+from strikewave.base.shock_quantities import (
+    ENERGY,
+    FORCE,
+    MEASURED_IMPULSE,
+    MICROSECONDS,
+    RATIO,
+    RESTITUTION,
+    STEP,
+    STRESS,
+)
 from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import comparisons
 from strikewave.fem.model import Model
@@ -46,14 +55,18 @@ from strikewave.fem.run import (
 from strikewave.fem.snapshots import SnapshotRecorder
 from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
+from strikewave.reporting.faces import amount
+from strikewave.reporting.numbers import listed
+from strikewave.reporting.parts import written
 from strikewave.reporting.shown_result import Curve, history_curve
 
 if TYPE_CHECKING:
     from strikewave.cases.tables.common import Published
+    from strikewave.fem.mesh import Mesh
 
 Array = NDArray[np.float64]
 
-STRESS = ("xx", "yy", "zz", "xy", "yz", "zx")
+STRESS_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 """Components of a stress."""
 
 
@@ -488,7 +501,7 @@ class FemSolution(CaseResult):
             yield from _components(f"{name} velocity", "m/s", point.velocity)
             yield from _components(f"{name} acceleration", "m/s^2", point.acceleration)
         for name, section in run.sections.items():
-            yield from _components(f"{name} stress", "Pa", section.stress, STRESS)
+            yield from _components(f"{name} stress", "Pa", section.stress, STRESS_COMPONENTS)
             yield from _components(f"{name} velocity", "m/s", section.velocity)
             yield from _components(f"{name} acceleration", "m/s^2", section.acceleration)
         for name in ENERGIES:
@@ -551,7 +564,7 @@ class FemSolution(CaseResult):
             "time": quantity("time", run.time, "s", "time after the start"),
             "interval": quantity("interval", middles(run.time), "s", "middle of the interval between two times"),
             "axis": ("axis", np.array(["x", "y", "z"], dtype=object)),
-            "component": ("component", np.array(STRESS, dtype=object)),
+            "component": ("component", np.array(STRESS_COMPONENTS, dtype=object)),
         }
         attributes = {"strikewave_schema": ELEMENTS_SCHEMA, "strikewave_version": __version__, "case": self.source.text}
         return LabelledArrays.of(variables, coordinates, attributes)
@@ -595,3 +608,27 @@ def _components(name: str, unit: str, values: Array, axes: tuple[str, ...] = ("x
 def _after(means: Array) -> Array:
     """Return means of intervals as a column beside the instants that end them; nothing is known at the first."""
     return np.concatenate([np.full((1, means.shape[1]), np.nan), means])
+
+
+def largest_words(film: SnapshotRecorder, mesh: Mesh) -> str:
+    """Say where von Mises stress and plastic strain are largest of all elements, seen or not; nothing where none is."""
+    names, places = {"von_mises": "von Mises stress", "plastic_strain": "plastic strain"}, []
+    for name, spot in film.largest.items():
+        value = amount(STRESS, spot.value) if name == "von_mises" else written(spot.value)
+        places.append(f"{names[name]} {value} in {place_words(mesh, spot.element)} at {instant_words(spot.time)}")
+    if not places:
+        return ""
+    where = "centre of the element before the blow"
+    return f"Largest values of all elements at the stored instants: {listed(places)} ({where})."
+
+
+def place_words(mesh: Mesh, element: int) -> str:
+    """Name the part of an element and its middle before the blow."""
+    middle = mesh.points[mesh.hexahedra[element]].mean(axis=0) * 1e3
+    place = ", ".join(f"{x:.4g}" for x in np.where(np.abs(middle) < 1e-9, 0.0, middle))
+    return f"{mesh.names[int(mesh.part[element])]} at ({place}) mm"
+
+
+def instant_words(time: float) -> str:
+    """Write a time with its unit; the time 0 as the start."""
+    return amount(MICROSECONDS, time) if time > 0.0 else "the start"

@@ -16,8 +16,7 @@ from typing import Any
 
 from strikewave.analyses.fem.build import build_model, exact_volume
 from strikewave.analyses.fem.notices import model_notices
-from strikewave.analyses.fem.report import largest_words
-from strikewave.analyses.fem.result import Energies, FemSolution, of_blow
+from strikewave.analyses.fem.result import Energies, FemSolution, largest_words, of_blow
 from strikewave.analyses.fem.run import check_model, first_step, run_model
 from strikewave.analyses.fem.sectors import sectors
 from strikewave.base import declare
