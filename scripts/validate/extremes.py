@@ -34,7 +34,7 @@ import numpy as np
 from kit import ROOT, renewed, table, write_into
 
 from strikewave import load_case, run_case, run_fem, run_wave
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.result import BALANCE_LIMIT, Result
 from strikewave.cases.case import Case
@@ -79,7 +79,7 @@ def moved(name: str, chance: np.random.Generator, *more: str) -> Case:
         changes = [f"{path}={values[path] * 10.0 ** chance.uniform(-DECADES, DECADES)!r}" for path in chosen]
         try:
             case = load_case(name, [*more, *changes])
-            check(case)
+            check_case(case)
             return case
         except StrikewaveError as error:
             if ":" not in str(error):

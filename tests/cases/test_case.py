@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.quantities import PROVENANCES
@@ -20,7 +20,7 @@ from strikewave.cases.written_case import document_of, dump_case
 def test_every_published_case_reads_writes_and_builds(name):
     case = load_case(name)
     assert parse_case(dump_case(case)) == case
-    check(case)
+    check_case(case)
 
 
 def test_a_written_case_has_the_same_numbers_to_the_last_bit(published):
@@ -237,5 +237,5 @@ duration = "100 us"
 )
 def test_a_fault_names_a_row_by_a_name_of_its_own_whether_reading_or_building_finds_it(old, new, field):
     with pytest.raises(InputError) as error:
-        check(parse_case(BAR.replace(old, new), "bar"))
+        check_case(parse_case(BAR.replace(old, new), "bar"))
     assert field in [line.partition(":")[0] for line in str(error.value).splitlines()]

@@ -6,7 +6,7 @@ from itertools import pairwise
 import pytest
 
 from strikewave import load_case, run_case
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError
 from strikewave.cases.case import parse_case
@@ -120,7 +120,7 @@ WRONG = [
 @pytest.mark.parametrize(("changes", "field", "words"), WRONG)
 def test_what_a_cushion_cannot_be_is_refused_with_its_field(changes, field, words):
     with pytest.raises(InputError) as caught:
-        check(changed(*changes))
+        check_case(changed(*changes))
     assert str(caught.value).startswith(field)
     assert words in str(caught.value)
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from strikewave import load_case, run_case
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.analyses.machine.build import release
 from strikewave.base.errors import InputErrors
 from strikewave.contact import Contact
@@ -115,7 +115,7 @@ def test_speeds_just_before_touch_are_those_of_free_fall():
 )
 def test_what_does_not_fit_is_refused(change, words):
     with pytest.raises(InputErrors) as caught:
-        check(load_case(CASE, [change]))
+        check_case(load_case(CASE, [change]))
     assert words in str(caught.value)
 
 

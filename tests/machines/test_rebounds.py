@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_case
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputErrors
 from strikewave.machines import blows, run_machine
@@ -133,5 +133,5 @@ def test_a_run_tells_how_it_ended():
 )
 def test_what_does_not_fit_is_refused(change, words):
     with pytest.raises(InputErrors) as caught:
-        check(load_case(TABLE, [change]))
+        check_case(load_case(TABLE, [change]))
     assert words in str(caught.value)

@@ -1,4 +1,7 @@
-"""Which analysis a case or a set-up is for, as its tables say, and its run; a machine, a bar, elements, split bars."""
+"""Which analysis a case or a set-up is for, as its tables say, its run, and the check that its parts fit together.
+
+Only the analyses that a case is for are imported: elements and split bars take their time.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,9 @@ from collections.abc import Sequence
 
 from strikewave.base.errors import InputError
 from strikewave.base.toml_text import read_toml
-from strikewave.cases.case import load_case
+from strikewave.cases.case import Case, load_case
 from strikewave.cases.files import read_case_text
+from strikewave.cases.stack_of_case import build_channels, build_stack, build_taps, need
 from strikewave.reporting.options.output import Output
 
 
@@ -15,8 +19,6 @@ def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = F
     """Run a case or a set-up file, write and print its result, and return the exit code.
 
     With ``band``, a machine or a layered bar gets the bands of its results.
-
-    Only the analysis that is asked for is imported: elements and split bars take their time.
 
     Raises
     ------
@@ -59,3 +61,30 @@ def holds_setup(text: str) -> bool:
     except ValueError:
         return False
     return isinstance(bar, dict) and "incident" in bar
+
+
+def check_case(case: Case) -> None:
+    """Build all parts of a case, so that what does not fit together is said.
+
+    Raises
+    ------
+    InputError
+        As the builders do.
+    """
+    if case.machine is not None:
+        from strikewave.analyses.machine.build import build_machine
+
+        build_machine(case)
+    if case.stack.layer:
+        stack = build_stack(case)
+        build_taps(case)
+        if case.load is not None or case.machine is None:
+            from strikewave.analyses.wave.build import build_load
+
+            build_load(case, stack)
+            need(case.solver.duration, "solver.duration", "how long to follow", 'add duration = "300 us"')
+    if case.fem is not None:
+        from strikewave.analyses.fem.build import check_elements
+
+        check_elements(case)
+    build_channels(case)

@@ -153,8 +153,7 @@ def validate_case(case: CaseName, *, changes: Changes = None, shown: Shown) -> i
 
     Lists every value and where it comes from, and names densities and moduli far from those of any known material.
     """
-    from strikewave.analyses.by_tables import holds_setup
-    from strikewave.analyses.check import check
+    from strikewave.analyses.by_tables import check_case, holds_setup
     from strikewave.analyses.fem.build import build_model
     from strikewave.analyses.hopkinson.build import check_setup, load_setup, values_of
     from strikewave.cases.materials_of_case import far_numbers, material_notices
@@ -167,7 +166,7 @@ def validate_case(case: CaseName, *, changes: Changes = None, shown: Shown) -> i
             say("not there yet: " + ", ".join(missing))
         return 0
     read = load_case(case, changes or ())
-    check(read)
+    check_case(read)
     if read.fem is not None:
         build_model(read)
     _show(read.name, read.title, read.values(), tuple(material_notices(read)), shown.json)

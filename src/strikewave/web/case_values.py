@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.materials import materials
 from strikewave.base.quantities import Range
@@ -369,5 +369,5 @@ def _rewritten(case: Case, change: Callable[[Document], None]) -> str:
     document = document_of(case)
     change(document)
     changed = parse_case(tomlkit.dumps(document), case.name)
-    check(changed)
+    check_case(changed)
     return dump_case(changed)

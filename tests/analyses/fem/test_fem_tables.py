@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.analyses.fem.build import LARGEST, build_model, built_parts, estimated_elements, exact_volume
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.screen import say_faceted
@@ -443,7 +443,7 @@ def test_too_many_elements_are_refused_before_memory_is_taken():
     case = parse_case(edited(('size = "2 mm"', 'size = "20 um"')))
     tracemalloc.start()
     with pytest.raises(InputError, match="elements"):
-        check(case)
+        check_case(case)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert estimated_elements(case.mesh) > LARGEST

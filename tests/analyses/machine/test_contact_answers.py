@@ -9,8 +9,8 @@ import pytest
 
 from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.report import blow_table
+from strikewave.analyses.machine.result import answer_columns
 from strikewave.analyses.machine.screen import show
-from strikewave.analyses.machine.words import answer_columns
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError
 from strikewave.base.materials import material

@@ -9,8 +9,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from strikewave.analyses.machine.report import blow_table
+from strikewave.analyses.machine.result import answer_columns, blow_columns, summary_words
 from strikewave.analyses.machine.screen import show
-from strikewave.analyses.machine.words import answer_columns, blow_columns, summary_words
 from strikewave.base.constants import STANDARD_GRAVITY as G
 from strikewave.base.result import Band
 from strikewave.reporting.shown_units import ShownUnits, showing

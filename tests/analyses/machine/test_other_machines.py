@@ -2,7 +2,7 @@
 
 import pytest
 
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.cases.case import Case, load_case, parse_case
 from strikewave.cases.paths import Form
@@ -23,7 +23,7 @@ FORM = Form(Case, "case", "")
 def refused(kind, *changes):
     """Return the lines with which a changed case is refused."""
     with pytest.raises(InputError) as caught:
-        check(load_case(CASES[kind], changes))
+        check_case(load_case(CASES[kind], changes))
     return str(caught.value).splitlines()
 
 
@@ -131,12 +131,12 @@ def test_a_gun_needs_its_speed_or_its_reservoir():
     text = dump_case(load_case(CASES["gas-gun"]))
     line = next(line for line in text.splitlines() if line.startswith("speed"))
     with pytest.raises(InputError, match=r"machine.speed: missing"):
-        check(parse_case(text.replace(line, "")))
+        check_case(parse_case(text.replace(line, "")))
     with pytest.raises(InputError, match=r"machine.volume: missing"):
-        check(parse_case(text.replace(line, 'pressure = "5 bar"')))
+        check_case(parse_case(text.replace(line, 'pressure = "5 bar"')))
     whole = 'pressure = "90 kPa"\nvolume = "5000 cm^3"\nbore = "25 mm"\nlength = "1 m"'
     with pytest.raises(InputError, match=r"machine.pressure: got .*add 1 atm"):
-        check(parse_case(text.replace(line, whole)))
+        check_case(parse_case(text.replace(line, whole)))
 
 
 @pytest.mark.parametrize(
@@ -178,7 +178,7 @@ def test_a_nose_needs_the_sizes_of_its_law():
     text = dump_case(load_case(CASES["falling-ball"]))
     radius = next(line for line in text.splitlines() if line.startswith("nose_radius"))
     with pytest.raises(InputError, match=r"striker.nose_radius: missing"):
-        check(parse_case(text.replace(radius, "")))
+        check_case(parse_case(text.replace(radius, "")))
 
 
 def test_a_shaper_needs_force_and_depth():
@@ -186,7 +186,7 @@ def test_a_shaper_needs_force_and_depth():
     for key in ("reference_force", "reference_depth"):
         line = next(line for line in text.splitlines() if line.startswith(key))
         with pytest.raises(InputError, match=f"contact.{key}: missing"):
-            check(parse_case(text.replace(line, "")))
+            check_case(parse_case(text.replace(line, "")))
 
 
 @pytest.mark.parametrize("name", CASES.values())

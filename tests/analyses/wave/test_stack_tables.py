@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.analyses.wave.build import build_load
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.errors import InputError, StrikewaveError
@@ -122,7 +122,7 @@ def test_an_incident_wave_is_half_of_what_a_free_end_feels():
 )
 def test_what_does_not_fit_is_said(parts, words):
     with pytest.raises(StrikewaveError) as caught:
-        check(case_of(**parts))
+        check_case(case_of(**parts))
     assert words in str(caught.value)
 
 
@@ -136,7 +136,7 @@ def test_what_does_not_fit_is_said(parts, words):
 )
 def test_a_machine_says_what_only_a_bar_alone_can_have(changes, words):
     with pytest.raises(StrikewaveError) as caught:
-        check(load_case("li-ma-2019-fig13", changes))
+        check_case(load_case("li-ma-2019-fig13", changes))
     assert words in str(caught.value)
 
 
@@ -144,15 +144,15 @@ def test_a_layer_of_own_numbers_needs_a_poissons_ratio_for_dispersion():
     text = BASE.format(joint="", end="", load="", solver='dispersion = "love-rayleigh"')
     text = text.replace('material = "2A12"', 'density = "2700 kg/m^3"\nmodulus = "70 GPa"')
     with pytest.raises(InputError, match=r"stack\.layer\.lower\.poissons_ratio"):
-        check(parse_case(text))
-    check(parse_case(text.replace('modulus = "70 GPa"', 'modulus = "70 GPa"\npoissons_ratio = 0.33')))
+        check_case(parse_case(text))
+    check_case(parse_case(text.replace('modulus = "70 GPa"', 'modulus = "70 GPa"\npoissons_ratio = 0.33')))
 
 
 def test_a_band_without_a_loss_factor_is_refused():
     text = BASE.format(joint="", end="", load="", solver="")
     text = text.replace('material = "2A12"', 'material = "2A12"\nband_low = "1 kHz"')
     with pytest.raises(InputError, match="loss_factor"):
-        check(parse_case(text))
+        check_case(parse_case(text))
 
 
 def test_a_mass_at_the_end_is_not_pushed_twice():

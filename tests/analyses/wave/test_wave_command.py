@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_wave
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.base.errors import InputErrors
 
 BAR = """
@@ -361,7 +361,7 @@ def test_removing_all_gaskets_returns_the_direct_reading(fig5):
 def test_a_gasket_too_thick_for_its_waves_is_refused_before_the_run():
     case = load_case("li-ma-2019-fig5", ["sensor.buffered.gasket.0.thickness=0.5 m"])
     with pytest.raises(InputErrors, match=r"sensor\.buffered\.gasket: a gasket of 0\.5 m .* take a thinner"):
-        check(case)
+        check_case(case)
 
 
 def test_a_peak_beyond_one_dimensional_theory_is_refused_and_the_number_said():

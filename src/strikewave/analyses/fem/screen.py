@@ -1,4 +1,8 @@
-"""A run of explicit finite elements as a command: check, solve, go on after a stop, print, draw."""
+"""A run of explicit finite elements as a command: check, solve, print, draw.
+
+While it is under way, it keeps its state and its fields in a folder beside the result, so that it may go on after it is
+stopped.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""An impact of two free bodies: its blows, its contact elastic and yielding, and notices."""
+"""What an impact of two free bodies comes to: its blows, its contact elastic and yielding, and notices."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a user should know about a run: broken balances, odd blows, yield, what the recorder misses."""
+"""What a user should know about a run: broken balances, odd blows, yield, what the recorder misses, a moving object."""
 
 from __future__ import annotations
 

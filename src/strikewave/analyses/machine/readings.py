@@ -1,4 +1,9 @@
-"""What taps and sensors show of each blow, and all histories of a run as labelled arrays."""
+"""What taps and sensors show of each blow, and a run sampled into arrays: train, blows, ideal record, taps, sensors.
+
+Total acceleration is what a perfect sensor at a section would read; wave is total less the rigid-body acceleration of
+the assembly, both at the same bandwidth, so that nothing is counted twice. A peak is the value of largest magnitude,
+with its sign.
+"""
 
 from __future__ import annotations
 

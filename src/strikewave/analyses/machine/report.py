@@ -12,10 +12,10 @@ import numpy as np
 from strikewave.analyses.machine.figures.animation import machine_page, write_machine_gif
 from strikewave.analyses.machine.figures.pulses import summary
 from strikewave.analyses.machine.kind import kind_of
-from strikewave.analyses.machine.result import Solution
-from strikewave.analyses.machine.words import (
+from strikewave.analyses.machine.result import (
     ANSWERS_CALLED,
     MACHINES,
+    Solution,
     answer_columns,
     blow_columns,
     launch_tables,

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from strikewave.analyses.machine.result import LineCollision, Solution
-from strikewave.analyses.machine.run import band_compiled_beside, band_runs_beside, run_case, with_bands
-from strikewave.analyses.machine.words import (
+from strikewave.analyses.machine.result import (
     ANSWERS_CALLED,
+    LineCollision,
+    Solution,
     answer_columns,
     blow_columns,
     reference_law,
@@ -18,6 +18,7 @@ from strikewave.analyses.machine.words import (
     settings,
     summary_words,
 )
+from strikewave.analyses.machine.run import band_compiled_beside, band_runs_beside, run_case, with_bands
 from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import build_channels, fitted_losses
 from strikewave.cases.written_case import dump_case

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 
-from strikewave.analyses.check import check
+from strikewave.analyses.by_tables import check_case
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT
 from strikewave.base.errors import InputError, nearest
@@ -192,7 +192,7 @@ def with_word(case: Case, path: str, word: str) -> Case:
         If it takes no such word.
     """
     changed = parse_case(dump_case(case), case.name, [f"{path}={word}"])
-    check(changed)
+    check_case(changed)
     return changed
 
 

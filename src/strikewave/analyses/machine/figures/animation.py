@@ -1,4 +1,4 @@
-"""A run of the rotary machine as a page that plays by itself and as a GIF."""
+"""The motion of a rotary machine, as a page that plays by itself and as a GIF."""
 
 from __future__ import annotations
 

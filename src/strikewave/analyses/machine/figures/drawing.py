@@ -1,6 +1,8 @@
-"""The drawings of a rotary machine with its numbers: the whole, and the strike close up.
+"""The drawings of machines: a rotary machine, whole and its strike close up, and the schematic of a launched one.
 
-Each is as wide as a phone shows without scrolling; the numbers of the parts stand in a table beside them.
+Those of a rotary machine are to scale. A schematic is of symbols, not to scale: a kind of machine draws its own with a
+few of them in a field 10 wide. Each drawing is as wide as a phone shows without scrolling; balloons number the parts,
+whose numbers stand in a table beside it.
 """
 
 from __future__ import annotations

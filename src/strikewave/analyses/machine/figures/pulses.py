@@ -1,4 +1,4 @@
-"""The pictures of a report: force and acceleration of one blow, all pulses overlaid, the whole train."""
+"""The pictures of a run: its summary, force and acceleration of one blow, all pulses overlaid, the whole train."""
 
 from __future__ import annotations
 

@@ -13,9 +13,8 @@ import numpy as np
 import strikewave
 from strikewave.analyses.machine.band import PULSE_TOLERANCE, quick_look
 from strikewave.analyses.machine.kind import kind_of
-from strikewave.analyses.machine.result import INTERVAL, SHOWN_WIDTHS, Solution, blow_history, figures_of
+from strikewave.analyses.machine.result import INTERVAL, SHOWN_WIDTHS, Solution, blow_columns, blow_history, figures_of
 from strikewave.analyses.machine.run import run_case
-from strikewave.analyses.machine.words import blow_columns
 from strikewave.base.compiled import is_cold
 from strikewave.base.declare import declarations
 from strikewave.base.percents import percent
