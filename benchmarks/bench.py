@@ -28,7 +28,7 @@ from scipy.integrate import solve_ivp
 from timing import best, table, write
 
 from strikewave import load_case, run_case
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.contact import (
     Contact,
     PressureCap,

@@ -10,8 +10,7 @@ import numpy as np
 from peers import absent
 from timing import best, table, write
 
-from strikewave.reporting.curves import Trace, traces
-from strikewave.reporting.style import save
+from strikewave.reporting.style import Trace, save, traces
 from strikewave.waves import End, Joint, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 
 PICTURE = Path(__file__).parents[1] / "docs" / "images" / "loaded-short-bar.svg"

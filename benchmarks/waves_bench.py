@@ -8,7 +8,7 @@ from peers import absent
 from timing import best, table, write
 
 from strikewave.base.compiled import kernel
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.waves import BONDED, End, LoadPulse, Stack, round_bar
 from strikewave.waves._kernels import advance, arriving_at_face
 from strikewave.waves.dispersion import Rod, wave_number

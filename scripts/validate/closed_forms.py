@@ -26,7 +26,7 @@ from fem.test_bars import contact_time, mean_between
 from fem.test_hertz import ALUMINIUM, peak_of, pressed
 from fem.test_hexahedron import lame_frequency
 from fem.test_taylor import taylor
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.contact import Contact, exact, hertz, palmgren, point_cap, solve_impact
 from strikewave.fem.solve import solve
 from strikewave.hopkinson import stress_difference

@@ -30,10 +30,10 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.analyses.record.synthesis.result import synthesize as synthesize
     from strikewave.analyses.wave.result import WaveSolution as WaveSolution
     from strikewave.analyses.wave.run import run_wave as run_wave
+    from strikewave.base.constants import material as material
+    from strikewave.base.constants import materials as materials
     from strikewave.base.errors import InputError as InputError
     from strikewave.base.errors import StrikewaveError as StrikewaveError
-    from strikewave.base.materials import material as material
-    from strikewave.base.materials import materials as materials
     from strikewave.base.result import Band as Band
     from strikewave.base.result import Result as Result
     from strikewave.cases.case import Case as Case
@@ -87,8 +87,8 @@ _HOMES = {
     "load_setup": "analyses.hopkinson.build",
     "load_solution": "analyses.machine.result",
     "map": "studies.map.study",
-    "material": "base.materials",
-    "materials": "base.materials",
+    "material": "base.constants",
+    "materials": "base.constants",
     "read_record": "records.readers",
     "record": "analyses.record.question",
     "run_case": "analyses.machine.run",

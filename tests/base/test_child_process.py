@@ -48,7 +48,7 @@ def test_a_reader_in_a_child_takes_no_module_from_beside_the_file(run):
 WORK = """
 import os, sys, time
 os.cpu_count = lambda: 2
-from strikewave.base.interrupts import exit_code, heed
+from strikewave.base.processes import exit_code, heed
 from strikewave.studies.engine.pools import ProcessPool
 
 def tell(what):

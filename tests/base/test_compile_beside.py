@@ -7,9 +7,8 @@ import sys
 import numba
 import pytest
 
-from strikewave.base import compile_beside, compiled
-from strikewave.base.compile_beside import await_kernel, compiled_beside
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base import compiled, compiling
+from strikewave.base.compiling import await_kernel, compiled_beside, compiling_shown
 
 JOBS = """
 import time
@@ -41,7 +40,7 @@ def started(tmp_path, monkeypatch):
             super().__init__(*rest, **options)
             processes.append(self)
 
-    monkeypatch.setattr(compile_beside.subprocess, "Popen", Noted)
+    monkeypatch.setattr(compiling.subprocess, "Popen", Noted)
     return processes
 
 
@@ -67,7 +66,7 @@ def test_where_no_process_starts_the_block_runs_alone(started, monkeypatch):
     def refused(*rest, **options):
         raise OSError("no more processes")
 
-    monkeypatch.setattr(compile_beside.subprocess, "Popen", refused)
+    monkeypatch.setattr(compiling.subprocess, "Popen", refused)
     with compiled_beside("any", "jobs_of_a_test:two"):
         done = True
     assert done
@@ -122,7 +121,7 @@ def test_the_second_process_never_runs_the_script_of_the_first(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
         "from strikewave.base import compiled\n"
-        "from strikewave.base.compile_beside import compiled_beside\n"
+        "from strikewave.base.compiling import compiled_beside\n"
         f"compiled.cache_folder = lambda: {str(tmp_path)!r}\n"
         "print('once')\n"
         "with compiled_beside('any', 'math:sqrt'):\n"
@@ -134,7 +133,7 @@ def test_the_second_process_never_runs_the_script_of_the_first(tmp_path):
 
 def test_a_job_waits_until_the_code_of_a_kernel_is_there_and_no_longer_than_it_has_patience(tmp_path, monkeypatch):
     monkeypatch.setattr(compiled, "cache_folder", lambda: str(tmp_path))
-    monkeypatch.setattr(compile_beside, "PATIENCE", 0.1)
+    monkeypatch.setattr(compiling, "PATIENCE", 0.1)
     await_kernel("never")
     looks = []
 
@@ -143,7 +142,7 @@ def test_a_job_waits_until_the_code_of_a_kernel_is_there_and_no_longer_than_it_h
         kind = "nbi" if len(looks) == 1 else "1.nbc"
         (tmp_path / f"_a.last-12.py311.{kind}").write_bytes(b"")
 
-    monkeypatch.setattr(compile_beside, "PATIENCE", 60.0)
-    monkeypatch.setattr(compile_beside.time, "sleep", looked)
+    monkeypatch.setattr(compiling, "PATIENCE", 60.0)
+    monkeypatch.setattr(compiling.time, "sleep", looked)
     await_kernel("_a.last")
     assert len(looks) == 2

@@ -9,7 +9,7 @@ import numba
 import pytest
 
 import strikewave
-from strikewave.base.compile_progress import WORDS, compiling_shown
+from strikewave.base.compiling import WORDS, compiling_shown
 from strikewave.reporting.terminal import progress_bar
 
 
@@ -68,7 +68,7 @@ def test_the_line_ends_where_a_run_fails(monkeypatch):
 def test_kernels_in_the_cache_are_loaded_without_a_word():
     program = """
 import strikewave
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 
 told = []
 with compiling_shown(lambda *what: told.append(what)):

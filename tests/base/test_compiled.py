@@ -10,8 +10,8 @@ import sys
 import pytest
 
 from strikewave.base import compiled
+from strikewave.base.compiled import own_folder
 from strikewave.base.errors import InputError
-from strikewave.base.kernel_files import own_folder
 
 
 def test_cold_without_a_kernel_of_that_name(tmp_path, monkeypatch):

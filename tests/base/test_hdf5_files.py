@@ -7,13 +7,13 @@ import h5py
 import numpy as np
 import pytest
 
-from strikewave.base.hdf5_files import check_sealed, enduring_file, is_sealed
+from strikewave.base.datasets import check_sealed, enduring_file, is_sealed
 
 PROGRAM = """
 import resource, sys
 from pathlib import Path
 import numpy as np
-from strikewave.base.variables import LabelledArrays
+from strikewave.base.datasets import LabelledArrays
 size, path = int(sys.argv[1]), Path(sys.argv[2])
 resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 names = {f"v{k}": ("time", np.arange(4000.0) + k, {"units": "N"}) for k in range(4)}

@@ -8,7 +8,7 @@ import pytest
 
 PROGRAM = """
 import signal, sys, time
-from strikewave.base.interrupts import exit_code, heed
+from strikewave.base.processes import exit_code, heed
 
 class Struck:
     def __del__(self):
@@ -36,7 +36,7 @@ def test_an_interrupt_in_a_destructor_is_not_lost(name, code):
 
 IMPORTING = """
 import signal, sys, time
-from strikewave.base.interrupts import heed
+from strikewave.base.processes import heed
 
 heed()
 try:
@@ -59,7 +59,7 @@ def test_an_interrupt_waits_until_a_module_is_imported(tmp_path):
 
 MANGLED = """
 import signal, sys
-from strikewave.base.interrupts import exit_code, heed, interrupts_as_such
+from strikewave.base.processes import exit_code, heed, interrupts_as_such
 
 heed()
 try:

@@ -5,8 +5,8 @@ import re
 import pytest
 
 from strikewave.base.citations import CHECKED, FROM_MEMORY, QUOTED
+from strikewave.base.constants import material, materials
 from strikewave.base.errors import InputError
-from strikewave.base.materials import material, materials
 from strikewave.sensors.chain import accelerometers
 
 

@@ -2,8 +2,8 @@
 
 import pytest
 
+from strikewave.base.documents import MOST_PARTS, read_toml
 from strikewave.base.errors import StrikewaveError
-from strikewave.base.toml_text import MOST_PARTS, read_toml
 
 DEEP = ".".join(["a"] * 5000)
 """10 kB that take 150 MB; 80 kB would take 6 GB."""

@@ -5,7 +5,7 @@ import pytest
 import xarray
 
 from strikewave import load_case, run_case
-from strikewave.base.variables import LabelledArrays, quantity
+from strikewave.base.datasets import LabelledArrays, quantity
 
 
 @pytest.fixture(scope="module", params=["li-ma-2019", "li-ma-2019-fig13"])

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel
 
-from strikewave.base.materials import materials
+from strikewave.base.constants import materials
 from strikewave.base.quantities import MaybeDensity, MaybeModulus
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.materials_of_case import _LIMITED_COLUMNS, far_numbers

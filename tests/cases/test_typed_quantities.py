@@ -24,7 +24,7 @@ from strikewave.cases.written_case import dump_case
 from strikewave.records.calibration import Calibration, known_unit
 from strikewave.reporting.bands import moved_rows
 from strikewave.reporting.measured_files import read_time_unit
-from strikewave.reporting.options.kinds import read_share
+from strikewave.reporting.options import read_share
 from strikewave.specifications.budget_file import load_budget
 from strikewave.studies.axes import units_of
 from strikewave.studies.design.goals import read_aim
@@ -188,7 +188,7 @@ _NOT_TYPED = (
     "base/units.py",  # the one place
     "records/readers/",
     "exchange/ls_dyna/histories.py",
-    "reporting/inline.py",
+    "reporting/chapters.py",
     "reporting/layout.py",
     "reporting/numbers.py",
     "reporting/parts.py",

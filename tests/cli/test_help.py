@@ -134,8 +134,8 @@ def test_completion_names_what_the_libraries_know():
     from strikewave.contact.law import SHAPES
     from strikewave.exchange.units import SYSTEMS
     from strikewave.papers.li_ma_2019.result import PAPER
-    from strikewave.reporting.options.shared import complete_case
-    from strikewave.reporting.wave_field import QUANTITIES
+    from strikewave.reporting.options import complete_case
+    from strikewave.reporting.waves import QUANTITIES
     from strikewave.signal.oscillators import KINDS
     from strikewave.signal.srs import PARTS
     from strikewave.studies.buffer.candidate import RANKS
@@ -166,7 +166,7 @@ def choices(name, option):
 def test_a_quantity_that_is_no_number_of_the_file_is_shown_as_typed():
     import pickle
 
-    from strikewave.reporting.options.kinds import Typed
+    from strikewave.reporting.options import Typed
 
     held = Typed(1e6, "1 MHz")
     assert (held, held.word, repr(held)) == (1e6, "1 MHz", "1000000.0")

@@ -13,7 +13,7 @@ WIDTH = 80
 RUN = ("run", "li-ma-2019", "--set", "feed.blows=1", "--no-band")
 PROGRAM = """
 from strikewave.cli import app
-from strikewave.reporting.options.output import Output, Place
+from strikewave.reporting.output_options import Output, Place
 Output.place = lambda self, usual: Place(None, False)  # draws nothing, which would take most of the time
 app.main()
 """

@@ -8,7 +8,7 @@ import pytest
 from strikewave.cli.group import entries
 from strikewave.reporting import run_and_write
 from strikewave.reporting.layout import length
-from strikewave.reporting.options.output import Output, Place
+from strikewave.reporting.output_options import Output, Place
 from strikewave.reporting.terminal import Screen, screen
 
 from .each_command import CHEAP, COMMANDS, DEAR, SERVED, write_inputs

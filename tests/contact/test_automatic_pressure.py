@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from strikewave.base.materials import material, materials
+from strikewave.base.constants import material, materials
 from strikewave.contact import (
     automatic_pressure,
     contact_modulus,

@@ -160,7 +160,7 @@ def test_largest_force_and_indentation_satisfy_the_law(n, e, mass, stiffness, sp
 
 def test_paper_law_on_a_rigid_object_is_seven_times_too_short():
     """0.2 kg at an assumed 20 m/s on 0.459 kg: 28 to 30 us and 3.25e5 N, where the paper has 220 us and 19 685 N."""
-    from strikewave.base.materials import material
+    from strikewave.base.constants import material
     from strikewave.contact import palmgren
 
     steel = material("65Mn")

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.contact import (
     Chain,
     ChainContact,

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.base.constants import material
 from strikewave.base.errors import InputError
-from strikewave.base.materials import material
 from strikewave.contact import Geometry, contact_modulus, hertz, johnson, palmgren, stiffness_of
 from strikewave.contact.law import Damper, PressureCap
 from strikewave.contact.stiffness import (

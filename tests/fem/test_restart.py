@@ -7,8 +7,8 @@ import h5py
 import numpy as np
 import pytest
 
+from strikewave.base.datasets import seal
 from strikewave.base.errors import InputError
-from strikewave.base.hdf5_files import seal
 from strikewave.fem import engine as engine_module
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined

@@ -16,7 +16,7 @@ from strikewave.machines.fast_run import compile_fast_run, fast_run_beside
 COLD = """
 import strikewave
 from strikewave.base import compiled
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 from numba.core import event
 
 class Mine(event.Listener):

@@ -7,7 +7,7 @@ import pytest
 
 from strikewave import load_case, run_case
 from strikewave.analyses.machine.build import build_machine
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.contact import Contact, PressureCap, exact, hertz, johnson, line_cap, palmgren, point_cap, solve_impact
 from strikewave.machines import blows, run_machine
 from strikewave.machines._stack_kernels import INDENTATION

@@ -15,12 +15,12 @@ SOURCES = sorted(path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob(
 DECLARED_BY = ("Quantity", "history")
 """What declares a quantity: `Quantity`, and the field of a history, `declare.history`."""
 TABLES = (
-    "base/units.py", "base/declare.py", "reporting/shown_units.py", "reporting/numbers.py", "records/readers/headings.py",
+    "base/units.py", "base/declare.py", "reporting/numbers.py", "reporting/numbers.py", "records/readers/headings.py",
     "records/readers/recorders.py", "studies/settings/search.py",
 )  # fmt: skip
 """Modules that know units themselves: how they convert, what is offered, which one suits a size, which ones files have and
 cases are written in."""
-PICTURES = ("reporting/curves.py", "reporting/wave_curves.py", "reporting/wave_field.py", "web/charts.py")
+PICTURES = ("reporting/style.py", "reporting/waves.py", "reporting/waves.py", "web/charts.py")
 """Modules that draw, beside those in `figures`: an axis may say its own units."""
 
 

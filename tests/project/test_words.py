@@ -217,7 +217,7 @@ def test_the_fields_own_words_are_not_found():
 
 
 def test_percents_are_written_by_one_function():
-    """As `base/percents.py` writes them, with a space before the sign: Python's own format has none."""
+    """As `base/texts.py` writes them, with a space before the sign: Python's own format has none."""
     form = re.compile(r"\{[^{}\n]*:[^{}\n]*%\}")
     assert form.search('f"{share:.1%} of it"')
     slips = [f"{path.name}: {slip}" for path in (*MODULES, *CASES) for slip in form.findall(path.read_text("utf-8"))]
@@ -235,7 +235,7 @@ def with_exponents(text):
 
 @pytest.mark.parametrize("path", [path for path in MODULES if "notices" in path.stem], ids=lambda path: path.stem)
 def test_numbers_of_notices_are_written_as_plain_digits(path):
-    """`strikewave.base.percents.plain` writes them."""
+    """`strikewave.base.texts.plain` writes them."""
     assert with_exponents(path.read_text("utf-8")) == []
 
 

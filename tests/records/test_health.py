@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.records import Channel, Record, Request, read_file, thresholds
 from strikewave.records.health import CHECKS, examine
 from strikewave.records.health.noise import mains_hum

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.records.baseline import LocalBaseline
 from strikewave.records.health import blows as blow_checks
 from strikewave.records.health import examine, limits, noise, sampled_record, sampling, zero

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from strikewave.base.percents import beside_doubt
+from strikewave.base.texts import beside_doubt
 from strikewave.records import find_pulses, two_sensors
 from strikewave.records.two_sensors import paired_motion
 from strikewave.waves import End, Layer, LoadPulse, Stack, Tap, run_bar

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 from PIL import Image
 
-from strikewave.reporting.animation.gif import write_gif
-from strikewave.reporting.animation.page import (
+from strikewave.reporting.animation import (
     Animation,
     Chart,
     Clock,
@@ -29,6 +28,7 @@ from strikewave.reporting.animation.page import (
     Scene,
     Shape,
     animation_page,
+    write_gif,
 )
 
 from ..chromium import chromium

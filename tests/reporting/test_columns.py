@@ -5,8 +5,8 @@ import pytest
 from strikewave.base.units import in_unit
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.layout import KEY
+from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.reporting.parts import NONE, Tag
-from strikewave.reporting.shown_units import ShownUnits, showing
 from strikewave.reporting.terminal import print_rows
 
 COLUMNS = (

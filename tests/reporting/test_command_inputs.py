@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.command_inputs import check_inputs, origin_text, working_on
+from strikewave.reporting.output_options import check_inputs, origin_text, working_on
 
 
 def result_of(folder, *inputs):

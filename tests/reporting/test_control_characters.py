@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from strikewave import dump_case, load_case
-from strikewave.base.json_document import json_text
+from strikewave.base.documents import json_text
 from strikewave.reporting.columns import Column, csv_table
-from strikewave.reporting.options.output import LONGEST_FOLDER, folder_name
+from strikewave.reporting.output_options import LONGEST_FOLDER, folder_name
 from strikewave.reporting.style import save
 
 HOSTILE = "a\x1b]0;owned\x07\x1b[31m\x9b2J\u202e\x08\x7fz"

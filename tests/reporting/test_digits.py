@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.base.result import Band
-from strikewave.reporting.banded_numbers import fixed_within, with_band
+from strikewave.reporting.bands import fixed_within, with_band
 from strikewave.reporting.numbers import with_unit
 from strikewave.reporting.parts import written
 

@@ -12,12 +12,12 @@ from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, Quantity
 from strikewave.base.result import Band, Source
 from strikewave.reporting import faces, terminal
+from strikewave.reporting.chapters import plain_page
 from strikewave.reporting.columns import Column, csv_table
+from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.reporting.parts import Tag
-from strikewave.reporting.plain_page import plain_page
 from strikewave.reporting.shown_result import ShownResult, shown_table
-from strikewave.reporting.shown_units import ShownUnits, showing
-from strikewave.reporting.workbook import _sheets
+from strikewave.reporting.table_files import _sheets
 
 PEAK = Quantity("m/s^2", "g", "planted peak", 1)
 

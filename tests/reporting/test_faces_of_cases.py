@@ -14,7 +14,7 @@ from strikewave.cases.files import bundled_cases
 from strikewave.reporting.faces import _keys, at, data_columns, face_rows, face_table, leaves
 from strikewave.reporting.numbers import headed
 from strikewave.reporting.shown_result import shown_table
-from strikewave.reporting.workbook import _sheets
+from strikewave.reporting.table_files import _sheets
 
 QUICK = ("jesd22-b111-b", "en-166-ball", "rodgers-2009-amplifier", "togami-1996-bar")
 OTHERS = [name for name in bundled_cases() if name not in QUICK and load_case(name).mesh is None]

@@ -9,7 +9,7 @@ import pytest
 
 import strikewave as package
 from strikewave.base.errors import InputError
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import NOT_DRAWN
 
 from .test_pdf import IMPACT

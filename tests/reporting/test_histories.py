@@ -5,8 +5,8 @@ import pytest
 from strikewave import load_case, run_case
 from strikewave.base.units import parse_quantity
 from strikewave.records.readers import read_record
-from strikewave.reporting.histories import write_histories
-from strikewave.reporting.shown_units import ShownUnits, showing
+from strikewave.reporting.numbers import ShownUnits, showing
+from strikewave.reporting.table_files import write_histories
 
 
 @pytest.fixture(scope="module")

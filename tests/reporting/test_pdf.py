@@ -10,7 +10,7 @@ import pytest
 from pypdf import PdfReader
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.page import Head, whole_page
+from strikewave.reporting.chapters import Head, whole_page
 from strikewave.reporting.parts import Formula, Section, Table, Tag
 from strikewave.reporting.pdf import check_pdf, pdf_of
 

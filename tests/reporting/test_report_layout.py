@@ -26,7 +26,7 @@ from strikewave.records.campaign import compare, summed
 from strikewave.records.readers import read_record
 from strikewave.records.reading import Request, read_file
 from strikewave.reporting.bands import band_sections, band_words
-from strikewave.reporting.page import Head, whole_page
+from strikewave.reporting.chapters import Head, whole_page
 from strikewave.reporting.parts import Formula, Section, Table, Tag
 
 from ..analyses.hopkinson.test_hopkinson_command import SETUP

@@ -4,7 +4,7 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import Comparison, Notice
-from strikewave.reporting.options.output import Shown
+from strikewave.reporting.output_options import Shown
 from strikewave.reporting.terminal import print_published, show_notices
 
 LONG = [Notice("code", "word " * 60 + "end")]

@@ -15,8 +15,8 @@ import strikewave
 from strikewave.base import declare
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import FAILED, Notice, Result
+from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.reporting.shown_result import Curve, ShownResult, _svg, columns_of_mappings
-from strikewave.reporting.shown_units import ShownUnits, showing
 
 
 def kinds():

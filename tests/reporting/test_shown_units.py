@@ -9,8 +9,17 @@ from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
 from strikewave.base.units import parse_quantity
-from strikewave.reporting.numbers import axis_unit, fixed, headed, in_shown_units, spelled, with_unit
-from strikewave.reporting.shown_units import OFFERED, ShownUnits, showing
+from strikewave.reporting.numbers import (
+    OFFERED,
+    ShownUnits,
+    axis_unit,
+    fixed,
+    headed,
+    in_shown_units,
+    showing,
+    spelled,
+    with_unit,
+)
 
 PAIRS = [(si, usual, unit) for si, offered in OFFERED.items() for usual in offered for unit in offered]
 

@@ -23,8 +23,8 @@ from strikewave.reporting.chapters import published
 from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import amount
 from strikewave.reporting.parts import NONE
+from strikewave.reporting.table_files import _comparisons
 from strikewave.reporting.terminal import print_published
-from strikewave.reporting.workbook import _comparisons
 from strikewave.sensors.trial import SensorPulse
 
 COMPARED = [

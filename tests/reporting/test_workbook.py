@@ -6,13 +6,13 @@ import openpyxl
 import pytest
 
 from strikewave import load_case, run_case
+from strikewave.base.datasets import LabelledArrays
 from strikewave.base.errors import InputError
 from strikewave.base.result import Band, InputShare, Notice
 from strikewave.base.units import parse_quantity
-from strikewave.base.variables import LabelledArrays
-from strikewave.reporting import workbook
-from strikewave.reporting.shown_units import ShownUnits, showing
-from strikewave.reporting.workbook import WORKBOOK, check_workbook, write_workbook
+from strikewave.reporting import table_files
+from strikewave.reporting.numbers import ShownUnits, showing
+from strikewave.reporting.table_files import WORKBOOK, check_workbook, write_workbook
 
 FORMULAS = ["=1+1", "+1", "-cmd", "@SUM(A1)", "#N/A", "{=1}"]
 
@@ -81,7 +81,7 @@ def test_equal_results_give_equal_bytes(run, tmp_path):
 
 def test_histories_longer_than_a_sheet_are_thinned_and_it_is_said(run, tmp_path, monkeypatch, capsys):
     count = run.data.sizes["time"]
-    monkeypatch.setattr(workbook, "MOST_ROWS", -(-count // 4))
+    monkeypatch.setattr(table_files, "MOST_ROWS", -(-count // 4))
     rows = sheets_of(run, tmp_path)["histories"]
     assert len(rows) - 1 == -(-count // 4)
     assert rows[0][0].value.startswith("time (every 4th instant")

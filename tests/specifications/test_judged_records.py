@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from strikewave.base import declare
+from strikewave.base.documents import plain
 from strikewave.base.errors import InputError
-from strikewave.base.json_document import plain
 from strikewave.records.budget import RECORD, SAMPLING, of_share
 from strikewave.records.calibration import Calibration
 from strikewave.records.health_notice import HealthNotice

@@ -9,7 +9,7 @@ from strikewave import load_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.wave import run as bar_run
 from strikewave.analyses.wave.run import bar_figures, run_wave, with_bands
-from strikewave.base.materials import MATERIAL, material, materials
+from strikewave.base.constants import MATERIAL, material, materials
 from strikewave.cases.case import parse_case
 from strikewave.cases.materials_of_case import named_numbers
 from strikewave.cases.stack_of_case import build_channels, build_stack

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.contact import Contact
 from strikewave.waves import (
     BONDED,

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.contact import Contact
 from strikewave.contact.law import PressureCap
 from strikewave.waves import (

@@ -8,8 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.materials import material
+from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.waves import Layer, round_bar
 from strikewave.waves.li_ma import (
     ROUTES,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from strikewave.analyses.wave.build import build_load
+from strikewave.base.constants import material
 from strikewave.base.errors import InputError
-from strikewave.base.materials import material
 from strikewave.cases.case import parse_case
 from strikewave.cases.stack_of_case import build_stack
 from strikewave.contact import Contact

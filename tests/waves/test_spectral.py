@@ -8,7 +8,7 @@ import pytest
 from scipy import special
 from scipy.signal import fftconvolve
 
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.waves import (
     BONDED,
     Branch,

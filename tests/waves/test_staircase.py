@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.waves import BONDED, End, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 from strikewave.waves.layers import round_bar
 from strikewave.waves.li_ma import Sandwich, endless_force, first_echoes, staircase

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from strikewave.base.documents import read_toml
 from strikewave.base.errors import InputError
-from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.files import read_case_text
 from strikewave.cases.stack_of_case import build_channels, build_stack, build_taps, need
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 
 
 def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = False, band: bool = True) -> int:

@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 from strikewave._version import __version__
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
-from strikewave.base.json_document import SCHEMA as DOCUMENT_SCHEMA
-from strikewave.base.json_document import json_text, plain
+from strikewave.base.documents import SCHEMA as DOCUMENT_SCHEMA
+from strikewave.base.documents import json_text, plain
 from strikewave.base.shock_quantities import OF_PUBLISHED, PUBLISHED_QUANTITIES
 
 if TYPE_CHECKING:
     import xarray
 
-    from strikewave.base.variables import LabelledArrays
+    from strikewave.base.datasets import LabelledArrays
 
 SCHEMA = 9
 """Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance); 5 adds

@@ -17,11 +17,11 @@ from pydantic import BeforeValidator, ConfigDict, Field, ValidationInfo, field_v
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY
+from strikewave.base.documents import read_toml
 from strikewave.base.errors import MISSING, InputError, InputErrors, nearest, show
-from strikewave.base.first_few import first_few
 from strikewave.base.quantities import Range, ToleranceBand, Value
 from strikewave.base.result import INFO, Comparison, Notice
-from strikewave.base.toml_text import read_toml
+from strikewave.base.texts import first_few
 from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.paths import SAME, Form, entries_of, quantities_of, with_provenance, with_quantities
 from strikewave.cases.tables.common import CaseTable, PerformedTest, Published, Solver, case_name, read_published

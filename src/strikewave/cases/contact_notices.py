@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, Protocol
 
-from strikewave.base.materials import Material, material
-from strikewave.base.percents import percent, plain
+from strikewave.base.constants import Material, material
 from strikewave.base.quantities import AUTO, Value
 from strikewave.base.result import FAILED, INFO, Notice
+from strikewave.base.texts import percent, plain
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import cap_geometry, cushion_contact, cushion_of_contact, struck_material
 from strikewave.cases.stack_of_case import DEFAULT_LAW, layer_material

@@ -7,8 +7,8 @@ import functools
 import math
 from collections.abc import Callable
 
+from strikewave.base.constants import Material, material
 from strikewave.base.errors import MISSING, InputError, InputErrors, checked
-from strikewave.base.materials import Material, material
 from strikewave.base.quantities import AUTO, Value
 from strikewave.cases.case import Case
 from strikewave.cases.contact_parts import (

@@ -7,8 +7,8 @@ from typing import TypeVar
 
 import numpy as np
 
+from strikewave.base.constants import Material
 from strikewave.base.errors import MISSING, InputError, InputErrors, checked
-from strikewave.base.materials import Material
 from strikewave.base.quantities import AUTO, ContactPressure, Value
 from strikewave.cases.tables.contact import CushionTable
 from strikewave.contact import LogarithmicStiffness, PressureCap, Stiffness
@@ -134,7 +134,7 @@ def capped_pressure(given: ContactPressure, one: Material, other: Material, fiel
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("45 steel")
     >>> round(capped_pressure("auto", steel, steel, "contact.yield_pressure") / 1e6, 1)
     2016.4
@@ -172,7 +172,7 @@ def pressures_of_answers(given: ContactPressure, one: Material, other: Material)
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> list(pressures_of_answers(None, material("65Mn"), material("65Mn")))
     ['elastic', 'yielding, low', 'yielding', 'yielding, high']
     """

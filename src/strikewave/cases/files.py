@@ -6,8 +6,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+from strikewave.base.documents import read_toml
 from strikewave.base.errors import EXISTING_FILE, InputError, nearest, show
-from strikewave.base.toml_text import read_toml
 
 LARGEST_FILE = 1_000_000
 """A case file above this many bytes is refused: a hundred times the largest built-in case, so that it is no case

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple, TypeVar
 
-from strikewave.base.materials import MATERIAL, Material, material, materials
-from strikewave.base.percents import plain
+from strikewave.base.constants import MATERIAL, Material, material, materials
 from strikewave.base.quantities import Provenance, Value
 from strikewave.base.result import Notice
+from strikewave.base.texts import plain
 from strikewave.cases.case import Case
 from strikewave.cases.paths import entries_of, quantities_of
 from strikewave.cases.plausible import PLAUSIBLE, PlausibleRange

@@ -13,9 +13,9 @@ import scipy
 
 from strikewave.base import declare
 from strikewave.base.citations import FROM_MEMORY
+from strikewave.base.constants import Material, material
 from strikewave.base.declare import KEY
 from strikewave.base.errors import MISSING, InputError, checked, nearest, show
-from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.base.result import INFO, Notice
 from strikewave.base.shock_quantities import FREQUENCY, RATIO

@@ -18,12 +18,12 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from strikewave._version import __version__
-from strikewave.base.command_line import file_word
 from strikewave.base.errors import LONGEST_SHOWN, MISSING, InputError, StrikewaveError, StrikewaveWarning, show
 from strikewave.base.folder_claim import FULL, refusal
-from strikewave.base.interrupts import Stopped, exit_code, heed
+from strikewave.base.processes import Stopped, exit_code, heed
+from strikewave.base.texts import file_word
 from strikewave.cli.group import SETTINGS, CommandGroup, entries
-from strikewave.reporting.options.kinds import one_of_words, wrong_choice
+from strikewave.reporting.options import one_of_words, wrong_choice
 from strikewave.reporting.terminal import complain, say
 
 if TYPE_CHECKING:

@@ -13,23 +13,23 @@ from typing import Annotated, Any
 import typer
 
 from strikewave.base import declare
-from strikewave.base.command_line import command_line, file_word
+from strikewave.base.constants import Material, materials
 from strikewave.base.declare import KEY, MAIN
+from strikewave.base.documents import head
 from strikewave.base.errors import InputError
-from strikewave.base.json_document import head
-from strikewave.base.materials import Material, materials
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.quantities import PROVENANCES, StatedValue, Value
 from strikewave.base.result import Notice
+from strikewave.base.texts import command_line, file_word
 from strikewave.cases.case import Case, load_case, own_case, parse_case
 from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.stated_test import example_file
 from strikewave.cases.tables.common import EXAMPLE as TEST_EXAMPLE
 from strikewave.cases.written_case import comment_lines, document_of, dump_case
 from strikewave.reporting.layout import MORE, keys, texts
-from strikewave.reporting.options.output import Show, Shown
-from strikewave.reporting.options.shared import CaseName, Changes, case_name, complete_case
-from strikewave.reporting.shown_units import showing
+from strikewave.reporting.numbers import showing
+from strikewave.reporting.options import CaseName, Changes, case_name, complete_case
+from strikewave.reporting.output_options import Show, Shown
 from strikewave.reporting.terminal import print_json, print_rows, say, show_notices, table, tell
 from strikewave.specifications.budget_file import example_budget
 

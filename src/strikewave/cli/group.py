@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, get_args, get_orig
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from strikewave.base.interrupts import Stopped, interrupts_as_such
-from strikewave.reporting.command_inputs import working_on
+from strikewave.base.processes import Stopped, interrupts_as_such
+from strikewave.reporting.output_options import working_on
 
 if TYPE_CHECKING:
     from typer._click import Command, Context, HelpFormatter

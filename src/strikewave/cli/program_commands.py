@@ -17,12 +17,12 @@ from typing import Annotated, NamedTuple
 import typer
 
 from strikewave._version import __version__
+from strikewave.base.documents import head
 from strikewave.base.errors import InputError
-from strikewave.base.json_document import head
 from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cli.group import entries
 from strikewave.reporting.layout import keys, numerals, texts
-from strikewave.reporting.options.output import Shown
+from strikewave.reporting.output_options import Shown
 from strikewave.reporting.pdf import check_pdf
 from strikewave.reporting.terminal import print_json, say, table, tell
 
@@ -159,7 +159,7 @@ def speeds() -> list[Speed]:
     import numpy as np
 
     from strikewave import load_case, run_fem, solve_impact, srs
-    from strikewave.base.materials import material
+    from strikewave.base.constants import material
     from strikewave.contact import Contact, exact
     from strikewave.waves import BONDED, End, LoadPulse, Stack, Tap, WantedError, round_bar, run_bar
 

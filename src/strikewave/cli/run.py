@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options.output import RunOutput
-from strikewave.reporting.options.shared import CaseName, Changes, WithBand
+from strikewave.reporting.options import CaseName, Changes, WithBand
+from strikewave.reporting.output_options import RunOutput
 
 
 def command(

@@ -74,7 +74,7 @@ def point_cap(
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> print(point_cap(steel, steel, 0.01, np.inf, 1e9).yield_load.round(1))
     39.0
@@ -93,7 +93,7 @@ def line_cap(
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> cap = line_cap(steel, steel, 0.01, np.inf, 0.04, line_yield_pressure(steel, steel.yield_strength))
     >>> print((cap.yield_load / 1e3).round(2))
@@ -113,7 +113,7 @@ def cap_of(body1: ElasticBody, body2: ElasticBody, geometry: Geometry, pressure:
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> cap_of(steel, steel, Geometry(0.01), 1e9).shape, cap_of(steel, steel, Geometry(0.01, length=0.04), 1e9).shape
     ('point', 'line')
@@ -178,7 +178,7 @@ def line_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> round(line_yield_pressure(material("65Mn"), 1.0), 3)
     1.78
     """
@@ -196,7 +196,7 @@ def point_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> round(point_yield_pressure(material("65Mn"), 1.0), 3)
     1.599
     """
@@ -219,7 +219,7 @@ def first_yield(body1: PlasticBody, body2: PlasticBody, geometry: Geometry) -> F
     Examples
     --------
     >>> from strikewave.contact import Geometry
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> round(first_yield(steel, steel, Geometry(0.01, length=0.04)).load)
     6398
@@ -245,7 +245,7 @@ def hardness_of(body: PlasticBody) -> float | None:
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> hardness_of(material("45 steel")) / 355e6, hardness_of(material("rubber"))
     (2.84, None)
     """
@@ -275,7 +275,7 @@ def automatic_pressure(body1: PlasticBody, body2: PlasticBody) -> AutomaticPress
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("45 steel")
     >>> [round(p / steel.yield_strength, 2) for p in automatic_pressure(steel, material("17-4PH"))]
     [5.68, 2.84, 10.4]

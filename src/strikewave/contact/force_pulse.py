@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.contact import _kernels
 from strikewave.contact.damping import exact
 

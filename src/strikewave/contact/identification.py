@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import nearest
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.contact.force_pulse import ForcePulse, PulseRecord, cut_out, shape, unit_impact
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import IntegrationError, nearest
-from strikewave.base.percents import plain
+from strikewave.base.texts import plain
 from strikewave.contact import _pair_kernels
 from strikewave.contact._law_kernels import (
     COLUMNS,

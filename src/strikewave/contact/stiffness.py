@@ -128,7 +128,7 @@ def contact_modulus(body1: ElasticBody, body2: ElasticBody) -> float:
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> round(contact_modulus(material("65Mn"), material("65Mn")) / 1e9, 4)
     115.042
     """
@@ -200,7 +200,7 @@ def hertz(body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: float
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> law = hertz(material("65Mn"), material("65Mn"), radius1=0.01)
     >>> round(law.stiffness / 1e10, 5), law.exponent
     (1.53389, 1.5)
@@ -238,7 +238,7 @@ def palmgren(body1: ElasticBody, body2: ElasticBody, length: float) -> Stiffness
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> law = palmgren(material("65Mn"), material("65Mn"), length=0.04)
     >>> round(law.stiffness / 1e9, 2), round(law.exponent, 4)
     (4.68, 1.1111)
@@ -279,7 +279,7 @@ def johnson(
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> law = johnson(steel, steel, 0.01, 0.01, length=0.04)
     >>> print((law.indentation(10e3) * 1e6).round(3))
@@ -336,7 +336,7 @@ def radzimovsky(
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> law = radzimovsky(steel, steel, 0.01, 0.01, length=0.04)
     >>> print((law.indentation(10e3) * 1e6).round(3))
@@ -369,7 +369,7 @@ def dubowsky_freudenstein(
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> law = dubowsky_freudenstein(steel, steel, 0.010, -0.0105, length=0.04)
     >>> print((law.indentation(10e3) * 1e6).round(2))
@@ -396,7 +396,7 @@ def lankarani_nikravesh_cylinder(body1: ElasticBody, body2: ElasticBody, radius1
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> lankarani_nikravesh_cylinder(steel, steel, 0.01, 0.02).exponent
     1.5
@@ -427,7 +427,7 @@ def pereira(body1: ElasticBody, body2: ElasticBody, radius1: float, radius2: flo
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> law = pereira(steel, steel, 0.01, 0.01, length=0.04)
     >>> round(law.stiffness / 1e9, 3), law.exponent
@@ -481,7 +481,7 @@ def stiffness_of(
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> stiffness_of("hertz", steel, steel, Geometry(radius1=0.01)).exponent
     1.5

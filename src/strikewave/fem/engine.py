@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from strikewave._version import __version__
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem import _node_kernels as node_kernels
 from strikewave.fem.bodies import joined_parts, rigid_bodies, surface_inverse_mass

@@ -27,8 +27,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.child_process import ONE_THREAD, environment, python_command
 from strikewave.base.errors import EXISTING_FILE, InputError, nearest
+from strikewave.base.processes import ONE_THREAD, environment, python_command
 from strikewave.fem import meshio_child
 from strikewave.fem.mesh import FACES, Array, Index, Mesh, exterior_faces, volumes
 from strikewave.fem.quality import FARTHEST, check_mesh

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from strikewave.base.datasets import check_sealed, enduring_file
 from strikewave.base.errors import InputError
-from strikewave.base.hdf5_files import check_sealed, enduring_file
 from strikewave.fem._contact_kernels import ContactState, NodeContacts
 from strikewave.fem.engine import COLLAPSED, Engine
 from strikewave.fem.run import Rest

@@ -24,9 +24,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.datasets import EnduringFile
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import refusal
-from strikewave.base.hdf5_files import EnduringFile
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.solids import pressure, von_mises
 

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.errors import InputError
-from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import MICROSECONDS, RATIO
+from strikewave.base.texts import percent
 from strikewave.hopkinson.bars import Bar
 from strikewave.signal.pulse import crossing
 

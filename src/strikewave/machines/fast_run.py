@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.compile_beside import await_kernel, compiled_beside
+from strikewave.base.compiling import await_kernel, compiled_beside
 from strikewave.base.errors import IntegrationError
 from strikewave.contact._chain_kernels import AHEAD, BEHIND, MASS, ChainTables
 from strikewave.contact._integrator import Control, empty_record

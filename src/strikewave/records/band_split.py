@@ -22,8 +22,8 @@ from dataclasses import replace
 import numpy as np
 
 from strikewave.base import declare
-from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import FREQUENCY, MICROSECONDS, OF_CHANNEL, RATIO
+from strikewave.base.texts import percent
 from strikewave.records.record import Array
 from strikewave.records.ringing import RINGS_WITHIN, Stretch, spectrum_after, swings_after
 from strikewave.records.smooth_pulse import SmoothPulse

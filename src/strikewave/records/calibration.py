@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from strikewave.base.documents import read_toml
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.toml_text import read_toml
 from strikewave.base.units import convertible, parse_quantity, split_number, typed_number
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.record import Channel

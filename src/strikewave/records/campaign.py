@@ -19,8 +19,8 @@ from numpy.typing import ArrayLike
 from strikewave.base import declare
 from strikewave.base.declare import NOT_MEASURED
 from strikewave.base.errors import show
-from strikewave.base.percents import plain
 from strikewave.base.shock_quantities import RATIO
+from strikewave.base.texts import plain
 from strikewave.records.health.sampled_record import with_unit
 from strikewave.records.health_notice import BLOW, HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading

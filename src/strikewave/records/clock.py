@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from strikewave.base.errors import InputError
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.records.health_notice import FIGURES, HealthNotice
 from strikewave.records.record import Array, Channel
 from strikewave.records.thresholds import OfClock

@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 
 from strikewave.base import declare
 from strikewave.base.declare import NOT_MEASURED
-from strikewave.base.percents import percent
 from strikewave.base.result import INFO, WARNING, Notice
+from strikewave.base.texts import percent
 from strikewave.records.thresholds import HARMED, NO_EFFECT
 
 STATUSES = ("good", "suspect", "bad")

@@ -17,9 +17,7 @@ from typing import Any
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest, show
-from strikewave.base.first_few import first_few
-from strikewave.base.frequencies import frequency_text
-from strikewave.base.percents import percent
+from strikewave.base.texts import first_few, frequency_text, percent
 from strikewave.records.budget import Budget
 from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even

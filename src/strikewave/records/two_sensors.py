@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from scipy.fft import next_fast_len
 from scipy.ndimage import uniform_filter1d
 
-from strikewave.base.percents import beside_doubt, percent, plain
+from strikewave.base.texts import beside_doubt, percent, plain
 from strikewave.records.band_split import UNKNOWN
 from strikewave.records.health.sampled_record import with_unit
 from strikewave.records.measuring import RecordedPulse, find_pulses

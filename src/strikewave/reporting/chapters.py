@@ -1,34 +1,284 @@
-"""The sections that reports of different analyses share: inputs, published numbers, warnings, balances, sources.
-
-Each function takes what it shows and returns one `Section`.
-"""
+"""A report: its page, pictures in it, and the sections that reports of different analyses share."""
 
 from __future__ import annotations
 
+import functools
+import io
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from html import unescape
+from importlib import resources
 from typing import TYPE_CHECKING, Any, NamedTuple
+from warnings import catch_warnings, filterwarnings
+from xml.etree import ElementTree
 
 from pydantic import BaseModel
 
 from strikewave._version import __version__
+from strikewave.base import texts
 from strikewave.base.citations import SOURCES
-from strikewave.base.command_line import command_line, file_word
-from strikewave.base.percents import percent
 from strikewave.base.quantities import PROVENANCES, Value
-from strikewave.base.result import FAILED, INFO, RUN_PASSED, WARNING, BalanceCheck, failed_words
+from strikewave.base.result import (
+    FAILED,
+    INFO,
+    RUN_PASSED,
+    WARNING,
+    BalanceCheck,
+    Comparison,
+    Notice,
+    Result,
+    Source,
+    failed_words,
+)
+from strikewave.base.texts import command_line, file_word, percent
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.files import bundled_cases
 from strikewave.cases.paths import row_name
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.bands import banded_words
-from strikewave.reporting.numbers import headed, listed, shown
-from strikewave.reporting.page import Head, whole_page
-from strikewave.reporting.parts import NONE, Cell, Code, Section, Table, Tag, written
+from strikewave.reporting.layout import tokens
+from strikewave.reporting.numbers import NO_BREAK, headed, in_shown_units, listed, shown
+from strikewave.reporting.parts import NONE, Cell, Code, Formula, Photo, Picture, Section, Table, Tag, written
 
 if TYPE_CHECKING:
-    from strikewave.base.result import Comparison, Notice, Result, Source
+    from jinja2 import Template
+    from matplotlib.figure import Figure
+
+WIDEST_SHARED = 5.5
+"""Width of a figure, inches, up to which it shares its line with the next: a page is 9.8 wide."""
+LONGEST_WHOLE = 16
+"""Letters of the longest word of a table that no line ever breaks: words of English, names of most files."""
+
+
+@dataclass(frozen=True)
+class Head:
+    """What stands above the sections of a page.
+
+    Attributes
+    ----------
+    title : str
+        Of the page.
+    kicker : str
+        What kind of report it is.
+    subject, name : str
+        What was run or read, such as ``Case``, and what it is called.
+    digest : str
+        SHA-256 of it; empty where there is none.
+    status : Tag
+        How it went.
+    summary : sequence of str
+        What happened, in paragraphs.
+    numbers : sequence of (str, str)
+        Key numbers: label and value with its unit; what stands in brackets behind it, such as its band, is set smaller.
+    foot : str
+        What the foot of the page says.
+    test : mapping of str to str
+        What is stated of the test, by the keys of the table [test].
+    """
+
+    title: str
+    kicker: str
+    subject: str
+    name: str
+    digest: str
+    status: Tag
+    summary: Sequence[str]
+    numbers: Sequence[tuple[str, str]]
+    foot: str
+    test: Mapping[str, str] = field(default_factory=dict)
+
+
+def whole_page(head: Head, sections: Sequence[Section]) -> str:
+    """Return a page: its head, a summary, the sections in their order."""
+    page = _template().render(vars(head), version=__version__, css=_css(), sections=list(_numbered(sections)))
+    return texts.shown(page)
+
+
+@functools.cache
+def _template() -> Template:
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
+
+    folder = resources.files("strikewave.reporting")
+    environment = Environment(
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        finalize=_finalized,
+        loader=FunctionLoader(lambda name: (folder / name).read_text("utf-8")),
+    )
+    environment.filters["mathml"] = _mathml
+    environment.filters["unbroken"] = _unbroken
+    environment.tests["long"] = _long
+    return environment.get_template("template.html")
+
+
+def _finalized(value: Any) -> Any:
+    """Return what an expression of the template gives, a text with its quantities in the units that are shown."""
+    return in_shown_units(value) if type(value) is str else value  # markup is finished
+
+
+def _unbroken(text: str) -> Any:
+    """Return a text in which no line ends between a number and its unit."""
+    from markupsafe import Markup, escape
+
+    return Markup(" ").join(escape(token.replace(" ", NO_BREAK)) for token in tokens(in_shown_units(text)))
+
+
+def _long(value: object) -> bool:
+    """Tell whether a cell has a word that would make its column too wide: a path, a checksum; such words may be broken.
+
+    Examples
+    --------
+    >>> _long("impact_02.lvm, blow 1"), _long("measurements/2026/impact_02.lvm")
+    (False, True)
+    """
+    return isinstance(value, str) and any(len(word) > LONGEST_WHOLE for word in value.split())
+
+
+def _mathml(formula: Formula) -> Any:
+    """Return an equation as an element that browsers typeset, without any script or font of ours."""
+    from latex2mathml.converter import convert_to_element
+    from markupsafe import Markup
+
+    element = convert_to_element(formula.tex, display="block")
+    for inner in element.iter():
+        inner.text = unescape(inner.text or "") or None  # the library writes letters as entities
+    element.set("alttext", formula.text)
+    element.set("data-tex", formula.tex)  # for what cannot set MathML: PDF
+    return Markup(ElementTree.tostring(element, encoding="unicode"))  # what a formula holds is escaped there
+
+
+def _css() -> Any:
+    from markupsafe import Markup
+
+    return Markup((resources.files("strikewave.reporting") / "style.css").read_text("utf-8"))  # our own, no input
+
+
+def _numbered(listing: Sequence[Section]) -> Iterator[dict[str, Any]]:
+    """Yield what the template shows of each section: tables and pictures are counted through the whole page."""
+    from markupsafe import Markup
+
+    count = {"table": 0, "picture": 0}
+    for place, section in enumerate(listing, 1):
+        blocks: list[dict[str, Any]] = []
+        for part in section.parts:
+            if part.kind in count:
+                count[part.kind] += 1
+            block: dict[str, Any] = {"kind": part.kind, "part": part, "number": count.get(part.kind, 0)}
+            if isinstance(part, Picture | Photo):
+                if isinstance(part, Photo):
+                    drawn, wide = Markup('<img src="{}" alt="{}">').format(part.address, part.caption), False
+                else:
+                    drawn = Markup(inline_svg(part.figure, f"p{count['picture']}", part.label or part.caption))
+                    wide = part.figure.get_figwidth() > WIDEST_SHARED
+                block = {**block, "kind": "pictures", "shown": [{**block, "drawn": drawn, "wide": wide}]}
+                if blocks and blocks[-1]["kind"] == "pictures":
+                    blocks[-1]["shown"] += block["shown"]
+                    continue
+            blocks.append(block)
+        shown = {
+            "title": section.title,
+            "paragraphs": section.paragraphs(),
+            "folded": section.folded,
+            "alone": section.alone,
+        }
+        yield {"id": f"section-{place}", **shown, "blocks": blocks}
+
+
+_SETTINGS: dict[Any, Any] = {
+    "svg.fonttype": "none",
+    "svg.hashsalt": "strikewave",
+    "font.family": "sans-serif",
+    "font.sans-serif": ["DejaVu Sans", "Verdana", "Arial", "sans-serif"],
+}
+_LONG_FRACTION = re.compile(r"-?\d+\.\d{3,}")
+_NAMED = re.compile(r"url\(#([^)]+)\)")
+
+
+def inline_svg(figure: Figure, name: str, label: str = "") -> str:
+    """Return a figure as an ``svg`` element: no prolog, no metadata, every identifier begins with ``name``.
+
+    The same figure gives the same text.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+        What to draw.
+    name : str
+        Unique in the page; clip paths and markers of several pictures would share their names otherwise.
+    label : str, optional
+        What the picture shows, for those who cannot see it.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> text = inline_svg(Figure(figsize=(2, 1)), "p1", "nothing")
+    >>> text[:40]
+    '<svg viewBox="0 0 144 72" role="img" ari'
+    """
+    import matplotlib
+
+    buffer = io.StringIO()
+    with matplotlib.rc_context(_SETTINGS), catch_warnings():
+        filterwarnings("ignore", "Glyph .* missing")  # the browser has a font for it
+        no_metadata = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+        figure.savefig(buffer, format="svg", metadata=no_metadata)
+    root = ElementTree.fromstring(texts.shown(buffer.getvalue()))
+    _tidy(root, name)
+    box, width = root.get("viewBox", ""), figure.get_figwidth() * 96.0
+    root.attrib.clear()
+    root.attrib.update(
+        {
+            "viewBox": box,
+            "role": "img",
+            "aria-label": label,
+            "style": f"max-width:{width:.0f}px;stroke-linejoin:round;stroke-linecap:butt",
+        }
+    )
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _tidy(root: ElementTree.Element, name: str) -> None:
+    """Drop namespaces, metadata, style sheets, unused names and needless digits; give all names a prefix."""
+    used = set()
+    for element in root.iter():
+        for key, value in list(element.attrib.items()):
+            plain = key.rpartition("}")[2]
+            if plain != key:
+                element.attrib[plain] = element.attrib.pop(key)
+            used.update(_NAMED.findall(value))
+            if plain == "href" and value.startswith("#"):
+                used.add(value[1:])
+        element.tag = element.tag.rpartition("}")[2]
+    for parent in list(root.iter()):
+        for child in list(parent):
+            if child.tag in ("metadata", "style"):
+                parent.remove(child)
+        if parent.text and not parent.text.strip() and parent.tag not in ("text", "tspan"):
+            parent.text = None
+        parent.tail = (
+            parent.tail.strip() or None if parent.tail and parent.tag not in ("text", "tspan") else parent.tail
+        )
+    for element in root.iter():
+        for key, value in list(element.attrib.items()):
+            if key == "id":
+                if value in used:
+                    element.set("id", f"{name}-{value}")
+                else:
+                    del element.attrib["id"]
+            elif key == "href" and value.startswith("#"):
+                element.set(key, f"#{name}-{value[1:]}")
+            elif key in ("d", "x", "y", "transform", "points"):
+                element.set(key, _LONG_FRACTION.sub(lambda m: _short(m[0]), " ".join(value.split())))
+            elif "url(#" in value:
+                element.set(key, _NAMED.sub(rf"url(#{name}-\1)", value))
+
+
+def _short(number: str) -> str:
+    return f"{float(number):.2f}".rstrip("0").rstrip(".")
 
 
 _PROVENANCE_WORDS = {
@@ -316,3 +566,32 @@ def balance_table(checks: Sequence[BalanceCheck]) -> Table:
     ]
     heads = ["balance", "balance error (share)", "limit", "result", *(["share of"] if stated else [])]
     return Table("Balances", heads, rows, empty="No balance was computed.")
+
+
+def plain_page(
+    result: Result, numbers: Sequence[tuple[str, str]], figure: Figure | None, heads: list[str], rows: list[list[str]]
+) -> str:
+    """Return the report of a result as one HTML page.
+
+    Parameters
+    ----------
+    result : Result
+        What came of a command.
+    numbers : sequence of (str, str)
+        Label and value of its key numbers.
+    figure : Figure or None
+        Its picture.
+    heads, rows : list
+        Its main table; none where there are no heads.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_case
+    >>> solution = run_case(load_case("li-ma-2019", ["feed.blows=1"]))
+    >>> plain_page(solution, solution.highlights(), None, ["blow"], [["1"]]).splitlines()[0]
+    '<!doctype html>'
+    """
+    parts: list[Picture | Table] = [] if figure is None else [Picture(figure, result.title)]
+    parts += [Table("The main table", heads, rows)] if heads else []
+    summary = Summary(f"Report of {result.command}", "", numbers)
+    return result_page(result, summary, [Section("Result", "", parts), warnings(result.notices)])

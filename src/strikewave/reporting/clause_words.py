@@ -11,9 +11,8 @@ from strikewave.base.shock_quantities import usual_unit
 from strikewave.records.budget import Budget
 from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import KEY, MORE
-from strikewave.reporting.numbers import doubted, listed, shown, spelled, with_unit
+from strikewave.reporting.numbers import doubted, listed, shown, shown_unit, spelled, with_unit
 from strikewave.reporting.parts import NONE, Tag, written
-from strikewave.reporting.shown_units import shown_unit
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, NOT_JUDGED, PASS, Clause
 
 SHOWN = {PASS: "PASS", FAIL: "FAIL", CANNOT_TELL: "CANNOT TELL", NOT_JUDGED: "not judged"}

@@ -12,12 +12,11 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias, cast
 
-from strikewave.base import control_characters
+from strikewave.base import texts
 from strikewave.base.declare import MAIN, NO_UNIT, Quantity
 from strikewave.base.units import in_unit
-from strikewave.reporting.numbers import fixed, headed, shown
+from strikewave.reporting.numbers import fixed, headed, shown, shown_unit
 from strikewave.reporting.parts import NONE, Table, Tag, written
-from strikewave.reporting.shown_units import shown_unit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -188,6 +187,6 @@ def _file_cell(value: Any, digits: int | None) -> Any:
             return ""
         return repr(float(value)) if digits is None else f"{value:.{digits}g}"
     if isinstance(value, str):
-        text = control_characters.shown(value)
+        text = texts.shown(value)
         return f"'{text}" if text.startswith(FORMULA) else text
     return "" if value is None else value

@@ -9,9 +9,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from strikewave.base.declare import KEY, MORE, NO_UNIT, Declaration, GivenUnits, Quantity, declarations
-from strikewave.base.first_few import first_few
 from strikewave.base.result import Band, Result
-from strikewave.reporting.banded_numbers import table_decimals, with_band
+from strikewave.base.texts import first_few
+from strikewave.reporting.bands import table_decimals, with_band
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.numbers import (
     FEWEST_DIGITS,
@@ -20,10 +20,10 @@ from strikewave.reporting.numbers import (
     fixed,
     share_with_error,
     shown,
+    shown_unit,
     spelled,
 )
 from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
-from strikewave.reporting.shown_units import shown_unit
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -19,9 +19,8 @@ import typer
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.result import Source
 from strikewave.base.units import parse_quantity, si_value, take_apart, typed_number
-from strikewave.reporting.command_inputs import ORIGIN, origin_text
-from strikewave.reporting.options.kinds import parsed, quantity
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options import parsed, quantity
+from strikewave.reporting.output_options import ORIGIN, Output, origin_text
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
 
@@ -455,7 +454,7 @@ def source_of(kind: str, name: str, paths: Sequence[Path] = (), test: Mapping[st
     """Return the source of a result of measured files, or of a command alone: what runs now, and their SHA-256.
 
     Files are hashed whole, which takes as long as to read them: name them only where the source is written. ``test`` is
-    what is stated of the test, see `strikewave.reporting.options.output.Output.stated_test`.
+    what is stated of the test, see `strikewave.reporting.output_options.Output.stated_test`.
     """
     digests, command, stated = digests_of(paths), asked(), dict(test or {})
     text = origin_text(command, {shown(path): digest for path, digest in digests.items()}, stated)
@@ -465,7 +464,7 @@ def source_of(kind: str, name: str, paths: Sequence[Path] = (), test: Mapping[st
 def source_of_records(name: str, paths: Sequence[Path], output: Output, usual: str | None) -> Source:
     """Return the source of a result of measured files as ``output`` has it; they are hashed only where it is written.
 
-    ``usual`` is the name of its folder where none is asked for; see `strikewave.reporting.options.output.Output.place`.
+    ``usual`` is the name of its folder where none is asked for; see `strikewave.reporting.output_options.Output.place`.
     """
     return source_of("records", name, paths if output.writes(usual) else [], output.performed.stated())
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from strikewave.base.percents import plain
+from strikewave.base.texts import plain
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

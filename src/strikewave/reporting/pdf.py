@@ -76,7 +76,7 @@ def write_pdf(page: Path, paper: Paper) -> str:
 
 
 def pdf_of(page: str, paper: Paper) -> bytes:
-    """Return a page of `strikewave.reporting.page` as PDF.
+    """Return a page of `strikewave.reporting.chapters` as PDF.
 
     Parameters
     ----------

@@ -19,17 +19,18 @@ from strikewave.base.folder_claim import Claim, claimed
 from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files
 from strikewave.base.result import Notice, Result
 from strikewave.reporting.bands import banded_words
-from strikewave.reporting.command_inputs import (
+from strikewave.reporting.measured_files import asked
+from strikewave.reporting.numbers import showing
+from strikewave.reporting.output_options import (
     ORIGIN,
+    REPORTS,
+    Output,
     check_inputs,
     check_inputs_stay,
     command_inputs,
     is_within,
     origin_text,
 )
-from strikewave.reporting.measured_files import asked
-from strikewave.reporting.options.output import REPORTS, Output
-from strikewave.reporting.shown_units import showing
 from strikewave.reporting.terminal import STARTED, case_hash, complain, most_memory, print_json, say, show_notices, tell
 
 R = TypeVar("R", bound=Result)

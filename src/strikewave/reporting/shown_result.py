@@ -277,7 +277,7 @@ class ShownResult(Result):
 
     def _plain_page(self) -> str:
         """Return the page of a result that has none of its own."""
-        from strikewave.reporting.plain_page import plain_page
+        from strikewave.reporting.chapters import plain_page
 
         picture = self._drawn("picture")
         return plain_page(self, self.highlights(), picture and picture(self), *shown_table(self))
@@ -377,7 +377,7 @@ def _svg(curve: Curve) -> str:
 
 def _gathered(curve: Curve) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the known samples of a curve, the smallest and the largest of each of `COLUMNS`."""
-    from strikewave.reporting.curves import thin
+    from strikewave.reporting.style import thin
 
     known = np.isfinite(curve.x) & np.isfinite(curve.y)
     return thin(np.asarray(curve.x)[known], np.asarray(curve.y)[known], COLUMNS)

@@ -16,12 +16,12 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
-from strikewave.base.compile_progress import WORDS, compiling_shown
-from strikewave.base.interrupts import interrupts_as_such
-from strikewave.base.json_document import json_text
+from strikewave.base.compiling import WORDS, compiling_shown
+from strikewave.base.documents import json_text
+from strikewave.base.processes import interrupts_as_such
 from strikewave.base.result import FAILED, INFO, WARNING
-from strikewave.reporting import banded_numbers, numbers
-from strikewave.reporting.bands import BAND_HEADS, band_rows
+from strikewave.reporting import numbers
+from strikewave.reporting.bands import BAND_HEADS, band_rows, fixed_within
 from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import (
     KEY,
@@ -276,7 +276,7 @@ def _plain_progress(what: str, done: float) -> Callable[..., None]:
 def number(value: float | None, si: str, usual: str, digits: int = 4, bands: Sequence[Band] = ()) -> str:
     """Write an SI value in the unit in which it is shown, for a table; a dash where there is none.
 
-    Of a value with bands, there are the digits of `strikewave.reporting.banded_numbers.table_decimals`.
+    Of a value with bands, there are the digits of `strikewave.reporting.bands.table_decimals`.
 
     Examples
     --------
@@ -286,7 +286,7 @@ def number(value: float | None, si: str, usual: str, digits: int = 4, bands: Seq
     if value is None or value != value:
         return "-"
     if bands:
-        return banded_numbers.fixed_within(value, bands, si, usual)
+        return fixed_within(value, bands, si, usual)
     return significant(shown(value, si, usual), digits)
 
 
@@ -388,7 +388,7 @@ def print_bands(result: Result, values: Mapping[str, float]) -> None:
 
 def print_fits(losses: Sequence[FittedLoss]) -> None:
     """Print how well loss factors are held over their bands."""
-    from strikewave.reporting.stack_chapters import fit_table
+    from strikewave.reporting.waves import fit_table
 
     if losses:
         report_table(fit_table(losses))
@@ -396,7 +396,7 @@ def print_fits(losses: Sequence[FittedLoss]) -> None:
 
 def print_losses(channels: Sequence[SensorChannel]) -> None:
     """Print the insertion loss of the buffered sensors."""
-    from strikewave.reporting.stack_chapters import loss_table
+    from strikewave.reporting.waves import loss_table
 
     losses = loss_table(channels)
     if losses.rows:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import MAIN
-from strikewave.base.percents import percent
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import ACCELERATION, MICROSECONDS, OF_CHANNEL, PULSE_WIDTH, RATIO
+from strikewave.base.texts import percent
 from strikewave.sensors.chain import Reading, Recorder, Sensor, output, read
 from strikewave.sensors.mounting import RESOLVED, band
 from strikewave.signal.oscillators import interpolate

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.base.frequencies import frequency_text
+from strikewave.base.texts import frequency_text
 from strikewave.signal.motion import integral
 from strikewave.signal.pulse import HALF_SINE_RISE, HALF_SINE_WIDTH, measure_pulse
 

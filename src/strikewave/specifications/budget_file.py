@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Self, get_args
 from pydantic import BeforeValidator, Field, model_validator
 
 from strikewave.base.errors import MISSING, InputError
-from strikewave.base.percents import sign_needed
+from strikewave.base.texts import sign_needed
 from strikewave.base.units import typed_number
 from strikewave.cases.files import read_small_file
 from strikewave.cases.paths import Form

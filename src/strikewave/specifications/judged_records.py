@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.first_few import first_few
 from strikewave.base.shock_quantities import MICROSECONDS
+from strikewave.base.texts import first_few
 from strikewave.records.budget import RECORD, SAMPLING, Budget
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measured_uncertainty import BlowUncertainty

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.signal.pulse import FEWEST_INTERVALS, crossing, refine_peak
 from strikewave.specifications.ideal_pulses import IdealPulse, Placement, PulseBand
 

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from strikewave.base import declare
+from strikewave.base.documents import read_toml
 from strikewave.base.errors import EXISTING_FILE, InputError, nearest, show
-from strikewave.base.toml_text import read_toml
 from strikewave.cases.paths import Form
 from strikewave.specifications.ideal_pulses import IdealPulse, PulseBand, from_width
 from strikewave.specifications.judging import Limits, PulseLimits, weakest

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.first_few import first_few
+from strikewave.base.texts import first_few
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, Clause, Limits, judged, not_judged
 from strikewave.specifications.reading import ShockCount
 

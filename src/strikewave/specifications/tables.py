@@ -15,8 +15,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from strikewave.base.errors import MISSING, InputError, nearest
-from strikewave.base.percents import sign_needed
 from strikewave.base.quantities import Range
+from strikewave.base.texts import sign_needed
 from strikewave.base.units import DIMENSIONS, typed_number
 from strikewave.cases.tables.common import CaseTable, Line, line_text, notes_text
 from strikewave.specifications.ideal_pulses import TRAPEZOID

@@ -12,8 +12,7 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.units import in_unit
 from strikewave.cases.case import FORM, Case
-from strikewave.reporting.numbers import headed, spelled
-from strikewave.reporting.shown_units import shown_unit
+from strikewave.reporting.numbers import headed, shown_unit, spelled
 
 HALF_TO_TWICE = (0.5, 2.0)
 """Ends of an axis over the value of the case where no range is given, and of the range in which an assumed value is in
@@ -64,7 +63,7 @@ class Axis:
 
         Examples
         --------
-        >>> from strikewave.reporting.shown_units import ShownUnits, showing
+        >>> from strikewave.reporting.numbers import ShownUnits, showing
         >>> with showing(ShownUnits.read("rad/s")):
         ...     Axis("machine.speed", "rpm", "rad/s", (50.0,)).shown_unit
         'rad/s'

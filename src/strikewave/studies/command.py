@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn, TypeVar
 
+from strikewave.base.documents import head, plain
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.base.interrupts import exit_code
-from strikewave.base.json_document import head, plain
+from strikewave.base.processes import exit_code
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.measured_files import asked
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, drawing, run_and_write
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import print_json, progress_bar, say, tell

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.base.datasets import LabelledArrays
 from strikewave.base.declare import banded_quantities
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.result import Verdict
 from strikewave.base.shock_quantities import ACCELERATION, PUBLISHED_QUANTITIES
-from strikewave.base.variables import LabelledArrays
 from strikewave.cases.case import Case
 from strikewave.cases.tables.common import published_unit
 from strikewave.cases.tables.machine import RotaryTable

@@ -12,9 +12,8 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import NoReturn, TypeVar
 
-from strikewave.base.child_process import end_after
 from strikewave.base.errors import StrikewaveError
-from strikewave.base.interrupts import OTHERS
+from strikewave.base.processes import OTHERS, end_after
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.materials import Material
+from strikewave.base.constants import Material
 from strikewave.contact import _law_kernels
 from strikewave.contact.law import AnyContact, striking_law
 from strikewave.waves.dispersion import THEORIES, Theory
@@ -148,7 +148,7 @@ def round_bar(name: str, material: Material, length: float, diameter: float, spe
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> round(round_bar("bar", material("65Mn"), 0.1, 0.03).mass, 4)
     0.5528
     """

@@ -454,7 +454,7 @@ def staircase(sandwich: Sandwich, steps: int) -> Staircase:
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> from strikewave.waves.layers import round_bar
     >>> steel, alloy = (round_bar(name, material(name), 0.05, 0.03) for name in ("65Mn", "2A12"))
     >>> print(staircase(Sandwich(steel, alloy, steel), 4).second.round(3))

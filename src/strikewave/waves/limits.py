@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.first_few import first_few
-from strikewave.base.percents import percent, plain
 from strikewave.base.result import Notice
+from strikewave.base.texts import first_few, percent, plain
 from strikewave.waves.bar import BarRun, Tap
 from strikewave.waves.layers import Layer, Stack
 from strikewave.waves.transit import TimeGrid

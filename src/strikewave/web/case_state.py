@@ -13,8 +13,8 @@ from urllib.parse import urlencode
 
 import numpy as np
 
-from strikewave.base.command_line import command_line, file_word
 from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.base.texts import command_line, file_word
 from strikewave.base.units import typed_number
 from strikewave.reporting.numbers import spelled
 

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from strikewave.analyses.by_tables import check_case
+from strikewave.base.constants import materials
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.materials import materials
 from strikewave.base.quantities import Range
 from strikewave.base.result import Result
 from strikewave.base.units import DIMENSIONS, parse_quantity

@@ -9,9 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import round_step
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, thin
 
 COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 KIND_COLOURS = {"full": BLUE, "double": RED, "glancing": ORANGE, "missed": GREY}

@@ -19,10 +19,9 @@ from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from typing import Any, Literal, NamedTuple
 
-from strikewave.base.child_process import end_after, safe_path
-from strikewave.base.compile_progress import WORDS, compiling_shown
+from strikewave.base.compiling import WORDS, compiling_shown
 from strikewave.base.errors import StrikewaveError
-from strikewave.base.interrupts import heed
+from strikewave.base.processes import end_after, heed, safe_path
 
 CORES = max(1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
 MEMORY = 4 << 30

@@ -14,7 +14,7 @@ from strikewave.analyses.compare.agreement import agreement
 from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, even_history, mean_curve
 from strikewave.analyses.compare.question import _ringing
 from strikewave.analyses.compare.simulated import _parts, solution_curve
-from strikewave.base.variables import LabelledArrays
+from strikewave.base.datasets import LabelledArrays
 from strikewave.reporting.faces import face_table
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter

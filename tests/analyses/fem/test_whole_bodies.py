@@ -16,7 +16,7 @@ from strikewave.analyses.compare.simulated import arrays_curve
 from strikewave.analyses.fem.report import fem_report, fem_words, picture
 from strikewave.analyses.fem.run import run_fem
 from strikewave.analyses.fem.screen import show
-from strikewave.reporting.shown_units import ShownUnits, showing
+from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.studies.simulation import Simulation, number_units
 from strikewave.web.pages.case.elements_view import history_charts
 

@@ -357,7 +357,7 @@ def test_a_striker_takes_what_is_typed_over_its_material(strikewave, shot):
     """Width 2 L/c by what is typed; the material gives the rest."""
     plain = codes_of(strikewave, shot, "striker.material=65Mn")[0]["striker"]["duration_expected"]
     heavy = codes_of(strikewave, shot, "striker.material=65Mn", "striker.density=31280 kg/m^3")[0]
-    from strikewave.base.materials import material
+    from strikewave.base.constants import material
 
     ratio = np.sqrt(31280.0 / material("65Mn").density)
     assert heavy["striker"]["duration_expected"] == pytest.approx(ratio * plain, rel=1e-12)

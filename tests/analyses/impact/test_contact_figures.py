@@ -10,7 +10,7 @@ from strikewave.analyses.impact.figures import (
     impact_sheet,
     stiffness_over_load,
 )
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.contact import (
     Contact,
     Geometry,

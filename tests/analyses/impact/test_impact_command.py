@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.contact import (
     Contact,
     Geometry,

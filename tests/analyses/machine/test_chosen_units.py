@@ -8,7 +8,7 @@ import pytest
 from strikewave import load_case, run_case
 from strikewave.analyses.machine.report import blow_table, report
 from strikewave.analyses.machine.screen import show
-from strikewave.reporting.shown_units import ShownUnits, showing
+from strikewave.reporting.numbers import ShownUnits, showing
 
 CHOICE = ShownUnits.read("m/s2,ms,N")
 USUAL = re.compile(r".{0,40}(?:\d (?:g|µs|us|kN)\b|\((?:g|µs|us|kN)\))")

@@ -11,9 +11,8 @@ from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.report import blow_table
 from strikewave.analyses.machine.result import answer_columns
 from strikewave.analyses.machine.screen import show
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.errors import InputError
-from strikewave.base.materials import material
 from strikewave.cases.case import parse_case
 from strikewave.cases.written_case import dump_case
 from strikewave.contact import automatic_pressure, contact_modulus

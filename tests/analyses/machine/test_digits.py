@@ -13,7 +13,7 @@ from strikewave.analyses.machine.result import answer_columns, blow_columns, sum
 from strikewave.analyses.machine.screen import show
 from strikewave.base.constants import STANDARD_GRAVITY as G
 from strikewave.base.result import Band
-from strikewave.reporting.shown_units import ShownUnits, showing
+from strikewave.reporting.numbers import ShownUnits, showing
 
 BANDS = {
     "first.rigid_peak": Band(900.0 * G, 6500.0 * G, 0.95),

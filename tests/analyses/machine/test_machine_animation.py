@@ -29,7 +29,7 @@ from strikewave.analyses.machine.figures.animation import (
 from strikewave.analyses.machine.figures.animation import machine_motion as motion_of
 from strikewave.analyses.machine.readings import carriage_position
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.variables import LabelledArrays
+from strikewave.base.datasets import LabelledArrays
 from strikewave.machines._kernels import stroke_profile
 
 from ...chromium import chromium

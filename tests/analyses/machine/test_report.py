@@ -24,10 +24,10 @@ from strikewave.base.units import in_unit
 from strikewave.cases.case import parse_case
 from strikewave.cases.written_case import dump_case
 from strikewave.machines import Blow
-from strikewave.reporting.curves import MOST_PULSES, thin
-from strikewave.reporting.inline import inline_svg
+from strikewave.reporting.chapters import inline_svg
 from strikewave.reporting.numbers import in_shown_units
 from strikewave.reporting.parts import Code, Flow, Picture, Section, Table, Tag
+from strikewave.reporting.style import MOST_PULSES, thin
 
 VOID = {"meta", "br", "hr", "img", "input", "link", "wbr"}
 LARGEST = 3_000_000

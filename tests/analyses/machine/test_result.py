@@ -10,12 +10,11 @@ import numpy as np
 import pytest
 
 from strikewave import load_solution
+from strikewave.base.datasets import LabelledArrays, seal
+from strikewave.base.documents import plain
 from strikewave.base.errors import InputError
-from strikewave.base.hdf5_files import seal
-from strikewave.base.json_document import plain
 from strikewave.base.units import DIMENSIONS, convertible
-from strikewave.base.variables import LabelledArrays
-from strikewave.reporting.shown_units import ShownUnits, showing
+from strikewave.reporting.numbers import ShownUnits, showing
 
 
 def test_saved_and_loaded_alike(solution, tmp_path):

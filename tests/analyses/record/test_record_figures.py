@@ -12,7 +12,7 @@ from strikewave.records.campaign import summed
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import Request, read_file
 from strikewave.records.record import Channel, Record
-from strikewave.reporting.inline import inline_svg
+from strikewave.reporting.chapters import inline_svg
 from strikewave.signal.srs import srs
 
 LARGEST = 150_000

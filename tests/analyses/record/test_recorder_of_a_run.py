@@ -11,7 +11,7 @@ import strikewave
 from strikewave.cases.case import load_case
 from strikewave.cases.files import bundled_cases
 from strikewave.records.record import OF_BODY
-from strikewave.reporting.histories import write_histories
+from strikewave.reporting.table_files import write_histories
 
 MACHINES = [name for name in bundled_cases() if load_case(name).machine is not None]
 QUICK = {"li-ma-2019": ["feed.blows=3"], "jesd22-b111-b": [], "machete-13-teeth": []}

@@ -10,8 +10,8 @@ import pytest
 import strikewave as sw
 from strikewave.analyses.record.report import record_report
 from strikewave.base import declare
+from strikewave.base.documents import plain
 from strikewave.base.errors import InputError
-from strikewave.base.json_document import plain
 
 G = 9.80665
 BUDGET = """schema = 1

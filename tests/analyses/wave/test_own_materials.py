@@ -7,8 +7,8 @@ import pytest
 from strikewave import load_case
 from strikewave.analyses.wave.build import build_load
 from strikewave.analyses.wave.run import bar_figures, run_wave
+from strikewave.base.constants import material
 from strikewave.base.errors import InputErrors, StrikewaveError
-from strikewave.base.materials import material
 from strikewave.cases.case import parse_case
 from strikewave.cases.stack_of_case import build_stack
 

@@ -7,8 +7,8 @@ import pytest
 from strikewave.analyses.by_tables import check_case
 from strikewave.analyses.wave.build import build_load
 from strikewave.analyses.wave.run import run_wave
+from strikewave.base.constants import material
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.base.materials import material
 from strikewave.cases.case import load_case, parse_case
 from strikewave.cases.stack_of_case import build_stack
 

@@ -11,7 +11,7 @@ from strikewave.analyses.machine.report import report
 from strikewave.analyses.wave.report import wave_report
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.result import Band
-from strikewave.reporting.stack_chapters import LOSS_FREQUENCIES, loss_table
+from strikewave.reporting.waves import LOSS_FREQUENCIES, loss_table
 
 
 @pytest.fixture(scope="module")

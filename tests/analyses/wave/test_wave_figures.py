@@ -17,10 +17,9 @@ from strikewave import load_case, run_case, run_wave
 from strikewave.analyses.machine.report import struck_field
 from strikewave.analyses.wave import report
 from strikewave.analyses.wave.report import field_of_solution, wave_animation, wave_page, wave_report, write_wave_gif
-from strikewave.reporting.curves import spread
-from strikewave.reporting.inline import inline_svg
-from strikewave.reporting.wave_curves import staircase_diagram
-from strikewave.reporting.wave_field import (
+from strikewave.reporting.chapters import inline_svg
+from strikewave.reporting.style import spread
+from strikewave.reporting.waves import (
     QUANTITIES,
     SNAPSHOTS,
     WaveField,
@@ -29,6 +28,7 @@ from strikewave.reporting.wave_field import (
     shades,
     snapshot_rows,
     snapshots,
+    staircase_diagram,
     xt_diagram,
 )
 from strikewave.waves import BONDED, End, Impactor, Joint, Layer, LoadPulse, Stack, Tap, WantedError, run_bar

@@ -11,8 +11,8 @@ from scipy.integrate import quad, solve_ivp
 from strikewave import load_case
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.run import run_fem, run_model
+from strikewave.base.constants import material
 from strikewave.base.errors import InputError
-from strikewave.base.materials import material
 from strikewave.cases.case import parse_case
 from strikewave.contact import Chain, ChainContact, hertz, simulate
 from strikewave.fem.run import interval_means

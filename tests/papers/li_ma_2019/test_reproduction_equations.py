@@ -16,7 +16,7 @@ from latex2mathml.converter import convert_to_element
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
-from strikewave.base.materials import material
+from strikewave.base.constants import material
 from strikewave.papers.li_ma_2019.equations import (
     arrival_times,
     delivered,

@@ -13,7 +13,7 @@ import pytest
 from strikewave import load_case
 from strikewave.analyses.fem.run import run_fem
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
 from strikewave.papers.li_ma_2019 import reproduce as whole_run
@@ -52,8 +52,8 @@ from strikewave.papers.li_ma_2019.runs import (
     coarser,
     element_cases,
 )
-from strikewave.reporting.curves import Trace
 from strikewave.reporting.parts import Tag
+from strikewave.reporting.style import Trace
 
 pytestmark = pytest.mark.verify
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
+from strikewave.base.constants import material
 from strikewave.base.errors import InputError
-from strikewave.base.materials import material
 from strikewave.base.units import DIMENSIONS, convertible, in_unit
 from strikewave.papers.li_ma_2019.equations import equation_rows
 from strikewave.papers.li_ma_2019.findings import ELASTIC, QUIET, REFLECTING, WAVE, findings, judged

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from strikewave.base import declare
-from strikewave.base.json_document import plain
+from strikewave.base.documents import plain
 from strikewave.cases.case import load_case
 from strikewave.papers.li_ma_2019.bodies import SimpleAnswer
 from strikewave.papers.li_ma_2019.body_reasons import BodyRow
@@ -24,7 +24,7 @@ from strikewave.papers.li_ma_2019.further import (
 )
 from strikewave.papers.li_ma_2019.report_tables import blow_table, body_table, dimension_table, mesh_table
 from strikewave.papers.li_ma_2019.runs import executing
-from strikewave.reporting.shown_units import ShownUnits, showing
+from strikewave.reporting.numbers import ShownUnits, showing
 
 BASE = Answer(20e3, 2e-4, 2.0, 4e4, 0.01)
 ROW = DimensionRow("top wall", "mesh.part.frame.top", 0.005, "assumed", dataclasses.replace(BASE, width=2.2e-4), BASE)

@@ -10,9 +10,8 @@ import pytest
 from strikewave import load_case
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.wave.run import run_wave
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.errors import InputError
-from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import parse_case
 from strikewave.cases.tables.stack import SensorTable

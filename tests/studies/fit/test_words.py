@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from strikewave.base.quantities import Value
 from strikewave.base.result import Verdicts
 from strikewave.reporting.faces import columns_of
-from strikewave.reporting.shown_units import ShownUnits, showing
+from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.studies.fit import report, screen
 from strikewave.studies.fit.checking import Checks, PredictedFigure
 from strikewave.studies.fit.excess import Excess

@@ -12,7 +12,7 @@ from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Range, ToleranceBand, Value
 from strikewave.machines import StruckObject, blows, run_machine
 from strikewave.machines.fast_run import fast_train
-from strikewave.reporting.shown_units import ShownUnits, showing
+from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.studies.axes import axis_of, case_at
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import (

@@ -18,7 +18,7 @@ import pytest
 import xarray
 
 from strikewave import load_case
-from strikewave.base.compile_progress import WORDS
+from strikewave.base.compiling import WORDS
 from strikewave.studies.axes import axis_of
 from strikewave.studies.engine.store import INDEX, runs_beside
 from strikewave.studies.map.cells import FIELDS, PLACE

@@ -12,8 +12,8 @@ from scipy.integrate import solve_bvp, solve_ivp
 
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.constants import STANDARD_GRAVITY as G
+from strikewave.base.constants import material
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import load_case, parse_case
 from strikewave.cases.files import read_case_text

@@ -8,11 +8,17 @@ import typer
 
 from strikewave.analyses.compare.limits import ComparisonLimit, read_limit
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.decision_options import Decision, Uncertainty
-from strikewave.reporting.low_pass import LowPassOptions
-from strikewave.reporting.options.kinds import bare_number, parsed, quantity
-from strikewave.reporting.options.output import StudyOutput
-from strikewave.reporting.options.shared import WithBand, complete_case
+from strikewave.reporting.options import (
+    Decision,
+    LowPassOptions,
+    Uncertainty,
+    WithBand,
+    bare_number,
+    complete_case,
+    parsed,
+    quantity,
+)
+from strikewave.reporting.output_options import StudyOutput
 
 
 def command(

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.declare import MAIN, MORE, Quantity
 from strikewave.base.errors import InputError
-from strikewave.base.frequencies import frequency_text
 from strikewave.base.result import Band, Notice
+from strikewave.base.texts import frequency_text
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import Pulse, foot_to_foot, measure_pulse

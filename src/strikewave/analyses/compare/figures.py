@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.result import CompareResult
-from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, headed, time_unit
 from strikewave.reporting.style import (
     BLUE,
@@ -22,6 +21,7 @@ from strikewave.reporting.style import (
     one_diagram,
     plain,
     quiet,
+    thin,
     titled,
 )
 from strikewave.signal.iso18571 import INNER, OUTER, WEIGHTS

@@ -11,9 +11,9 @@ from types import MappingProxyType
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NOT_MEASURED
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.percents import sign_needed
 from strikewave.base.result import FAILED, Notice
 from strikewave.base.shock_quantities import MICROSECONDS
+from strikewave.base.texts import sign_needed
 from strikewave.base.units import parse_quantity, typed_number
 from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import NO_DOUBT, axis_unit, doubted

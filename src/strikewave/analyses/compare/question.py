@@ -30,10 +30,8 @@ from strikewave.records.ringing import FEWEST_AFTER, RINGS_WITHIN, strongest_fre
 from strikewave.records.thresholds import OfRingingSought
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
-from strikewave.reporting.decision_options import budget_in_python
-from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.numbers import listed, percent
-from strikewave.reporting.options.kinds import wrong_choice
+from strikewave.reporting.options import budget_in_python, low_pass_of, wrong_choice
 from strikewave.signal.alignment import Shift, are_opposite
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import measure_pulse

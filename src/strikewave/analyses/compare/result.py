@@ -29,7 +29,7 @@ from strikewave.base.shock_quantities import (
     usual_unit,
 )
 from strikewave.records.budget import Budget
-from strikewave.reporting.banded_numbers import band_text
+from strikewave.reporting.bands import band_text
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import amount
 from strikewave.reporting.measured_files import AskedResult

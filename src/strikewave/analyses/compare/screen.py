@@ -20,7 +20,7 @@ from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import face_table
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import report_table, tell
 

@@ -17,10 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, even_history
+from strikewave.base.datasets import LabelledArrays, is_sealed, open_result
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.hdf5_files import is_sealed
 from strikewave.base.result import FAILED, RUN_BROKEN, VERDICT, Band, Notice, Result, status_of
-from strikewave.base.variables import LabelledArrays, open_result
 from strikewave.cases.case import load_case
 from strikewave.reporting.terminal import say
 from strikewave.signal.alignment import EvenHistory

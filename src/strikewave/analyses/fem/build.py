@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.base.constants import Material, material
 from strikewave.base.errors import MISSING, InputError, InputErrors, nearest
-from strikewave.base.materials import Material, material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import once

@@ -9,8 +9,8 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.options.output import Output, RunOutput
-from strikewave.reporting.options.shared import CaseName, Changes, ElementDevice
+from strikewave.reporting.options import CaseName, Changes, ElementDevice
+from strikewave.reporting.output_options import Output, RunOutput
 
 
 def fem(

@@ -21,7 +21,7 @@ from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
 from strikewave.exchange.radioss import radioss_deck
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.model import Model
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import tell

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from strikewave.analyses.fem.sectors import open_cuts, sectors, unlike_sectors
-from strikewave.base.materials import material
-from strikewave.base.percents import percent, plain
+from strikewave.base.constants import material
 from strikewave.base.result import BALANCE_LIMIT, FAILED, Notice
+from strikewave.base.texts import percent, plain
 from strikewave.cases.case import Case, origin_notices
 from strikewave.cases.materials_of_case import material_notices
 from strikewave.fem.contact import thickness

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from strikewave._version import __version__
 from strikewave.analyses.fem.sectors import Sector, blow_of_bodies, sectors
 from strikewave.base import declare
+from strikewave.base.datasets import LabelledArrays, quantity
 from strikewave.base.declare import KEY, MAIN, Quantity
 from strikewave.base.result import BALANCE_LIMIT, ELEMENTS_SCHEMA, BalanceCheck, Comparison
 from strikewave.base.shock_quantities import (
@@ -27,7 +28,6 @@ from strikewave.base.shock_quantities import (
     STEP,
     STRESS,
 )
-from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import comparisons
 from strikewave.fem.model import Model
 from strikewave.fem.run import (

@@ -11,7 +11,7 @@ from strikewave.analyses.fem.notices import all_notices
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.sectors import of_whole_bodies, sectors
 from strikewave.base import citations
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 from strikewave.cases.case import Case
 from strikewave.fem.device.devices import device_named
 from strikewave.fem.model import Model, NonReflecting

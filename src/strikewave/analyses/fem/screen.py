@@ -24,15 +24,14 @@ from strikewave.analyses.fem.result import Energies, FemSolution, largest_words,
 from strikewave.analyses.fem.run import check_model, first_step, run_model
 from strikewave.analyses.fem.sectors import sectors
 from strikewave.base import declare
-from strikewave.base.command_line import command_line
 from strikewave.base.declare import MORE, declarations
+from strikewave.base.documents import head, plain
 from strikewave.base.errors import InputError
 from strikewave.base.folder_claim import refusal
-from strikewave.base.interrupts import exit_code
-from strikewave.base.json_document import head, plain
-from strikewave.base.percents import percent
+from strikewave.base.processes import exit_code
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import ENERGY, MASS, MICROSECONDS, STEP
+from strikewave.base.texts import command_line, percent
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.fem.device.devices import Device, device_named
@@ -45,7 +44,7 @@ from strikewave.fem.solve import Checkpoint, Progress, RunOptions, frame_instant
 from strikewave.fem.vtkhdf import FieldWriter
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.faces import amount, columns_of, text_of
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
     print_face,

@@ -14,12 +14,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import BaseModel
 
+from strikewave.base.constants import material
+from strikewave.base.documents import read_toml
 from strikewave.base.errors import MISSING, InputError, InputErrors, show
-from strikewave.base.materials import material
-from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
 from strikewave.base.result import Notice
-from strikewave.base.toml_text import read_toml
+from strikewave.base.texts import percent
 from strikewave.cases.paths import Form, with_provenance
 from strikewave.cases.tables.common import CaseTable, PerformedTest
 from strikewave.cases.tables.hopkinson import (

@@ -6,8 +6,8 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options.output import Output
-from strikewave.reporting.options.shared import Changes
+from strikewave.reporting.options import Changes
+from strikewave.reporting.output_options import Output
 
 Setup = Annotated[
     str,

@@ -14,9 +14,20 @@ from strikewave.hopkinson.checks import UNIFORM, face_forces
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Reduction
-from strikewave.reporting.curves import put_legend, thin
 from strikewave.reporting.numbers import axis_unit, headed, percent, with_unit
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, WHOLE, new_figure, quiet, sheet_title
+from strikewave.reporting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    RED,
+    WHOLE,
+    new_figure,
+    put_legend,
+    quiet,
+    sheet_title,
+    thin,
+)
 
 SINCE = "time after the wave arrives at the specimen"
 AT_END = "time after the wave arrives at the end"

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from strikewave.analyses.hopkinson.build import Gauged, HopkinsonCase, recorded_file
-from strikewave.base.percents import percent, plain
 from strikewave.base.result import INFO, WARNING, Notice
+from strikewave.base.texts import percent, plain
 from strikewave.cases.materials_of_case import far_numbers
 from strikewave.cases.tables.hopkinson import HopkinsonSetup, RecordedTable
 from strikewave.hopkinson import Bar, BarMaterial

@@ -28,10 +28,9 @@ from strikewave.hopkinson.echoes import Echoes
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, cell_text, columns_of, face_table, label_of, numbers_of, text_of
-from strikewave.reporting.numbers import fixed, headed, percent, shown, spelled
+from strikewave.reporting.numbers import fixed, headed, percent, shown, shown_unit, spelled
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
 from strikewave.reporting.run_and_write import drawing
-from strikewave.reporting.shown_units import shown_unit
 from strikewave.reporting.style import WHOLE, one_diagram, save
 
 

@@ -16,6 +16,7 @@ from strikewave._version import __version__
 from strikewave.analyses.hopkinson.bar_end import Bandwidth, SensorComparison, Standing
 from strikewave.analyses.hopkinson.build import HopkinsonCase, values_of
 from strikewave.base import declare
+from strikewave.base.datasets import LabelledArrays, quantity
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quantity, declarations
 from strikewave.base.quantities import StatedValue
 from strikewave.base.result import Source
@@ -33,7 +34,6 @@ from strikewave.base.shock_quantities import (
     STRESS,
     VELOCITY,
 )
-from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.hopkinson.bars import Bar, BarMaterial, StrikerBar
 from strikewave.hopkinson.checks import RISE_SLOPE, Energy, Equilibrium, Momentum, Slope, StrikerCheck, rise_slopes
 from strikewave.hopkinson.echoes import Echoes

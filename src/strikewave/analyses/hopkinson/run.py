@@ -34,11 +34,11 @@ from strikewave.analyses.hopkinson.notices import (
     stated_texts,
 )
 from strikewave.analyses.hopkinson.result import EchoSolution, HopkinsonSolution, SensorSolution
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
+from strikewave.base.constants import material
 from strikewave.base.errors import InputError
-from strikewave.base.materials import material
-from strikewave.base.percents import percent
 from strikewave.base.result import FAILED, Notice
+from strikewave.base.texts import percent
 from strikewave.cases.tables.hopkinson import HopkinsonSetup, LimitsTable
 from strikewave.hopkinson import (
     ANALYSES,

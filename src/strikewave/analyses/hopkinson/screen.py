@@ -19,7 +19,7 @@ from strikewave.analyses.hopkinson.report import (
 )
 from strikewave.analyses.hopkinson.result import EchoSolution, HopkinsonSolution, SensorSolution, marked_text
 from strikewave.analyses.hopkinson.run import run_hopkinson
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.parts import Table
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import report_table

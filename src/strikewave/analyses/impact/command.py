@@ -8,8 +8,8 @@ import typer
 
 from strikewave.analyses.impact import options
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options.kinds import Typed, bare_number, quantity
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options import Typed, bare_number, quantity
+from strikewave.reporting.output_options import Output
 
 
 def impact(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.contact import (
     DampingLaw,
     Geometry,
@@ -31,10 +31,11 @@ from strikewave.contact.identification import Identified
 from strikewave.contact.law import AnyContact, HardeningContact, indentation_under
 from strikewave.contact.registry import FROM_MEMORY
 from strikewave.contact.stiffness import ElasticBody
-from strikewave.reporting.curves import COLOURS, DASHES
 from strikewave.reporting.numbers import axis_unit, headed, with_unit
 from strikewave.reporting.style import (
     BLUE,
+    COLOURS,
+    DASHES,
     GREEN,
     GREY,
     ORANGE,
@@ -201,7 +202,7 @@ def stiffness_over_load(one: ElasticBody, other: ElasticBody, geometry: Geometry
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> steel = material("65Mn")
     >>> figure = stiffness_over_load(steel, steel, Geometry(0.01, 0.02, 0.04), [1e3, 1e4, 1e5])
     >>> figure.axes[1].get_ylabel()

@@ -15,11 +15,10 @@ from strikewave.base.shock_quantities import FORCE, IMPULSE, MICROSECONDS, RATIO
 from strikewave.contact.identification import Identified
 from strikewave.records import ChannelReading
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.numbers import shown, spelled
-from strikewave.reporting.options.kinds import Typed
+from strikewave.reporting.numbers import shown, shown_unit, spelled
+from strikewave.reporting.options import Typed
 from strikewave.reporting.parts import written
 from strikewave.reporting.shown_result import Curve, history_curve
-from strikewave.reporting.shown_units import shown_unit
 
 Array = NDArray[np.float64]
 

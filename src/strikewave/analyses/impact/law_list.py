@@ -10,9 +10,9 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from strikewave.base import declare
+from strikewave.base.constants import material
 from strikewave.base.declare import KEY, MORE, NO_UNIT
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.materials import material
 from strikewave.base.result import INFO, Notice, Source
 from strikewave.base.shock_quantities import RATIO
 from strikewave.contact import (
@@ -36,7 +36,7 @@ from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import FaceRow, columns_of, face_columns, face_rows, face_table
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, say, table, tell
 

@@ -11,7 +11,7 @@ import typer
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
 from strikewave.base.units import DIMENSIONS, parse_typed
-from strikewave.reporting.options.kinds import bare_number, parsed, quantity
+from strikewave.reporting.options import bare_number, parsed, quantity
 
 MOST_BLOWS = 1000
 """Most blows on one spot. Chosen: a table of more is not read."""

@@ -17,8 +17,8 @@ from strikewave.contact.impact import reduced_mass
 from strikewave.records import ChannelReading, Options
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import face_columns, face_table, part_tables, text_of
-from strikewave.reporting.options.kinds import Typed
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options import Typed
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, report_table, tell
 

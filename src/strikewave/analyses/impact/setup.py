@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from strikewave.analyses.impact.options import BodyOptions, LossOptions, StiffnessOptions, YieldOptions
+from strikewave.base.constants import Material, material
 from strikewave.base.errors import MISSING, InputError
-from strikewave.base.materials import Material, material
 from strikewave.cases.contact_parts import pressure_of_materials, refuse_beyond_law
 from strikewave.contact import (
     AnyContact,

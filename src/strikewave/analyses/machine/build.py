@@ -11,11 +11,10 @@ from pydantic import BaseModel
 
 from strikewave.analyses.machine.kind import LaunchedKind, Release, kind_of
 from strikewave.analyses.machine.result import LineCollision
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY, Material, material
 from strikewave.base.errors import MISSING, InputError, InputErrors, checked, nearest
-from strikewave.base.materials import Material, material
-from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
+from strikewave.base.texts import percent
 from strikewave.cases.case import Case, RotaryTables
 from strikewave.cases.contact_of_case import face_contact, or_else, refuse_sliding
 from strikewave.cases.stack_of_case import build_stack, build_taps

@@ -12,12 +12,11 @@ import numpy as np
 from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.readings import BlowHistory, BlowReading, Observed
 from strikewave.analyses.machine.result import ContactAnswer, ContactAnswers
-from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.materials import material
-from strikewave.base.percents import plain
+from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import FAILED, INFO, Notice, Verdict, balance_notices
 from strikewave.base.shock_quantities import ACCELERATION
+from strikewave.base.texts import plain
 from strikewave.cases.case import Case, origin_notices
 from strikewave.cases.contact_notices import (
     cushion_notices,

@@ -13,8 +13,8 @@ from pydantic import BaseModel
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.readings import Observed, ReadingSetup, blow_histories, blow_reading
 from strikewave.analyses.machine.result import ContactAnswer, ContactAnswers
+from strikewave.base.constants import material
 from strikewave.base.errors import InputError, IntegrationError
-from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.contact_notices import first_yield_of

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
+from strikewave.base.datasets import LabelledArrays, quantity
 from strikewave.base.declare import MORE, declarations
 from strikewave.base.shock_quantities import BANDWIDTH, TOTAL_PEAK
-from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case
 from strikewave.machines._kernels import stroke_places
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow, pulse_window, window_ends

@@ -28,13 +28,15 @@ from strikewave.reporting import chapters as shared
 from strikewave.reporting.bands import band_sections
 from strikewave.reporting.chapters import balance_table, layer_steps
 from strikewave.reporting.columns import page_table
-from strikewave.reporting.curves import Trace, traces
 from strikewave.reporting.faces import amount, face_table, text_of
 from strikewave.reporting.numbers import headed, listed, shown
 from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Section, Table, Tag
 from strikewave.reporting.run_and_write import drawing
-from strikewave.reporting.stack_chapters import (
+from strikewave.reporting.style import Trace, save, traces
+from strikewave.reporting.terminal import progress_bar, say
+from strikewave.reporting.waves import (
     PEAK_WORDS,
+    WaveField,
     field_pictures,
     fit_table,
     layer_table,
@@ -42,9 +44,6 @@ from strikewave.reporting.stack_chapters import (
     route_section,
     sensor_part,
 )
-from strikewave.reporting.style import save
-from strikewave.reporting.terminal import progress_bar, say
-from strikewave.reporting.wave_field import WaveField
 from strikewave.uncertainty.runs import computed_beside
 from strikewave.waves.transit import TimeGrid, field_nodes
 

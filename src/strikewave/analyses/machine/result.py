@@ -24,9 +24,9 @@ from strikewave._version import __version__
 from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.analyses.machine.readings import BlowReading
 from strikewave.base import declare
+from strikewave.base.datasets import LabelledArrays, open_result
 from strikewave.base.declare import MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.errors import InputError
-from strikewave.base.first_few import first_few
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice
 from strikewave.base.shock_quantities import (
     ACCELERATION,
@@ -42,7 +42,7 @@ from strikewave.base.shock_quantities import (
     VELOCITY,
     VELOCITY_CHANGE,
 )
-from strikewave.base.variables import LabelledArrays, open_result
+from strikewave.base.texts import first_few
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.contact_parts import ELASTIC, HIGH, LOW, WORTH_SHOWING, YIELDING
 from strikewave.cases.tables.machine_kinds import KINDS
@@ -52,10 +52,9 @@ from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import Column, csv_table, page_table
 from strikewave.reporting.faces import amount, bands_below, columns_of, part_tables, text_of
 from strikewave.reporting.layout import KEY
-from strikewave.reporting.numbers import listed, shown, spelled
+from strikewave.reporting.numbers import listed, shown, shown_unit, spelled
 from strikewave.reporting.parts import NONE, Table, written
 from strikewave.reporting.shown_result import Curve, history_curve
-from strikewave.reporting.shown_units import shown_unit
 from strikewave.sensors.trial import SensorPulse
 from strikewave.waves.transit import LayerUsed, WaveSetup
 

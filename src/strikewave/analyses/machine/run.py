@@ -27,8 +27,8 @@ from strikewave.analyses.machine.readings import (
 )
 from strikewave.analyses.machine.result import RigidReference, Solution, figures_of, sensor_figures
 from strikewave.base import citations
-from strikewave.base.compile_progress import compiling_shown
 from strikewave.base.compiled import is_cold
+from strikewave.base.compiling import compiling_shown
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import Comparison, balance_notices
 from strikewave.cases.case import Case, comparisons

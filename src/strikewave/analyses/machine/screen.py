@@ -23,7 +23,7 @@ from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import build_channels, fitted_losses
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.faces import columns_of, text_of
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
     print_bands,

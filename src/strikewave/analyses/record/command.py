@@ -10,8 +10,8 @@ import typer
 from strikewave.analyses.record.filter_options import FilterOptions
 from strikewave.analyses.record.verdicts.options import RecordSpecificationOptions
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options.kinds import quantity
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options import quantity
+from strikewave.reporting.output_options import Output
 
 
 def command(

@@ -32,7 +32,7 @@ from strikewave.records.reading import check_amounts
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.faces import amount
-from strikewave.reporting.options.kinds import Typed
+from strikewave.reporting.options import Typed
 from strikewave.reporting.terminal import say
 from strikewave.signal.srs import (
     Scope,

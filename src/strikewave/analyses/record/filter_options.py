@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from strikewave.base.errors import InputError
 from strikewave.base.units import parse_quantity, take_apart
-from strikewave.reporting.low_pass import LowPassOptions, cutoff_of, low_pass_of
-from strikewave.reporting.options.kinds import parsed, quantity
+from strikewave.reporting.options import LowPassOptions, cutoff_of, low_pass_of, parsed, quantity
 
 if TYPE_CHECKING:
     from strikewave.records import Request

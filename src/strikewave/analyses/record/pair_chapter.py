@@ -9,9 +9,8 @@ from pathlib import Path
 
 from strikewave.analyses.record.paired import RecordPair
 from strikewave.analyses.record.tables import amount, plus_minus
-from strikewave.base.first_few import first_few
-from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import BANDWIDTH, MICROSECONDS
+from strikewave.base.texts import first_few, percent
 from strikewave.records.thresholds import OfTwoSensors
 from strikewave.reporting import faces
 from strikewave.reporting.numbers import axis_unit, doubted, listed

@@ -13,7 +13,7 @@ from strikewave.records.health_notice import RESPONSE_FIGURES
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.response import MOST_MODES, MeasuredResponse, Mode
 from strikewave.reporting.columns import Column
-from strikewave.reporting.shown_units import shown_unit
+from strikewave.reporting.numbers import shown_unit
 
 
 @declare.dataclass

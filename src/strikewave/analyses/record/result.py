@@ -38,8 +38,8 @@ from strikewave.records.reading import FileReading
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import data_columns
 from strikewave.reporting.measured_files import AskedResult
+from strikewave.reporting.numbers import shown_unit
 from strikewave.reporting.shown_result import Curve, history_curve, html_place
-from strikewave.reporting.shown_units import shown_unit
 from strikewave.signal.filters import Filter
 from strikewave.specifications.judged_records import RecordsVerdict
 

@@ -9,8 +9,8 @@ import typer
 
 from strikewave.analyses.record.verdicts.options import complete_specification
 from strikewave.base.errors import MISSING, InputError
-from strikewave.reporting.options.kinds import quantity
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options import quantity
+from strikewave.reporting.output_options import Output
 
 Action = Annotated[
     Literal["list", "show", "new", "synthesize"],

@@ -24,7 +24,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import heads_and_cells, text_of
 from strikewave.reporting.numbers import axis_unit, hertz
-from strikewave.reporting.options.kinds import Typed
+from strikewave.reporting.options import Typed
 from strikewave.reporting.shown_result import Curve
 from strikewave.signal.srs import (
     FEWEST,

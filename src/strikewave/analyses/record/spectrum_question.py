@@ -16,7 +16,7 @@ from strikewave.base.errors import InputError
 from strikewave.base.units import si_value
 from strikewave.records import Request
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options.kinds import Typed, wrong_choice
+from strikewave.reporting.options import Typed, wrong_choice
 from strikewave.signal.filters import Filter
 from strikewave.signal.srs import INITIAL, PARTS, SIDES
 from strikewave.specifications.judging import Rule

@@ -16,7 +16,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import held_words
 from strikewave.reporting.layout import KEY, MORE, numerals
 from strikewave.reporting.numbers import one_in
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write
 from strikewave.reporting.terminal import table, tell
 

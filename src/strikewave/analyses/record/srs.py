@@ -10,8 +10,8 @@ from strikewave.analyses.record.filter_options import FilterOptions
 from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.analyses.record.verdicts.options import SpecificationOptions
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options.kinds import Typed, bare_number, one_of, parsed, quantity
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.options import Typed, bare_number, one_of, parsed, quantity
+from strikewave.reporting.output_options import Output
 
 KINDS = ("absolute", "displacement", "relative-velocity", "pseudo-velocity", "equivalent-static")
 """Kinds of spectra."""

@@ -11,7 +11,7 @@ from strikewave.analyses.record.pair_chapter import pair_words
 from strikewave.analyses.record.response_chapter import response_words
 from strikewave.analyses.record.tables import amount, between, called, percent, plus_minus, rows_of, short_names
 from strikewave.analyses.record.verdicts.words import sentence
-from strikewave.base.first_few import are_many, first_few
+from strikewave.base.texts import are_many, first_few
 from strikewave.records.campaign import COPY, Campaign, Outlier
 from strikewave.records.health_notice import worst
 from strikewave.records.measuring import RecordedPulse

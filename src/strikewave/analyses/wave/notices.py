@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.wave.build import of_the_paper, wanted
 from strikewave.analyses.wave.result import WaveSolution, load_peak
-from strikewave.base.first_few import first_few
-from strikewave.base.materials import material
-from strikewave.base.percents import plain
+from strikewave.base.constants import material
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, Notice
+from strikewave.base.texts import first_few, plain
 from strikewave.cases.case import Case, origin_notices
 from strikewave.cases.contact_notices import (
     damping_speed_notices,

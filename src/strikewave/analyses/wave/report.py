@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.wave.result import WaveSolution, error_words, wave_tables, wave_words
 from strikewave.reporting import chapters
-from strikewave.reporting.animation.gif import write_gif
-from strikewave.reporting.animation.page import (
+from strikewave.reporting.animation import (
     Animation,
     Chart,
     Clock,
@@ -26,24 +25,31 @@ from strikewave.reporting.animation.page import (
     PlayedSpan,
     animation_page,
     even_rows,
+    write_gif,
 )
 from strikewave.reporting.bands import band_sections
-from strikewave.reporting.curves import COLOURS, DASHES, Trace, put_legend, thin, traces
 from strikewave.reporting.faces import face_table
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.parts import Flow, Part, Picture, Section
 from strikewave.reporting.run_and_write import drawing
-from strikewave.reporting.stack_chapters import (
-    field_pictures,
-    fit_table,
-    layer_table,
-    route_section,
-    sensor_part,
+from strikewave.reporting.style import (
+    BLUE,
+    COLOURS,
+    DASHES,
+    GREY,
+    RED,
+    Trace,
+    new_figure,
+    printable,
+    put_legend,
+    quiet,
+    save,
+    sheet_title,
+    thin,
+    traces,
 )
-from strikewave.reporting.style import BLUE, GREY, RED, new_figure, printable, quiet, save, sheet_title
 from strikewave.reporting.terminal import progress_bar
-from strikewave.reporting.wave_curves import staircase_diagram
-from strikewave.reporting.wave_field import (
+from strikewave.reporting.waves import (
     DASHED,
     JOINT_STYLES,
     QUANTITIES,
@@ -51,10 +57,16 @@ from strikewave.reporting.wave_field import (
     WaveField,
     distance_label,
     draw_along,
+    field_pictures,
+    fit_table,
+    layer_table,
     name_layers,
+    route_section,
     sandwiched,
+    sensor_part,
     shade_layers,
     shades,
+    staircase_diagram,
     xt_diagram,
 )
 from strikewave.waves import Impactor, Tap

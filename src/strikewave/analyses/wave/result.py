@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from strikewave._version import __version__
 from strikewave.base import declare
+from strikewave.base.datasets import LabelledArrays, quantity
 from strikewave.base.declare import KEY, MAIN, MORE, Quantity, declarations
 from strikewave.base.result import SCHEMA, Band
 from strikewave.base.shock_quantities import (
@@ -31,7 +32,6 @@ from strikewave.base.shock_quantities import (
     STRESS,
     VELOCITY,
 )
-from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.stack_of_case import FittedLoss, fitted_losses
 from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -39,7 +39,7 @@ from strikewave.reporting.faces import amount, face_rows, face_table, numbers_of
 from strikewave.reporting.numbers import listed, spelled
 from strikewave.reporting.parts import Table
 from strikewave.reporting.shown_result import Curve, history_curve
-from strikewave.reporting.stack_chapters import MOST_LAYERS
+from strikewave.reporting.waves import MOST_LAYERS
 from strikewave.sensors import Reading
 from strikewave.sensors.trial import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.wave.build import build_load, of_the_paper, wanted
 from strikewave.analyses.wave.notices import Front, layered_bar_notices
 from strikewave.analyses.wave.result import WaveSolution
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 from strikewave.base.errors import InputError, checked
 from strikewave.base.quantities import Value
 from strikewave.base.result import INFO, BandMethod, Notice

@@ -10,15 +10,14 @@ from typing import ClassVar
 
 from strikewave.analyses.wave.result import error_words, wave_tables, wave_words
 from strikewave.analyses.wave.run import WaveSolution, run_wave, with_bands
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.faces import amount, face_columns, face_rows
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.stack_chapters import MOST_LAYERS
 from strikewave.reporting.terminal import (
     print_bands,
     print_fits,
@@ -29,6 +28,7 @@ from strikewave.reporting.terminal import (
     say_compiling,
     tell,
 )
+from strikewave.reporting.waves import MOST_LAYERS
 
 
 def run_wave_case(

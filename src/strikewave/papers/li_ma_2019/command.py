@@ -7,9 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options.kinds import one_of
-from strikewave.reporting.options.output import StudyOutput
-from strikewave.reporting.options.shared import Running
+from strikewave.reporting.options import Running, one_of
+from strikewave.reporting.output_options import StudyOutput
 
 LEFT_OUT = ("elements", "studies")
 """What can be left out."""

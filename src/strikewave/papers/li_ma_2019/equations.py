@@ -17,7 +17,7 @@ from scipy.integrate import quad, simpson
 from scipy.optimize import brentq
 from scipy.special import i0, i1, j0, j1
 
-from strikewave.base.materials import Material
+from strikewave.base.constants import Material
 from strikewave.contact import Stiffness, exact, factor, impact_history, palmgren, restitution
 from strikewave.papers.li_ma_2019.examples import (
     SAMPLES,

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.integrate import simpson
 from scipy.optimize import brentq
 
-from strikewave.base.materials import Material, material
+from strikewave.base.constants import Material, material
 from strikewave.contact import (
     Chain,
     ChainContact,

@@ -13,12 +13,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.papers.li_ma_2019.equations import EQUAL
 from strikewave.papers.li_ma_2019.published import published_number
 from strikewave.papers.li_ma_2019.unknowns import GasketStudy, JointStudy
-from strikewave.reporting.curves import Trace, put_legend, thin
-from strikewave.reporting.style import BLUE, GREEN, GREY, HALF, ORANGE, RED, WHOLE, new_figure, quiet
+from strikewave.reporting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    HALF,
+    ORANGE,
+    RED,
+    WHOLE,
+    Trace,
+    new_figure,
+    put_legend,
+    quiet,
+    thin,
+)
 from strikewave.waves.li_ma import EXACT, arrivals, specimen_of
 
 if TYPE_CHECKING:

@@ -10,10 +10,9 @@ import numpy as np
 
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.result import Solution
-from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.base.materials import material
-from strikewave.base.percents import percent
+from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.quantities import Value
+from strikewave.base.texts import percent
 from strikewave.cases.case import load_case
 from strikewave.hopkinson.checks import UNIFORM, transits_to_uniform
 from strikewave.papers.li_ma_2019.equations import delivered, mean_over_rigid

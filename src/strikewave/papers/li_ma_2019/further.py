@@ -10,8 +10,8 @@ from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_fem
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
-from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import RATIO
+from strikewave.base.texts import percent
 from strikewave.cases.case import Case, load_case
 from strikewave.papers.li_ma_2019.body_reasons import Reason, reasons
 from strikewave.papers.li_ma_2019.element_pulses import specimen_body

@@ -8,8 +8,8 @@ from __future__ import annotations
 import functools
 import math
 
+from strikewave.base.constants import Material
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.materials import Material
 from strikewave.base.units import DIMENSIONS, convertible, parse_quantity, take_apart
 from strikewave.cases.case import load_case
 from strikewave.cases.tables.fem import FramePart, HalfCylinder

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.fem.report import fields_section
 from strikewave.analyses.wave.report import field_of_solution
-from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import ACCELERATION, IMPULSE, LENGTH, MICROSECONDS, STRESS
+from strikewave.base.texts import percent
 from strikewave.cases.case import Case
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
@@ -47,12 +47,11 @@ from strikewave.papers.li_ma_2019.runs import (
 )
 from strikewave.papers.li_ma_2019.unknowns import AFTER, GasketStudy, JointStudy, extremes
 from strikewave.reporting import chapters
-from strikewave.reporting.curves import Trace
 from strikewave.reporting.faces import amount, text_of
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag
-from strikewave.reporting.wave_curves import staircase_diagram
-from strikewave.reporting.wave_field import xt_diagram
+from strikewave.reporting.style import Trace
+from strikewave.reporting.waves import staircase_diagram, xt_diagram
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

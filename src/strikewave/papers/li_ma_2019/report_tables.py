@@ -7,8 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from strikewave.base.materials import Material, material
-from strikewave.base.percents import percent
+from strikewave.base.constants import Material, material
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.shock_quantities import (
     ACCELERATION,
@@ -20,6 +19,7 @@ from strikewave.base.shock_quantities import (
     MODULUS,
     VELOCITY,
 )
+from strikewave.base.texts import percent
 from strikewave.base.units import DIMENSIONS, convertible
 from strikewave.cases.case import Case
 from strikewave.fem.run import blow_measure

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.base.percents import percent
 from strikewave.base.result import Notice, Verdicts
+from strikewave.base.texts import percent
 from strikewave.papers.li_ma_2019.answers import number_rows
 from strikewave.papers.li_ma_2019.element_pulses import element_numbers
 from strikewave.papers.li_ma_2019.equations import equation_rows
@@ -31,7 +31,7 @@ from strikewave.papers.li_ma_2019.runs import (
 )
 from strikewave.papers.li_ma_2019.unknowns import run_unknowns
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import progress_bar, say, table, tell
 from strikewave.studies.command import ResumableCommand

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.records.health.ringing import goes_back
 from strikewave.records.health.sampled_record import Array, BlowRecord, ResponseRecord
 from strikewave.records.health_notice import BLOW, Fault

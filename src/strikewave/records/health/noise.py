@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.constants import COVERAGE
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.records.health.sampled_record import JUMPING, Array, BlowRecord, ResponseRecord
 from strikewave.records.health_notice import Fault
 from strikewave.records.measuring import RecordedPulse

@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from strikewave.base.child_process import ONE_THREAD, environment, python_command
 from strikewave.base.errors import InputError
+from strikewave.base.processes import ONE_THREAD, environment, python_command
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import FORMATS, LARGEST_ARRAY, Options
 from strikewave.records.record import Channel, Record

@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.first_few import first_few
-from strikewave.base.percents import plain
+from strikewave.base.texts import first_few, plain
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
 from strikewave.records.readers.headings import PICO, is_time, name_and_unit, seconds_in, step_of, to_seconds

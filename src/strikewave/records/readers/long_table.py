@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
-from strikewave.base.first_few import first_few
+from strikewave.base.texts import first_few
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import FEWEST_SAMPLES, Options, joined_pieces
 from strikewave.records.readers.headings import step_of

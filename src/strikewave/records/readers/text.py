@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.first_few import first_few
+from strikewave.base.texts import first_few
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import FEWEST_SAMPLES, MOST_MEASUREMENTS, Options, joined_pieces, parted
 from strikewave.records.readers.columns import (

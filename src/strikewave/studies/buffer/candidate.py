@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.materials import material
 from strikewave.base.shock_quantities import LENGTH, PULSE_WIDTH, RATIO, STRESS
 from strikewave.sensors import Mounting, Reading, Sensor, output
 from strikewave.sensors.mounting import PassBand, band

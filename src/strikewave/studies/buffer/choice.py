@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import groupby, product
 
+from strikewave.base.constants import material
 from strikewave.base.errors import MISSING, InputError
-from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.studies.buffer.mounting_site import GasketLayer, GasketStack
 

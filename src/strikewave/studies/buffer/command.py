@@ -9,9 +9,8 @@ import typer
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options.kinds import quantity, typed_value
-from strikewave.reporting.options.output import StudyOutput
-from strikewave.reporting.options.shared import Changes, Running, case_name
+from strikewave.reporting.options import Changes, Running, case_name, quantity, typed_value
+from strikewave.reporting.output_options import StudyOutput
 from strikewave.studies.buffer.defaults import LAYERS, THICKEST, WORST
 
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.base.result import Verdicts
-from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, mark_runs, put_below, quiet
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, mark_runs, put_below, quiet, thin
 from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.studies.axes import plain_log_ticks

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
-from strikewave.base.materials import Material, material
+from strikewave.base.constants import Material, material
 from strikewave.studies.buffer.mounting_site import GasketStack
 
 SPREAD = {"elastomer": (0.5, 5.0)}

@@ -17,9 +17,9 @@ from strikewave.analyses.machine.notices import balance_of, notices, wave_notice
 from strikewave.analyses.machine.observe import contact_answers, observe
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base import declare
+from strikewave.base.constants import material, materials
 from strikewave.base.declare import KEY, MAIN, Quantity
 from strikewave.base.errors import MISSING, InputError, checked, nearest
-from strikewave.base.materials import material, materials
 from strikewave.base.quantities import Value
 from strikewave.base.result import Notice, Verdict, balance_notices
 from strikewave.base.shock_quantities import MICROSECONDS, PULSE_WIDTH

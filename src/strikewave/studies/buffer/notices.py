@@ -6,11 +6,10 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from strikewave.base.citations import FROM_MEMORY
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.errors import IntegrationError
-from strikewave.base.materials import material
-from strikewave.base.percents import percent, plain
 from strikewave.base.result import FAILED, INFO, Notice
+from strikewave.base.texts import percent, plain
 from strikewave.cases.stack_of_case import memory_notices
 from strikewave.contact import AnyContact
 from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded

@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 from strikewave.base.quantities import Value
 from strikewave.base.units import si_value
 from strikewave.cases.case import Case
-from strikewave.reporting.options.kinds import read_value
+from strikewave.reporting.options import read_value
 from strikewave.studies.buffer.candidate import BufferGoal
 from strikewave.studies.buffer.choice import StackChoices, stacks
 from strikewave.studies.buffer.defaults import LAYERS, THICKEST, THICKNESSES, WORST

@@ -10,8 +10,8 @@ import tomlkit
 
 from strikewave.base import declare
 from strikewave.base.citations import citation
+from strikewave.base.constants import material
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
-from strikewave.base.materials import material
 from strikewave.base.quantities import Value
 from strikewave.base.result import Source
 from strikewave.base.shock_quantities import BANDWIDTH, MASS, RATIO

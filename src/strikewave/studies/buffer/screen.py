@@ -11,10 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from strikewave.base.command_line import command_line, file_word
 from strikewave.base.errors import MISSING, InputError
-from strikewave.base.percents import percent
 from strikewave.base.result import Notice
+from strikewave.base.texts import command_line, file_word, percent
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.tables.stack import SensorTable
 from strikewave.records import (
@@ -24,7 +23,7 @@ from strikewave.records import (
 )
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import amount, text_of
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.buffer.candidate import ALIKE, READING, RINGING, BufferGoal, distinct

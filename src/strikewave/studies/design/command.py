@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options.output import StudyOutput
-from strikewave.reporting.options.shared import Changes, Cluster, ElementDevice, Fresh, KeptRuns, Processes
+from strikewave.reporting.options import Changes, Cluster, ElementDevice, Fresh, KeptRuns, Processes
+from strikewave.reporting.output_options import StudyOutput
 
 
 def command(

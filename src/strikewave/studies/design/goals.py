@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.compare.specified import judged_by
 from strikewave.base import declare
+from strikewave.base.constants import material
 from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.materials import material
 from strikewave.base.quantities import Range
 from strikewave.base.units import DIMENSIONS, range_ends, typed_number
 from strikewave.cases.case import Case

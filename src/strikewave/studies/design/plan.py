@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from pydantic import Field
 
 from strikewave.base.errors import MISSING, InputError, nearest
-from strikewave.base.first_few import first_few
 from strikewave.base.quantities import Value
+from strikewave.base.texts import first_few
 from strikewave.base.units import in_unit
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.paths import Form

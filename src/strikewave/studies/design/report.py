@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from strikewave.reporting import chapters
 from strikewave.reporting.faces import face_table
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.parts import Cell, Link, Part, Section, Table
 from strikewave.reporting.shown_result import shown_table
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, mark_runs, quiet, sheet_title

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.citations import citation
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 from strikewave.base.declare import KEY, MAIN, NO_UNIT
 from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Verdicts
 from strikewave.cases.case import Case

@@ -25,9 +25,8 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Generic, Self, TypeVar
 
-from strikewave.base.child_process import end_after, safe_path
 from strikewave.base.errors import StrikewaveError
-from strikewave.base.interrupts import OTHERS
+from strikewave.base.processes import OTHERS, end_after, safe_path
 
 Asked = TypeVar("Asked")
 Answer = TypeVar("Answer")

@@ -12,8 +12,8 @@ from strikewave.analyses.by_tables import check_case
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.first_few import first_few
 from strikewave.base.quantities import Range, Value
+from strikewave.base.texts import first_few
 from strikewave.base.units import DIMENSIONS, range_ends, take_apart, with_last_unit
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.written_case import dump_case

@@ -7,9 +7,8 @@ from typing import Annotated
 import typer
 
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.low_pass import LowPassOptions
-from strikewave.reporting.options.output import StudyOutput
-from strikewave.reporting.options.shared import Changes, Running, case_name
+from strikewave.reporting.options import Changes, LowPassOptions, Running, case_name
+from strikewave.reporting.output_options import StudyOutput
 
 STATES_ALL = "the file of a whole fit states them: beside it there are only --set, of its case, and --bayes"
 

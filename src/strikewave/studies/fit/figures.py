@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.curve import QUANTITIES
 from strikewave.base.result import Verdicts, worse
 from strikewave.base.shock_quantities import usual_unit
-from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, headed, time_unit
 from strikewave.reporting.style import (
     BLUE,
@@ -27,6 +26,7 @@ from strikewave.reporting.style import (
     one_diagram,
     plain,
     quiet,
+    thin,
     titled,
 )
 from strikewave.studies.fit.measured import LaidPulse, MeasuredPulse

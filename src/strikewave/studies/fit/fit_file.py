@@ -14,15 +14,14 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from strikewave.analyses.compare.sources import SourceOptions
+from strikewave.base.documents import read_toml
 from strikewave.base.errors import MISSING, InputError, InputErrors, StrikewaveError
-from strikewave.base.toml_text import read_toml
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.files import LARGEST_SMALL_FILE, bundled_cases
 from strikewave.cases.paths import Form
 from strikewave.cases.tables.common import CaseTable, Line
-from strikewave.reporting.low_pass import low_pass_of
 from strikewave.reporting.measured_files import MeasurementOptions
-from strikewave.reporting.options.kinds import read_share
+from strikewave.reporting.options import low_pass_of, read_share
 from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.targets import Target
 from strikewave.studies.study_file import (

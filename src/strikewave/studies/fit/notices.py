@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.percents import plain
 from strikewave.base.result import FAILED, INFO, Notice
+from strikewave.base.texts import plain
 from strikewave.cases.case import Case
 from strikewave.reporting.numbers import listed, percent
 from strikewave.studies.fit.posterior import ENOUGH, LONG, Posterior

@@ -14,8 +14,8 @@ from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import columns_of
-from strikewave.reporting.options.output import Output
-from strikewave.reporting.options.shared import Running
+from strikewave.reporting.options import Running
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
 from strikewave.reporting.terminal import print_rows, progress_bar, report_table, tell
 from strikewave.studies.command import ResumableCommand

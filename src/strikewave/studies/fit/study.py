@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.compare.sources import SourceOptions
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.base.first_few import first_few
 from strikewave.base.result import Verdicts
+from strikewave.base.texts import first_few
 from strikewave.cases.case import Case
 from strikewave.reporting.measured_files import digests_of
 from strikewave.studies.engine.pools import Pool

@@ -21,7 +21,7 @@ from strikewave.base.quantities import Range, Value
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.files import bundled_cases
-from strikewave.reporting.options.kinds import read_share
+from strikewave.reporting.options import read_share
 from strikewave.studies.fit.free_fields import FreeField, changed_case
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse, measured_pulse
 from strikewave.studies.fit.problem import Experiment

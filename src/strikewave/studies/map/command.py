@@ -7,9 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options.kinds import Size, grid_size, one_of, share
-from strikewave.reporting.options.output import StudyOutput
-from strikewave.reporting.options.shared import CaseName, Changes, Cluster, Fresh, Processes
+from strikewave.reporting.options import CaseName, Changes, Cluster, Fresh, Processes, Size, grid_size, one_of, share
+from strikewave.reporting.output_options import StudyOutput
 from strikewave.studies.map import EQUAL, POINTS, TRAIN, X, Y
 
 SIZE = Size(*POINTS)

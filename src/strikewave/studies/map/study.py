@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.machine.notices import fast_not_judged, run_verdict
 from strikewave.base import declare
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
+from strikewave.base.datasets import LabelledArrays, quantity
 from strikewave.base.declare import NO_UNIT, Quantity
 from strikewave.base.errors import InputError, IntegrationError, StrikewaveError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_PASSED, RUN_STATUSES, Notice
 from strikewave.base.shock_quantities import VARIATION
-from strikewave.base.variables import LabelledArrays, quantity
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.written_case import dump_case
 from strikewave.machines import blows

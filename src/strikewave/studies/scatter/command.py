@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options.output import StudyOutput
-from strikewave.reporting.options.shared import CaseName, Changes, Cluster, Fresh, KeptRuns
+from strikewave.reporting.options import CaseName, Changes, Cluster, Fresh, KeptRuns
+from strikewave.reporting.output_options import StudyOutput
 
 
 def command(

@@ -10,7 +10,7 @@ from strikewave.base.shock_quantities import ACCELERATION, VARIATION
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, columns_of, face_table, text_of
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.parts import Section
 from strikewave.reporting.terminal import print_face, print_rows, tell
 from strikewave.studies.command import Report, StudyCommand

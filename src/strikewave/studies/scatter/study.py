@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.citations import citation
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, NOT_MEASURED, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Verdicts

@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY, Material, material
 from strikewave.base.declare import MAIN, MORE, Quantity
 from strikewave.base.errors import MISSING, InputError
-from strikewave.base.materials import Material, material
 from strikewave.base.result import BALANCE_LIMIT
 from strikewave.base.shock_quantities import ENERGY, LENGTH, PULSE_WIDTH, RATIO, VARIATION, VELOCITY_CHANGE
 from strikewave.cases.case import Case
@@ -85,7 +84,7 @@ class BlowGoal:
 
         Examples
         --------
-        >>> from strikewave.base.materials import Material, material
+        >>> from strikewave.base.constants import Material, material
         >>> BlowGoal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")).words
         'blows of 4000 g and 200 us every 20 ms'
         """
@@ -104,7 +103,7 @@ class BlowGoal:
 
         Examples
         --------
-        >>> from strikewave.base.materials import Material, material
+        >>> from strikewave.base.constants import Material, material
         >>> BlowGoal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")).name
         'settings-20ms-4000g-200us'
         """
@@ -129,7 +128,7 @@ def blow_goal(
 
     Examples
     --------
-    >>> from strikewave.base.materials import Material, material
+    >>> from strikewave.base.constants import Material, material
     >>> goal = blow_goal(None, None, None, material("45 steel"), spec="iec-60068-2-27-bump:100g-2ms")
     >>> round(goal.interval, 4), round(goal.peak / STANDARD_GRAVITY), round(goal.width * 1e3, 3)
     (0.3333, 100, 1.872)

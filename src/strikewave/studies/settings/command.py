@@ -10,9 +10,8 @@ import typer
 
 from strikewave.analyses.record.verdicts.options import complete_specification
 from strikewave.base.errors import InputError
-from strikewave.reporting.options.kinds import quantity
-from strikewave.reporting.options.output import StudyOutput
-from strikewave.reporting.options.shared import Changes, Running, complete_case
+from strikewave.reporting.options import Changes, Running, complete_case, quantity
+from strikewave.reporting.output_options import StudyOutput
 from strikewave.studies.settings import DISC, DROP_TABLE, REFERENCE, STIFFNESS
 
 if TYPE_CHECKING:
@@ -180,7 +179,7 @@ def command(
     --json, no files are written unless --out is given. The exit code is 3 where no candidate meets the goal and
     keeps all limits.
     """
-    from strikewave.base.materials import material
+    from strikewave.base.constants import material
     from strikewave.cases.case import load_case
     from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.settings.candidate import blow_goal

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from strikewave.base.materials import Material
+from strikewave.base.constants import Material
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 SETTLED = 0.01
@@ -296,7 +296,7 @@ def disc_stress(disc: Material, speed: float, radius: float) -> float:
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> round(disc_stress(material("45 steel"), 78.54, 0.2) / 1e6, 2)
     0.8
     """
@@ -310,7 +310,7 @@ def rim_speed_at_yield(disc: Material, strength: float) -> float:
 
     Examples
     --------
-    >>> from strikewave.base.materials import material
+    >>> from strikewave.base.constants import material
     >>> round(rim_speed_at_yield(material("45 steel"), 355e6))
     331
     """

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import numpy as np
 
 from strikewave.base.declare import declarations
-from strikewave.base.percents import percent
 from strikewave.base.result import Verdicts
 from strikewave.base.shock_quantities import FORCE
+from strikewave.base.texts import percent
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import clause_columns
 from strikewave.reporting.columns import Column, page_table

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, Quantity
 from strikewave.base.errors import InputError, InputErrors, StrikewaveError
-from strikewave.base.percents import percent
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_BROKEN, RUN_FAILED, Notice, Source, Verdicts, status_of
 from strikewave.base.shock_quantities import usual_unit
+from strikewave.base.texts import percent
 from strikewave.base.units import in_unit
 from strikewave.cases.case import FORM, Case
 from strikewave.cases.written_case import dump_case

@@ -22,14 +22,13 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.notices import run_verdict
 from strikewave.base import declare
 from strikewave.base.citations import citation
-from strikewave.base.compile_progress import compiling_shown
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.compiling import compiling_shown
+from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.base.materials import material
-from strikewave.base.percents import percent, plain
 from strikewave.base.quantities import Value
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import FORCE, PULSE_WIDTH, RATIO
+from strikewave.base.texts import percent, plain
 from strikewave.base.units import si_value
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.contact_of_case import face_contact

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options.output import StudyOutput
-from strikewave.reporting.options.shared import Changes, Cluster, ElementDevice, Fresh, KeptRuns, Processes, case_name
+from strikewave.reporting.options import Changes, Cluster, ElementDevice, Fresh, KeptRuns, Processes, case_name
+from strikewave.reporting.output_options import StudyOutput
 
 
 def command(

@@ -11,10 +11,10 @@ from typing import Any
 
 from pydantic import Field
 
+from strikewave.base.documents import read_toml
 from strikewave.base.errors import MISSING, InputError, nearest
-from strikewave.base.first_few import first_few
 from strikewave.base.quantities import Value
-from strikewave.base.toml_text import read_toml
+from strikewave.base.texts import first_few
 from strikewave.cases.case import SCHEMA, Case, load_case
 from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.paths import Form

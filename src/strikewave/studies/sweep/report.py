@@ -10,10 +10,10 @@ from typing import ClassVar, NamedTuple
 from strikewave.base.errors import InputError
 from strikewave.base.result import RUN_BROKEN, RUN_FAILED
 from strikewave.reporting.faces import face_table
-from strikewave.reporting.histories import write_parquet
 from strikewave.reporting.numbers import percent
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.parts import Cell, Link, Part, Section, Table
+from strikewave.reporting.table_files import write_parquet
 from strikewave.reporting.terminal import print_face, report_table, say, tell
 from strikewave.studies.command import Report, StudyCommand, lasting, print_estimate
 from strikewave.studies.engine.case_evaluation import ANALYSES

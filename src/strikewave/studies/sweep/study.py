@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.result import Notice
 from strikewave.cases.case import Case

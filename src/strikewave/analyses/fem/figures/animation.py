@@ -30,8 +30,7 @@ from strikewave.analyses.fem.figures.cut import (
 from strikewave.analyses.fem.figures.pictures import frame_window, instant_words
 from strikewave.fem.run import blow_axis, mean_acceleration, mean_force, middles
 from strikewave.fem.snapshots import Skin, Snapshot, SnapshotRecorder
-from strikewave.reporting.animation.gif import write_gif
-from strikewave.reporting.animation.page import (
+from strikewave.reporting.animation import (
     Animation,
     Chart,
     Clock,
@@ -43,10 +42,10 @@ from strikewave.reporting.animation.page import (
     Scene,
     animation_page,
     even_rows,
+    write_gif,
 )
-from strikewave.reporting.curves import COLOURS, shortened, thin
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import printable, quiet
+from strikewave.reporting.style import COLOURS, printable, quiet, shortened, thin
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution

@@ -20,10 +20,11 @@ from strikewave.fem.run import (
     mean_force,
     middles,
 )
-from strikewave.reporting.curves import COLOURS, DASHES, shortened, thin
 from strikewave.reporting.numbers import axis_unit, energy_unit, headed, time_unit, with_unit
 from strikewave.reporting.style import (
     BLUE,
+    COLOURS,
+    DASHES,
     GREEN,
     GREY,
     HALF,
@@ -35,6 +36,8 @@ from strikewave.reporting.style import (
     one_diagram,
     quiet,
     sheet_title,
+    shortened,
+    thin,
 )
 
 Array = NDArray[np.float64]

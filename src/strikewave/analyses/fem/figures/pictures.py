@@ -29,9 +29,8 @@ from strikewave.fem.model import Model, SurfaceContact, Symmetry
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.snapshots import blow_axis, blow_contact, meeting_place, outward
 from strikewave.fem.solids import pressure, von_mises
-from strikewave.reporting.curves import shortened
 from strikewave.reporting.numbers import ShownQuantity, axis_unit, round_step, time_unit
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, shortened
 
 __all__ = [
     "QUANTITIES",

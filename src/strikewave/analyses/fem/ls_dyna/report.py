@@ -19,13 +19,13 @@ from strikewave.exchange.ls_dyna.folder import ENERGIES, ContactPulse, EnergyHis
 from strikewave.fem.run import EnergyExtent
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import Column, page_table
-from strikewave.reporting.curves import COLOURS, shortened, thin
 from strikewave.reporting.faces import amount, columns_of, face_table, text_of
 from strikewave.reporting.numbers import axis_unit, energy_unit, headed, shown, time_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
 from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import (
     BLUE,
+    COLOURS,
     GREEN,
     GREY,
     HALF,
@@ -38,6 +38,8 @@ from strikewave.reporting.style import (
     quiet,
     save,
     sheet_title,
+    shortened,
+    thin,
 )
 
 RUNS = ("LS-DYNA", "strikewave")

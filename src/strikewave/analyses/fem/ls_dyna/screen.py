@@ -14,7 +14,7 @@ from strikewave.exchange.ls_dyna.folder import LsDynaRun, read_folder
 from strikewave.exchange.units import UnitSystem
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import amount
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import case_hash, number, report_table, tell
 

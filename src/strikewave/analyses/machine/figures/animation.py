@@ -27,8 +27,8 @@ from strikewave.analyses.machine.figures.geometry import (
 )
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.units import in_unit
-from strikewave.reporting.animation.gif import FRAMES_PER_SECOND, write_gif
-from strikewave.reporting.animation.page import (
+from strikewave.reporting.animation import (
+    FRAMES_PER_SECOND,
     Animation,
     Chart,
     Clock,
@@ -41,10 +41,10 @@ from strikewave.reporting.animation.page import (
     Scene,
     Shape,
     animation_page,
+    write_gif,
 )
-from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import ShownQuantity, axis_unit, decimals_in, fixed, headed
-from strikewave.reporting.style import BLUE, GREY, RED, printable, quiet
+from strikewave.reporting.style import BLUE, GREY, RED, printable, quiet, thin
 
 if TYPE_CHECKING:
     from strikewave.analyses.machine.result import Solution

@@ -31,10 +31,9 @@ from strikewave.analyses.machine.kind import DROP_HEIGHT, Drawing, PartEntry, Pa
 from strikewave.base.quantities import PROVENANCES, Value
 from strikewave.base.units import USUAL, in_unit
 from strikewave.cases.case import Case
-from strikewave.reporting.curves import shortened
 from strikewave.reporting.numbers import spelled
 from strikewave.reporting.parts import Picture, written
-from strikewave.reporting.style import BLUE, GREY, RED
+from strikewave.reporting.style import BLUE, GREY, RED, shortened
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,20 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.machine.result import SHOWN_WIDTHS, Solution, blow_history
 from strikewave.machines import Blow
-from strikewave.reporting.curves import MOST_PULSES, put_legend, thin
 from strikewave.reporting.numbers import axis_unit, headed
-from strikewave.reporting.style import BLUE, GREY, HALF, ORANGE, RED, WHOLE, quiet, sheet_title
+from strikewave.reporting.style import (
+    BLUE,
+    GREY,
+    HALF,
+    MOST_PULSES,
+    ORANGE,
+    RED,
+    WHOLE,
+    put_legend,
+    quiet,
+    sheet_title,
+    thin,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

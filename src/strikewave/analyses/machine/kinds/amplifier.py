@@ -176,7 +176,7 @@ def _gain_notices(followed: Collisions, names: tuple[str, ...], height: float) -
 
 def _overlap_notices(case: Case, followed: Collisions, struck: Collision) -> Iterator[Notice]:
     """Warn where the striker is in two contacts at once: pairs then no longer tell how fast it comes."""
-    from strikewave.base.materials import material
+    from strikewave.base.constants import material
     from strikewave.cases.contact_of_case import face_contact
     from strikewave.contact import solve_impact
 

@@ -50,8 +50,8 @@ class DualMassAmplifier(LaunchedKind):
     def release(self, case: Case, mass: float) -> Release:
         """Return table and second mass as shaper and cushions leave them when they meet."""
         from strikewave.analyses.machine.build import guided_fall
+        from strikewave.base.constants import material
         from strikewave.base.errors import checked
-        from strikewave.base.materials import material
         from strikewave.cases.contact_of_case import face_contact, or_else
         from strikewave.machines.amplifier import DualMass, second_impact
 

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from strikewave.analyses.record.figures.records import clock, say
 from strikewave.analyses.record.figures.spectra import hertz_ticks, log_axis, number_tick, response_unit
-from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, headed, hertz
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet, thin
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

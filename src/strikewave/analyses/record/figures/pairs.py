@@ -9,8 +9,7 @@ import numpy as np
 from strikewave.analyses.record.figures.records import COLUMNS, clock, shown
 from strikewave.analyses.record.paired import RecordPair
 from strikewave.records.two_sensors import Transfer
-from strikewave.reporting.curves import thin
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet, thin
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -14,9 +14,20 @@ from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.pulses import robust_line
 from strikewave.records.reading import ChannelReading
-from strikewave.reporting.curves import MOST_PULSES, thin
 from strikewave.reporting.numbers import ShownQuantity, axis_unit
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
+from strikewave.reporting.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    MOST_PULSES,
+    ORANGE,
+    RED,
+    legend_below,
+    new_figure,
+    plain,
+    quiet,
+    thin,
+)
 from strikewave.signal.motion import integral
 
 if TYPE_CHECKING:

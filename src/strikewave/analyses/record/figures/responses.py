@@ -9,9 +9,8 @@ import numpy as np
 from strikewave.analyses.record.figures.records import COLUMNS, clock, shown
 from strikewave.records.reading import ChannelReading
 from strikewave.records.response import EFFECTIVE, MeasuredResponse
-from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import with_unit
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
+from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet, thin
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,9 +16,8 @@ from strikewave.analyses.record.figures import campaigns, records
 from strikewave.analyses.record.figures.records import drawable, say, shown
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.reporting.curves import DASHES
 from strikewave.reporting.numbers import axis_unit, headed, hertz
-from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
+from strikewave.reporting.style import BLUE, DASHES, GREEN, GREY, ORANGE, RED, legend_below, new_figure, plain, quiet
 from strikewave.signal.srs import Spectrum, all_srs, octaves
 
 if TYPE_CHECKING:

@@ -27,7 +27,7 @@ from strikewave.analyses.record.words import record_words
 from strikewave.base.result import Source
 from strikewave.records import Options, Request
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import report_table
 

@@ -15,8 +15,7 @@ from strikewave.records.response import MeasuredResponse
 from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import amount
 from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.numbers import percent
-from strikewave.reporting.shown_units import shown_unit
+from strikewave.reporting.numbers import percent, shown_unit
 from strikewave.reporting.terminal import number, significant, table, tell
 
 DOUBTED = " ?"

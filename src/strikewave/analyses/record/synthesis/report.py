@@ -10,11 +10,10 @@ from strikewave.analyses.record.verdicts.judged_spectra import spectra_section
 from strikewave.base.declare import declarations
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import tag_of, verdict_words
-from strikewave.reporting.curves import thin
 from strikewave.reporting.faces import face_table
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.parts import Picture, Section, Tag
-from strikewave.reporting.style import BLUE, new_figure, plain, put_below, quiet, titled
+from strikewave.reporting.style import BLUE, new_figure, plain, put_below, quiet, thin, titled
 from strikewave.signal.synthesis import MotionPeaks
 
 if TYPE_CHECKING:

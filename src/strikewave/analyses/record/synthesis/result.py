@@ -21,7 +21,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import text_of
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.options.kinds import wrong_choice
+from strikewave.reporting.options import wrong_choice
 from strikewave.signal.motion import motion
 from strikewave.signal.oscillators import SMOOTH
 from strikewave.signal.srs import srs

@@ -11,7 +11,7 @@ from strikewave.analyses.record.verdicts.judged_spectra import print_spectra_ver
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.layout import keys, numerals
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write
 from strikewave.reporting.terminal import table
 from strikewave.specifications.reading import Specification, load_specification

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from strikewave.analyses.record.verdicts.figures import draw_limits, shown_window
-from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, time_unit
-from strikewave.reporting.style import BLUE, GREY, HALF, ORANGE, RED, legend_below, new_figure, plain, quiet
+from strikewave.reporting.style import BLUE, GREY, HALF, ORANGE, RED, legend_below, new_figure, plain, quiet, thin
 from strikewave.specifications.judged_records import JudgedShock
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, PulseLimits
 

@@ -27,12 +27,12 @@ from strikewave.analyses.record.verdicts.words import sentence, tag_of_records
 from strikewave.analyses.record.words import named
 from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
 from strikewave.reporting import chapters
+from strikewave.reporting.chapters import Head, whole_page
 from strikewave.reporting.clause_words import clause_name
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.measured_files import digests_of
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.page import Head, whole_page
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Photo, Picture, Section, SignatureLines, Table, Tag
 from strikewave.reporting.run_and_write import drawing
 from strikewave.specifications.judged_records import RecordsVerdict

@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from statistics import fmean, stdev
 
 from strikewave.analyses.record.verdicts.words import WHY_HEAD, why_of_shock
-from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import SECONDS
+from strikewave.base.texts import percent
 from strikewave.reporting import faces
 from strikewave.reporting.clause_words import amount, clause_name, doubted_words, limit_words, tag_of, value_words
 from strikewave.reporting.parts import NONE, Cell, Table

@@ -8,7 +8,6 @@ import numpy as np
 
 from strikewave.analyses.record.figures.spectra import hertz_ticks, log_axis, number_tick
 from strikewave.reporting.clause_words import SHOWN
-from strikewave.reporting.curves import thin
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.style import (
     BLUE,
@@ -22,6 +21,7 @@ from strikewave.reporting.style import (
     new_figure,
     plain,
     quiet,
+    thin,
 )
 from strikewave.specifications.judged_records import JudgedShock
 from strikewave.specifications.judging import FAIL, PASS, PulseLimits, Shock, ShockVerdict

@@ -18,7 +18,7 @@ from strikewave.reporting.clause_words import clause_columns, clause_words, deci
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.layout import KEY
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.options.kinds import Typed
+from strikewave.reporting.options import Typed
 from strikewave.reporting.parts import Picture, Section
 from strikewave.reporting.terminal import print_rows, tell
 from strikewave.specifications.judged_records import Asked, JudgedSpectrum, SpectraVerdict

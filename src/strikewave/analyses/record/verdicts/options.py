@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.decision_options import Decision, Uncertainty, budget_in_python
-from strikewave.reporting.options.kinds import wrong_choice
+from strikewave.reporting.options import Decision, Uncertainty, budget_in_python, wrong_choice
 from strikewave.specifications.judging import Rule
 
 if TYPE_CHECKING:

@@ -10,13 +10,13 @@ from typing import ClassVar
 from strikewave.analyses.record.verdicts.specification_result import SpecificationResult, specification_words
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE
+from strikewave.base.documents import head
 from strikewave.base.errors import InputError
-from strikewave.base.json_document import head
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import columns_of, face_columns
-from strikewave.reporting.options.output import Output
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import print_face, print_json, print_rows, say, tell

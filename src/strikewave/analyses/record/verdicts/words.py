@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from strikewave.base.first_few import first_few
+from strikewave.base.texts import first_few
 from strikewave.cases.stated_test import StatedTest
 from strikewave.reporting.clause_words import (
     clause_name,

@@ -9,7 +9,6 @@ import numpy as np
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
-from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import (
     LENGTH,
     MICROSECONDS,
@@ -18,6 +17,7 @@ from strikewave.base.shock_quantities import (
     RIGID_PEAK,
     VELOCITY,
 )
+from strikewave.base.texts import percent
 from strikewave.machines import Blow
 from strikewave.reporting.faces import amount
 from strikewave.specifications.ideal_pulses import IdealPulse

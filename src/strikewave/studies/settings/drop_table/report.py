@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from strikewave.analyses.record.verdicts.figures import draw_shock
-from strikewave.base.percents import percent
 from strikewave.base.shock_quantities import LENGTH
+from strikewave.base.texts import percent
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import clause_columns, verdict_words
 from strikewave.reporting.columns import page_table

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.notices import run_verdict
 from strikewave.base import declare
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.compiling import compiling_shown
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.declare import NO_UNIT
 from strikewave.base.errors import InputError, StrikewaveError

@@ -17,7 +17,7 @@ from strikewave.analyses.fem.run import run_fem, run_model
 from strikewave.base.shock_quantities import FORCE
 from strikewave.fem.run import ENERGIES, mean_force, middles
 from strikewave.fem.solve import Progress, RunOptions
-from strikewave.reporting.animation.page import even_rows
+from strikewave.reporting.animation import even_rows
 from strikewave.reporting.numbers import axis_unit, energy_unit, time_unit
 from strikewave.reporting.shown_result import shown_table
 from strikewave.web.case_state import CaseSource

@@ -17,9 +17,9 @@ from strikewave.analyses.machine.result import INTERVAL, SHOWN_WIDTHS, Solution,
 from strikewave.analyses.machine.run import run_case
 from strikewave.base.compiled import is_cold
 from strikewave.base.declare import declarations
-from strikewave.base.percents import percent
 from strikewave.base.result import Band
 from strikewave.base.shock_quantities import ACCELERATION, FORCE, PULSE_WIDTH, RIGID_PEAK
+from strikewave.base.texts import percent
 from strikewave.base.units import in_unit
 from strikewave.cases.case import Case
 from strikewave.machines.blows import Blow

@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from strikewave.base.command_line import command_line, file_word
+from strikewave.base.texts import command_line, file_word
 
 FILTERS = ("filter", "high_pass", "ac_coupling")
 """What changes the record and its baseline before blows are measured."""

@@ -22,7 +22,7 @@ from strikewave.analyses.record.tables import amount
 from strikewave.analyses.record.verdicts.chapter import clause_table
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, StrikewaveError, nearest
-from strikewave.base.percents import percent
+from strikewave.base.texts import percent
 from strikewave.cases.files import bundled_cases
 from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import ChannelReading

@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterable
 from typing import NamedTuple
 
-from strikewave.base.command_line import command_line, file_word
+from strikewave.base.texts import command_line, file_word
 from strikewave.web.case_state import CaseSource
 
 

@@ -1,9 +1,4 @@
-"""Compile kernels in a second process while this one compiles others; both keep them in the same cache.
-
-The second process calls a function that has the kernels compiled, and this one takes them from the cache when it comes
-to them. Where no second process can be had, or it fails, nothing is lost: a kernel that the cache lacks is compiled in
-this process as ever.
-"""
+"""While kernels are compiled, which takes tens of seconds at first: what is said, and a second process that helps."""
 
 from __future__ import annotations
 
@@ -14,11 +9,93 @@ import os
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from strikewave.base.child_process import end_after, environment, python_command
-from strikewave.base.compile_progress import compiling_shown
+from strikewave.base.processes import end_after, environment, python_command
+
+WORDS = "compiling the kernels, once after install"
+
+Show = Callable[[int, bool], None]
+"""Shows how many kernels are compiled, and whether that was the last."""
+
+_shows: list[Show | None] = []
+"""Those who show it now, the innermost last: None where nobody looks."""
+
+
+@contextlib.contextmanager
+def compiling_shown(show: Show | None = None) -> Iterator[None]:
+    """Show the kernels that are compiled within: a context, or a decorator of what runs them.
+
+    Parameters
+    ----------
+    show : callable, optional
+        Called with the number of kernels compiled: 0 when the first begins, then after each, at the end once more, with
+        True. Where it is left out, a line on stderr counts them if somebody looks, unless another context around this
+        one shows it.
+
+    Examples
+    --------
+    >>> import numba
+    >>> counts = []
+    >>> with compiling_shown(lambda count, done: counts.append((count, done))):
+    ...     numba.njit(lambda x: x + 1.0)(2.0)
+    3.0
+    >>> counts
+    [(0, False), (1, False), (1, True)]
+    """
+    if show is None and _shows:
+        yield
+        return
+    from numba.core import event  # late: what compiles nothing shall not wait for numba
+
+    mine = show or (_line() if _watched() else None)
+    count: int | None = None
+
+    class Counting(event.Listener):
+        """Counts what is compiled while nobody else within shows it."""
+
+        def on_start(self, event: object) -> None:
+            nonlocal count
+            if count is None and mine and _shows[-1] is mine:
+                count = 0
+                mine(count, False)
+
+        def on_end(self, event: object) -> None:
+            nonlocal count
+            if count is not None and mine and _shows[-1] is mine:
+                count += 1
+                mine(count, False)
+
+    _shows.append(mine)
+    try:
+        with event.install_listener("numba:compile", Counting()):
+            yield
+    finally:
+        _shows.pop()
+        if count is not None and mine:
+            mine(count, True)
+
+
+def _watched() -> bool:
+    """Tell whether somebody looks at stderr: a terminal, or a notebook."""
+    ipython = sys.modules.get("IPython")
+    return sys.stderr.isatty() or (ipython is not None and ipython.get_ipython() is not None)
+
+
+def _line() -> Show:
+    """Return what writes one line on stderr, over and over."""
+    begun = 0.0
+
+    def show(count: int, done: bool) -> None:
+        nonlocal begun
+        begun = begun or time.monotonic()
+        took = f" in {time.monotonic() - begun:.0f} s\n" if done else ""
+        sys.stderr.write(f"\r{WORDS}: {count} compiled{took}")
+        sys.stderr.flush()
+
+    return show
+
 
 PATIENCE = 120.0
 """Longest time that `await_kernel` waits, s: several times what one kernel takes on a slow machine."""

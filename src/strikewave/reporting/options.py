@@ -1,22 +1,23 @@
-"""Kinds of options that turn what was typed into a value.
-
-A kind is used as ``Annotated[float | None, quantity("--speed", si="m/s", help="Approach speed.")]``. Choices and counts
-need none: a ``Literal``, or ``typer.Option("--runs", min=10)``.
-"""
+"""Options of commands: kinds that turn what was typed into a value, and those that several commands take."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
 
 import typer
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.units import DIMENSIONS, ENDLESS, parse_quantity, parse_typed, typed_number
+from strikewave.base.units import DIMENSIONS, ENDLESS, parse_quantity, parse_typed, si_value, typed_number
 
 if TYPE_CHECKING:
     from strikewave.base.quantities import Value
+    from strikewave.records.budget import Budget
+    from strikewave.signal.filters import Filter
 
 Read = Callable[[str, str], Any]
 """Takes a typed word and the name of its option; returns the value or raises `InputError`."""
@@ -261,3 +262,246 @@ def one_of_words(choices: Sequence[str]) -> str:
     ('x or y', 'one of a, b, c')
     """
     return " or ".join(choices) if len(choices) < 3 else "one of " + ", ".join(choices)
+
+
+def complete_case(incomplete: str) -> list[str]:
+    """Return the built-in cases and the case files of this folder that begin so."""
+    published = resources.files("strikewave.cases") / "published"
+    names = [entry.name.removesuffix(".toml") for entry in published.iterdir() if entry.name.endswith(".toml")]
+    files = [path.name for path in Path().glob("*.toml")]
+    return [name for name in (*sorted(names), *sorted(files)) if name.startswith(incomplete)]
+
+
+def case_name(metavar: str, help: str) -> Any:
+    """Return an argument that takes a case."""
+    return typer.Argument(metavar=metavar, help=help, show_default=False, autocompletion=complete_case)
+
+
+CaseName = Annotated[str, case_name("CASE", "A case file, or the name of a built-in case.")]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="PATH=VALUE",
+        help='Change a field, such as machine.speed="700 rpm"; may be repeated.',
+        show_default=False,
+    ),
+]
+Processes = Annotated[
+    int, typer.Option("--workers", metavar="COUNT", min=1, max=256, help="Processes, one a core at most.")
+]
+Cluster = Annotated[
+    str | None,
+    typer.Option(
+        "--cluster",
+        metavar="tcp://HOST:PORT",
+        help="Dask scheduler that shares the runs among machines; processes of this one (--workers) by default.",
+        show_default=False,
+    ),
+]
+ElementDevice = Annotated[
+    Literal["cuda", "cuda-mixed"] | None,
+    typer.Option(
+        "--device",
+        help=(
+            "Take the steps of elements on an NVIDIA GPU, by cuda-mixed in single and double precision; on the "
+            "processor by default."
+        ),
+        show_default=False,
+    ),
+]
+KeptRuns = Annotated[
+    Path | None,
+    typer.Option(
+        "--store",
+        metavar="DIR",
+        help="Folder that keeps finished runs for later studies; beside the result, till it is written, by default.",
+        show_default=False,
+    ),
+]
+Fresh = Annotated[
+    bool, typer.Option("--fresh", help="Make all runs anew: none of a stopped or a finished study is read.")
+]
+
+
+@dataclass(frozen=True)
+class Shared:
+    """Who makes the runs of a study.
+
+    Attributes
+    ----------
+    workers : int or None
+        Processes; None for threads of this one.
+    cluster : str or None
+        Address of a scheduler that shares the runs among machines.
+    """
+
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers",
+            metavar="COUNT",
+            min=1,
+            max=256,
+            help="Processes, one a core at most; threads of one process by default.",
+            show_default=False,
+        ),
+    ] = None
+    cluster: Cluster = None
+
+
+@dataclass(frozen=True)
+class Running(Shared):
+    """Who makes the runs of a study, and where finished ones are kept.
+
+    Attributes
+    ----------
+    store : Path or None
+        Folder that keeps finished runs; None for one beside the result, till that is written.
+    fresh : bool
+        Whether finished runs of a stopped study are made again.
+    """
+
+    store: KeptRuns = None
+    fresh: Fresh = False
+
+
+WithBand = Annotated[
+    bool,
+    typer.Option(
+        "--band/--no-band", help="Find the range of each result when inputs move within what is known of them."
+    ),
+]
+
+
+def read_budget(word: str, field: str) -> Budget:
+    """Return the budget of a share, or of a file.
+
+    Examples
+    --------
+    >>> read_budget("5 %", "--uncertainty").share
+    0.05
+    """
+    from strikewave.specifications.budget_file import load_budget
+
+    return load_budget(word, field)
+
+
+def budget_in_python(value: str | float | Path | None) -> Budget | None:
+    """Return the budget of a call in plain values, where a number is a share; None for none.
+
+    Examples
+    --------
+    >>> found = budget_in_python(0.05)
+    >>> found.share, found.contributions[0].name
+    (0.05, '5 % of the acceleration, as stated')
+    """
+    if value is None:
+        return None
+    return read_budget(f"{100.0 * value:g} %" if isinstance(value, int | float) else str(value), "uncertainty")
+
+
+Decision = Annotated[
+    Literal["simple", "guarded"],
+    typer.Option(
+        "--decision",
+        help="Decision rule: by the value alone, or with a guard band of its expanded uncertainty (ISO 14253-1).",
+    ),
+]
+Uncertainty = Annotated[
+    Any,
+    parsed(
+        "--uncertainty",
+        read=read_budget,
+        metavar="SHARE|FILE",
+        help="Expanded uncertainty (k = 2) of the acceleration, such as 5 %, or a .toml file with an uncertainty "
+        "budget; noise and baseline alone by default.",
+    ),
+]
+
+
+ALLOWED_FILTER = 'a cutoff above zero such as "10 kHz", a class such as "CFC 1000", or a filter'
+
+
+@dataclass(frozen=True)
+class LowPassOptions:
+    """A zero-phase low-pass, by its cutoff or by its channel frequency class."""
+
+    panel: ClassVar[str] = "Filters"
+
+    cutoff: Annotated[
+        float | None,
+        quantity("--filter", si="Hz", help="Zero-phase low-pass, -3 dB for both passes; none by default."),
+    ] = None
+    cfc: Annotated[
+        Typed | None,
+        bare_number(
+            "--cfc",
+            high=1e6,
+            allowed="a channel frequency class, such as 60, 180, 600 or 1000",
+            help="SAE J211 filter of this channel frequency class, such as 1000; none by default.",
+        ),
+    ] = None
+
+    def low_pass(self) -> Filter | None:
+        """Return the low-pass; None where none is asked for.
+
+        Raises
+        ------
+        InputError
+            If two are.
+        """
+        from strikewave.signal.filters import Filter
+
+        if self.cutoff is not None and self.cfc is not None:
+            raise InputError("--cfc", self.cfc.word, "either --filter or --cfc", "leave one out")
+        if self.cutoff is not None:
+            return Filter(self.cutoff)
+        return None if self.cfc is None else Filter.sae_j211(self.cfc)
+
+
+def cutoff_of(value: str | float, field: str, allowed: str) -> float:
+    """Return a cutoff that a call names, Hz.
+
+    Raises
+    ------
+    InputError
+        If it is none.
+
+    Examples
+    --------
+    >>> cutoff_of("5 kHz", "high_pass", "a cutoff"), cutoff_of(5.0, "high_pass", "a cutoff")
+    (5000.0, 5.0)
+    """
+    try:
+        cutoff = si_value(value, "Hz", field)
+    except (InputError, TypeError, ValueError) as error:
+        raise InputError(field, value, allowed) from error
+    if not 0.0 < cutoff < math.inf:
+        raise InputError(field, value, allowed)
+    return cutoff
+
+
+def low_pass_of(value: str | float | Filter | None) -> Filter | None:
+    """Return the low-pass that a call names by its cutoff or its class.
+
+    Raises
+    ------
+    InputError
+        If it names none.
+
+    Examples
+    --------
+    >>> str(low_pass_of("CFC 1000")), low_pass_of("10 kHz").cutoff, low_pass_of(None)
+    ('CFC 1000 (SAE J211)', 10000.0, None)
+    """
+    from strikewave.signal.filters import Filter
+
+    if value is None or isinstance(value, Filter):
+        return value
+    if isinstance(value, str) and value.strip()[:3].upper() == "CFC":
+        number = typed_number(value.strip()[3:])
+        if number is None or not number > 0.0:
+            raise InputError("filter", value, ALLOWED_FILTER)
+        return Filter.sae_j211(number)
+    return Filter(cutoff_of(value, "filter", ALLOWED_FILTER))

@@ -1,8 +1,10 @@
-"""The wave field of a layered bar: force and velocity over place and time, x-t diagram, snapshots."""
+"""Waves of a layered bar in reports: wave field, x-t diagram, curves of taps and sensors, and the sections on them."""
 
 from __future__ import annotations
 
+import math
 import textwrap
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -10,15 +12,36 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.reporting.curves import shortened, spread
-from strikewave.reporting.numbers import ShownQuantity, axis_unit, headed
-from strikewave.reporting.style import BLUE, GREY, RED, WHOLE, new_figure
+from strikewave.base.shock_quantities import ACCELERATION, KILOHERTZ, LENGTH, STEP
+from strikewave.reporting.faces import amount
+from strikewave.reporting.numbers import ShownQuantity, axis_unit, fixed, headed, percent, shown, with_unit
+from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
+from strikewave.reporting.style import (
+    BLUE,
+    COLOURS,
+    DASHES,
+    GREY,
+    RED,
+    WHOLE,
+    Trace,
+    new_figure,
+    put_below,
+    put_legend,
+    quiet,
+    shortened,
+    spread,
+    traces,
+)
+from strikewave.sensors import insertion_loss as loss_of
 from strikewave.waves import Stack, Tap
-from strikewave.waves.li_ma import first_echoes
+from strikewave.waves.li_ma import Sandwich, endless_force, first_echoes, staircase
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from strikewave.cases.stack_of_case import FittedLoss
+    from strikewave.sensors.trial import SensorChannel
+    from strikewave.waves.transit import WaveSetup
 
 Array = NDArray[np.float64]
 
@@ -486,3 +509,254 @@ def sandwiched(field: WaveField) -> int | None:
         return None
     longest = max(inner, key=lambda k: first_echoes(field.stack, k)[0] / layers[k].transit)
     return next((tap.layer for _, tap in field.taps if tap.layer in inner), longest)
+
+
+_TRANSITS, _AFTER_PEAK = 9.0, 1.3
+"""A staircase is drawn over so many transits of the layer, or so many times the time to the peak of the load (chosen:
+all steps that are drawn are passed, or the peak is)."""
+_AT_PEAK = 0.999
+"""Share of the largest load from which on the peak counts as reached: a plateau is reached at its begin."""
+_STEPS = 4
+"""Steps of a staircase that are drawn; at a ratio of impedances of 3 the fifth adds less than 1 %."""
+_CURVES_APART = 0.06
+"""Share of the largest load by which labels of steps are apart at least: letters of 7 points on axes of 2.4 inches."""
+
+
+def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) -> Figure:
+    """Draw how force grows at both interfaces of a layer, compared with bonded, endless neighbours.
+
+    Forces are over the largest load; time counts from when the front reaches interface I, in transits of the
+    layer. Dotted are the steps of `staircase` for a jump; dashed the same steps for the load as it was. Behind the
+    first echo from beyond the neighbours the dashed curve ends.
+
+    Parameters
+    ----------
+    field : WaveField
+        What happened.
+    layer : int
+        Index of the layer, between two others.
+    time, load : array
+        s and N: force on the first face.
+
+    Examples
+    --------
+    >>> from strikewave import load_case, run_wave
+    >>> from strikewave.analyses.wave.report import field_of_solution
+    >>> solution = run_wave(load_case("li-ma-2019-fig13-bar"))
+    >>> figure = staircase_diagram(field_of_solution(solution), 1, solution.run.time, solution.run.face_force)
+    >>> [axes.get_title(loc="left") for axes in figure.axes]
+    ['Interface I: upper | sensor', 'Interface II: sensor | lower']
+    """
+    layers, transit = field.stack.layers, field.stack.layers[layer].transit
+    peak = float(np.abs(load).max(initial=0.0)) or 1.0
+    arrival = sum(part.transit for part in layers[:layer])
+    highest = float(time[np.argmax(np.abs(load) >= _AT_PEAK * peak)])
+    shown = field.time <= arrival + max(_TRANSITS * transit, _AFTER_PEAK * highest)
+    since = (field.time[shown] - arrival) / transit
+    until_last = time <= field.time[shown][-1]
+    closed = endless_force(field.stack, layer, field.time[shown], time[until_last], load[until_last])
+    steps = staircase(Sandwich(*layers[layer - 1 : layer + 2]), _STEPS)
+    here = np.flatnonzero(field.layer == layer)
+    figure = new_figure(WHOLE)
+    for k, axes in enumerate(figure.subplots(1, 2, sharey=True)):
+        _step_levels(axes, steps[k])
+        heard = first_echoes(field.stack, layer)[k] / transit
+        axes.plot(since, field.force[shown, here[-k]] / peak, color=BLUE, linewidth=1.6, label="this stack")
+        before = since <= heard
+        axes.plot(
+            since[before], closed[k][before] / peak, "--", color=RED, linewidth=1.4, label="endless neighbours, bonded"
+        )
+        if heard < since[-1]:
+            axes.axvline(heard, color=GREY, linewidth=0.8)
+        a, b = (shortened(part.name) for part in layers[layer - 1 + k : layer + 1 + k])
+        quiet(axes, "", f"time since the front reached I, over t₀ = {with_unit(transit, 's', 'us')}", "")
+        axes.set_title(f"Interface {'I' * (k + 1)}: {a} | {b}", loc="left", fontsize=10, parse_math=False)
+        axes.set_xlim(-1.0, float(since[-1]))
+    figure.axes[0].set_ylabel("force over the largest load")
+    handles, labels = figure.axes[1].get_legend_handles_labels()
+    put_below(figure, handles, labels)
+    return figure
+
+
+def _step_levels(axes: Any, levels: Array) -> None:
+    """Draw the steps of a staircase as dotted levels, and write those that are `_APART`."""
+    labelled: list[float] = []
+    for level in levels:
+        axes.axhline(level, color=GREY, linewidth=0.8, linestyle=":")
+        if all(abs(level - other) > _CURVES_APART for other in labelled):
+            labelled.append(float(level))
+            axes.text(-0.95, level, f"{level:.3f}", fontsize=7, ha="left", va="bottom", color="#4d5760")
+
+
+def insertion_loss(curves: Sequence[tuple[str, Array, Array]]) -> Figure:
+    """Draw the insertion loss (dB) of buffers over frequency (Hz): what a buffer takes off the motion below it."""
+    figure = new_figure(WHOLE)
+    axes: Any = figure.add_subplot()
+    for k, (name, frequency, loss) in enumerate(curves):
+        axes.semilogx(
+            frequency / axis_unit("Hz", "kHz")[0],
+            loss,
+            DASHES[k % len(DASHES)],
+            color=COLOURS[k % len(COLOURS)],
+            label=name,
+            linewidth=1.4,
+        )
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    quiet(axes, "Insertion loss of the buffer", headed("frequency", "Hz", "kHz"), "loss (dB), below 0 it amplifies")
+    axes.set_xticks([1, 2, 5, 10, 20, 50, 100], ["1", "2", "5", "10", "20", "50", "100"])
+    axes.minorticks_off()
+    if len(curves) > 1:
+        put_legend(axes)
+    return figure
+
+
+MOST_LAYERS = 50
+"""Layers that a table lists (chosen: about two screens; the JSON lists all)."""
+LOSS_FREQUENCIES = (1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5)
+"""Where the insertion loss of a buffer is listed, Hz (chosen: 1, 2, 5 steps over the flat range and the resonances of
+shock accelerometers)."""
+PEAK_WORDS = (
+    "A peak is the value of largest magnitude, with its sign. Rigid is the momentum rate of the assembly over its "
+    "mass; total is what a perfect sensor at the section would read; wave is total minus rigid."
+)
+_RECORDED = {"resonance": KILOHERTZ, "range": ACCELERATION, "sampling": KILOHERTZ, "filter": KILOHERTZ}
+"""What the table of sensors says of each."""
+_ROUTES = (
+    "The routes of Li & Ma 2019 take the neighbours of the specimen as endless, with the force on the loaded face as "
+    "input. As printed, echoes return too early and a backward wave has the wrong sign; the corrected route repairs "
+    "both. The paper then adds the wave to the rigid acceleration (superposed), which counts the rigid motion twice. "
+    "The exact route is the finite stack itself."
+)
+
+
+def fit_table(losses: Sequence[FittedLoss]) -> Table:
+    """List where energy is lost: the loss factor of the case, its band, the largest relative deviation of the model."""
+    rows: list[list[Cell]] = []
+    for loss in losses:
+        low, high = (f"{shown(end, *KILOHERTZ.units):g}" for end in (loss.low, loss.high))
+        rows.append([loss.where, f"{loss.loss_factor:g}", f"{low} to {high}", percent(loss.error, 1)])
+    band = headed("band", *KILOHERTZ.units)
+    return Table("Fit of the loss factors", ["where", "loss factor", band, "largest deviation"], rows)
+
+
+def layer_table(setup: WaveSetup) -> Table:
+    """List the layers as asked for and as the time step made them."""
+    rows: list[list[Cell]] = [
+        [
+            layer.name,
+            written(shown(layer.length_asked, *LENGTH.units), 7),
+            written(shown(layer.length_used, *LENGTH.units), 7),
+            f"{layer.length_used / layer.length_asked - 1.0:+.1e}",
+            layer.steps,
+        ]
+        for layer in setup.layers[:MOST_LAYERS]
+    ]
+    more = len(setup.layers) - MOST_LAYERS
+    caption = f"Layers, rounded to whole time steps of {amount(STEP, setup.step)}"
+    caption += f"; {more} more in the JSON" if more > 0 else ""
+    lengths = [headed(name, *LENGTH.units) for name in ("length in the case", "length used")]
+    return Table(
+        caption,
+        ["layer", *lengths, "relative difference", "time steps of a transit"],
+        rows,
+    )
+
+
+def field_pictures(field: WaveField, quantity: str = "stress") -> list[Part]:
+    """Show the whole field: the x-t diagram, and snapshots along the stack."""
+    drawn = QUANTITIES[quantity]
+    meaning = {"RdBu": "blue is compression, red tension", "PuOr": "purple is along the blow, orange against it"}
+    opens = any(joint.unilateral for joint in field.stack.joints)
+    double = " A joint that can open is a double line while no force crosses it." if opens else ""
+    return [
+        Picture(
+            xt_diagram(field, quantity),
+            f"{drawn.name.capitalize()} along the stack over time (exact): {meaning[drawn.colours]}. Lines are faces "
+            f"of layers, dotted ones taps; the dashed line is the leading front at the bar wave speeds.{double}",
+        ),
+        Picture(
+            snapshots(field, quantity),
+            f"{drawn.name.capitalize()} along the stack at chosen times: as the front passes, at the largest values, "
+            "and in the longest intervals between. The darker a layer, the larger its impedance.",
+        ),
+    ]
+
+
+def route_section(name: str, quoted: bool, time: Any, exact: Any, rigid: Any, waves: Any, since: str) -> Section:
+    """Compare the paper's three routes with the exact solution at one tap; peaks only where they may be quoted."""
+    printed, corrected = waves
+    curves = [
+        Trace("exact, total", time, exact),
+        Trace("as printed, wave", time, printed),
+        Trace("corrected, wave", time, corrected),
+        Trace("superposed: rigid + as printed", time, rigid + printed),
+    ]
+    rows: list[list[Cell]] = [[c.label, fixed(_largest(c.values), *ACCELERATION.units, 0)] for c in curves]
+    peaks = Table(f"Largest acceleration at {name} by route", ["route", headed("peak", *ACCELERATION.units)], rows)
+    return Section(
+        "Routes of the paper compared with the exact solution",
+        _ROUTES,
+        [
+            Picture(traces(f"Acceleration at {name} by four routes", curves, "g", since), f"Acceleration at {name}."),
+            *([peaks] if quoted else []),
+        ],
+    )
+
+
+def _largest(values: Any) -> float:
+    finite = values[np.isfinite(values)]
+    return float(finite[np.argmax(np.abs(finite))]) if finite.size else math.nan
+
+
+def mismatch_words(setup: WaveSetup) -> str:
+    """Say how waves ran on delay lines, and by how much a transit was rounded."""
+    return (
+        "Waves run on delay lines: exact but for the rounding of each transit to whole time steps. The largest "
+        f"relative difference of a transit is {setup.mismatch:.1e}."
+    )
+
+
+def sensor_part(channels: Sequence[SensorChannel], picture: Figure, readings: Table) -> Section:
+    """Show what the sensors read, describe them, and say what their buffers take off."""
+    described: list[list[Cell]] = []
+    for sensor, _, recorder in channels:
+        stated = (sensor.resonance, sensor.range, recorder.sampling_rate, recorder.cutoff)
+        described.append(
+            [
+                sensor.name,
+                "direct" if sensor.mounting.direct else f"{len(sensor.mounting.gaskets)} gaskets",
+                *(
+                    "none" if math.isinf(value) else written(shown(value, *of.units), 4)
+                    for value, of in zip(stated, _RECORDED.values(), strict=True)
+                ),
+                str(recorder.bits or NONE),
+            ]
+        )
+    described_by = ["sensor", "mounting", *(headed(name, *of.units) for name, of in _RECORDED.items()), "bits"]
+    caption = "Sensor readings as recorded: with mounting, resonance, range, filter, sampling and bits."
+    parts: list[Part] = [
+        Picture(picture, caption),
+        readings,
+        Table("Sensors and their recorders", described_by, described),
+    ]
+    buffered = [channel.sensor for channel in channels if not channel.sensor.mounting.direct]
+    if buffered:
+        frequency = np.geomspace(1e3, 1e5, 201)
+        curves = [(sensor.name, frequency, loss_of(sensor.mounting, frequency)) for sensor in buffered]
+        caption = "Insertion loss: how much the buffer reduces the motion below it; negative where it amplifies."
+        parts += [Picture(insertion_loss(curves), caption), loss_table(channels)]
+    return Section("Sensors", "", parts)
+
+
+def loss_table(channels: Sequence[SensorChannel]) -> Table:
+    """List the insertion loss of the buffered sensors."""
+    rows: list[list[Cell]] = [
+        [sensor.name, *(f"{value:.1f}" for value in loss_of(sensor.mounting, np.array(LOSS_FREQUENCIES)))]
+        for sensor, _, _ in channels
+        if not sensor.mounting.direct
+    ]
+    return Table(
+        "Insertion loss (dB; negative where the mounting amplifies)",
+        ["sensor", *(amount(KILOHERTZ, f) for f in LOSS_FREQUENCIES)],
+        rows,
+    )

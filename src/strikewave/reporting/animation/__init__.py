@@ -1,1 +1,0 @@
-"""Animations: one page with one player for all analyses, and one writer of GIFs."""
