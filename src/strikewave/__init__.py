@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 from strikewave._version import __version__
 
 if TYPE_CHECKING:  # for type checkers and editors; at run time a name is imported when it is first used
-    from strikewave.analyses.compare.question import compare as compare
     from strikewave.analyses.compare.result import CompareResult as CompareResult
+    from strikewave.analyses.compare.run import compare as compare
     from strikewave.analyses.fem.result import FemSolution as FemSolution
     from strikewave.analyses.fem.run import run_fem as run_fem
     from strikewave.analyses.hopkinson.build import load_setup as load_setup
@@ -23,11 +23,11 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.analyses.machine.result import Solution as Solution
     from strikewave.analyses.machine.result import load_solution as load_solution
     from strikewave.analyses.machine.run import run_case as run_case
-    from strikewave.analyses.record.question import record as record
+    from strikewave.analyses.record.examine import record as record
+    from strikewave.analyses.record.file_spectra import shock_spectra as shock_spectra
     from strikewave.analyses.record.result import RecordResult as RecordResult
+    from strikewave.analyses.record.specification.synthesis import synthesize as synthesize
     from strikewave.analyses.record.spectrum import SpectrumResult as SpectrumResult
-    from strikewave.analyses.record.spectrum_question import shock_spectra as shock_spectra
-    from strikewave.analyses.record.synthesis.result import synthesize as synthesize
     from strikewave.analyses.wave.result import WaveSolution as WaveSolution
     from strikewave.analyses.wave.run import run_wave as run_wave
     from strikewave.base.constants import material as material
@@ -76,7 +76,7 @@ _HOMES = {
     "SweepStudy": "studies.sweep.study",
     "WaveSolution": "analyses.wave.result",
     "buffer": "studies.buffer.question",
-    "compare": "analyses.compare.question",
+    "compare": "analyses.compare.run",
     "design": "studies.design.study",
     "drop_table": "studies.settings.drop_table.study",
     "dump_case": "cases.written_case",
@@ -90,18 +90,18 @@ _HOMES = {
     "material": "base.constants",
     "materials": "base.constants",
     "read_record": "records.readers",
-    "record": "analyses.record.question",
+    "record": "analyses.record.examine",
     "run_case": "analyses.machine.run",
     "run_fem": "analyses.fem.run",
     "run_hopkinson": "analyses.hopkinson.run",
     "run_wave": "analyses.wave.run",
     "scatter": "studies.scatter.study",
-    "shock_spectra": "analyses.record.spectrum_question",
+    "shock_spectra": "analyses.record.file_spectra",
     "settings": "studies.settings.study",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",
     "sweep": "studies.sweep.study",
-    "synthesize": "analyses.record.synthesis.result",
+    "synthesize": "analyses.record.specification.synthesis",
 }
 """Modules of the public names. A test holds this table and the imports above equal."""
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import strikewave
 from strikewave.analyses.compare.limits import read_limit
-from strikewave.analyses.record.filter_options import _time_constant
+from strikewave.analyses.record.options import _time_constant
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Range
 from strikewave.base.result import BandMethod

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from strikewave.analyses.record.figures import campaigns, records, spectra
+from strikewave.analyses.record.figures import records, spectra
 from strikewave.records.campaign import summed
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.reading import Request, read_file
@@ -118,7 +118,7 @@ def test_nothing_that_is_written_overlaps(train):
         records.velocity(reading),
         records.overlay(many),
         spectra.spectrum(reading),
-        campaigns.trend(campaign, count=4),
+        records.trend(campaign, count=4),
         spectra.srs_figure(spectra.response(reading)),
         spectra.tripartite(spectra.response(reading, "pseudo-velocity")),
         spectra.record_summary([train], summed([train]), "A title"),
@@ -242,7 +242,7 @@ def test_trend_shows_points_mean_and_how_many_are_left_out():
     files = [blows(2, peak, path=str(peak), noise=5.0) for peak in peaks]
     files.insert(1, blows(2, limit=3000.0, path="clipped"))
     campaign = summed(files)
-    axes = campaigns.trend(campaign, count=7).axes
+    axes = records.trend(campaign, count=7).axes
     assert [a.get_title(loc="left") for a in axes] == [
         f"{name} (1 file left out)" for name in ("Peak", "Pulse width at 10 %", "Velocity change", "Interval")
     ]
@@ -251,9 +251,9 @@ def test_trend_shows_points_mean_and_how_many_are_left_out():
     assert lines["mean"].get_ydata() == pytest.approx(4500.0, rel=0.01)
     run, rise = (np.ptp(data) for data in lines["trend"].get_data())
     assert rise / run == pytest.approx(campaign.trends["peak"].slope / 9.80665)
-    few = campaigns.trend(summed([files[0], *files[2:4]])).axes[0]  # of three files none stands out
+    few = records.trend(summed([files[0], *files[2:4]])).axes[0]  # of three files none stands out
     assert "trend" not in {line.get_label() for line in few.lines}
-    none = campaigns.trend(summed([files[1]]))
+    none = records.trend(summed([files[1]]))
     assert texts(none) == ["no file gave a value: 1 file left out"]
 
 
@@ -261,7 +261,7 @@ def test_bounds_of_positive_peaks_are_drawn_above_zero():
     """Of two files that differ much, Student's t would have the mean below zero."""
     campaign = summed([blows(1, peak, path=str(peak)) for peak in (1000.0, 5000.0)])
     assert campaign.statistics["peak"].low < 0.0
-    axes = campaigns.trend(campaign).axes[0]
+    axes = records.trend(campaign).axes[0]
     [bounds] = axes.collections
     assert min(bounds.get_paths()[0].vertices[:, 1]) == 0.0
 

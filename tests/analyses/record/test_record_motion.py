@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.analyses.record.moved import RecordMotion, moved
+from strikewave.analyses.record.rows import RecordMotion, moved
 from strikewave.records import Calibration, Channel, Request
 from strikewave.records.reading import read_channel
 from strikewave.signal.motion import IntegratedMotion

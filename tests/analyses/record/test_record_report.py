@@ -10,9 +10,9 @@ import pytest
 from strikewave.analyses.record.chapters import MOST_ROWS, mean_sections
 from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.result import record_result
-from strikewave.analyses.record.screen.command import print_records
-from strikewave.analyses.record.screen.kit import MOST_ROWS as SCREEN_ROWS
-from strikewave.analyses.record.words import record_words
+from strikewave.analyses.record.screen import MOST_ROWS as SCREEN_ROWS
+from strikewave.analyses.record.screen import print_records
+from strikewave.analyses.record.sentences import record_words
 from strikewave.base.result import Notice, Source
 from strikewave.records.campaign import compare, summed
 from strikewave.records.health_notice import HealthNotice

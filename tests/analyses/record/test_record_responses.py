@@ -9,7 +9,7 @@ import pytest
 
 from strikewave import record
 from strikewave.analyses.record.report import record_report
-from strikewave.analyses.record.responses import summaries
+from strikewave.analyses.record.rows import summaries
 
 STEP = 5e-6
 SIZES = (300.0, 270.0, 240.0, 210.0)

@@ -5,9 +5,9 @@ import pytest
 
 import strikewave
 from strikewave.analyses.record.report import record_report
-from strikewave.analyses.record.screen.files import print_files
+from strikewave.analyses.record.screen import print_files
+from strikewave.analyses.record.sentences import record_words
 from strikewave.analyses.record.tables import short_names
-from strikewave.analyses.record.words import record_words
 from strikewave.base.constants import STANDARD_GRAVITY
 
 PEAK, RINGING = 900.0, 3000.0

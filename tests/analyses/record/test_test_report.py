@@ -16,10 +16,15 @@ from PIL import Image
 from pypdf import PdfReader
 
 import strikewave as sw
-from strikewave.analyses.record.test_report.figures import MOST_LINES, drawn_shocks
-from strikewave.analyses.record.test_report.page import ONLY_ITEMS, report_of_test
-from strikewave.analyses.record.test_report.shocks import DOUBT, MOST_LISTED
-from strikewave.analyses.record.verdicts.words import tag_of_records
+from strikewave.analyses.record.sentences import tag_of_records
+from strikewave.analyses.record.test_report import (
+    DOUBT,
+    MOST_LINES,
+    MOST_LISTED,
+    ONLY_ITEMS,
+    drawn_shocks,
+    report_of_test,
+)
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.stated_test import NO_TEST, ReportTables, StatedTest, example_file, load_test
 from strikewave.cases.tables.common import PerformedTest

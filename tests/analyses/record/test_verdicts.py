@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import strikewave as sw
-from strikewave.analyses.record.verdicts.figures import limits_figure, spectrum_limits_figure
+from strikewave.analyses.record.figures.verdicts import limits_figure, spectrum_limits_figure
 from strikewave.base.errors import InputError
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.specifications.ideal_pulses import IdealPulse

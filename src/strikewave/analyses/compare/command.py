@@ -75,7 +75,7 @@ def command(
     by a specification. With --json, no files are written unless --out is given. The exit code is 3 where a --limit or
     a specification is not kept.
     """
-    from strikewave.analyses.compare.question import CompareRequest
+    from strikewave.analyses.compare.run import CompareRequest
     from strikewave.analyses.compare.screen import compare_sources
     from strikewave.analyses.compare.sources import SourceOptions
 

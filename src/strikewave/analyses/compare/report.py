@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from strikewave.analyses.compare.curve import SpecificationVerdict
 from strikewave.analyses.compare.figures import half_figures, overlay, summary_figure
 from strikewave.analyses.compare.limits import verdict_of
 from strikewave.analyses.compare.result import TOGETHER, CompareResult, IsoScores
-from strikewave.analyses.compare.specified import SpecificationVerdict
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import (

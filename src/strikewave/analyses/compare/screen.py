@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.analyses.compare.question import CompareRequest, compared
 from strikewave.analyses.compare.report import (
     agreement_tables,
     budget_words,
@@ -16,6 +15,7 @@ from strikewave.analyses.compare.report import (
     scaling_words,
 )
 from strikewave.analyses.compare.result import CompareResult
+from strikewave.analyses.compare.run import CompareRequest, compared
 from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from strikewave.analyses.record.figures.campaigns import figure_unit
+from strikewave.analyses.record.figures.records import figure_unit
 from strikewave.analyses.record.result import RecordResult
-from strikewave.analyses.record.tables import Names, amount, called, percent, rows_of
+from strikewave.analyses.record.tables import Names, called, figure_text, percents, rows_of
 from strikewave.base.constants import COVERAGE
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.records.budget import ADDED, NORMAL, RECORD, RECTANGULAR, SAMPLING, Budget, Contribution
@@ -39,7 +39,7 @@ def with_doubt(value: float, name: str, unit: str, expanded: float) -> str:
     """
     scale, _, shown = figure_unit(name, unit)
     if not math.isfinite(expanded):
-        return f"{amount(name, unit, value)} ± ?"
+        return f"{figure_text(name, unit, value)} ± ?"
     return f"{' ± '.join(doubted(value / scale, expanded / scale))} {shown}".rstrip()
 
 
@@ -92,7 +92,7 @@ def share_table(found: BlowUncertainty) -> Table:
 def _share(line: BudgetLine) -> str:
     if not math.isfinite(line.standard):
         return "not known"
-    return percent(line.share, 2) if line.share >= LEAST_SHARE else "0 %"
+    return percents(line.share, 2) if line.share >= LEAST_SHARE else "0 %"
 
 
 def budget_lines(result: RecordResult) -> list[str]:
@@ -166,7 +166,7 @@ def figure_table(budget: Budget, one: FigureUncertainty, name: str, channel: Cha
             [
                 line.name,
                 *_stated_cells(line, stated, name, unit, step),
-                amount(name, unit, line.standard, 3) if math.isfinite(line.standard) else "not known",
+                figure_text(name, unit, line.standard, 3) if math.isfinite(line.standard) else "not known",
                 _share(line),
             ]
         )
@@ -174,19 +174,19 @@ def figure_table(budget: Budget, one: FigureUncertainty, name: str, channel: Cha
         [
             f"combined, {one.method}",
             *[NONE] * 4,
-            amount(name, unit, one.standard, 3),
-            f"U = {amount(name, unit, one.expanded, 3)} (k = {one.coverage:.3g})",
+            figure_text(name, unit, one.standard, 3),
+            f"U = {figure_text(name, unit, one.expanded, 3)} (k = {one.coverage:.3g})",
         ]
     )
     heads = ["quantity", "stated", "distribution", "standard uncertainty", "sensitivity coefficient"]
-    caption = f"Budget of the {called(name, unit)}: {amount(name, unit, one.value)} ({where})"
+    caption = f"Budget of the {called(name, unit)}: {figure_text(name, unit, one.value)} ({where})"
     return Table(caption, [*heads, "contribution", "share"], rows)
 
 
 def _stated_cells(line: BudgetLine, stated: Contribution | None, name: str, unit: str, step: float) -> Sequence[str]:
     """Return what is stated, distribution, standard uncertainty and sensitivity coefficient of a contribution."""
     if line.name == RECORD:
-        return "type A", NORMAL, amount(name, unit, line.standard, 3), "1"
+        return "type A", NORMAL, figure_text(name, unit, line.standard, 3), "1"
     if line.name == SAMPLING:
         size = 0.5 * step / math.sqrt(3.0)
         own = faces.amount(MICROSECONDS, size, digits=3)
@@ -194,10 +194,10 @@ def _stated_cells(line: BudgetLine, stated: Contribution | None, name: str, unit
     assert stated is not None
     size = stated.input.standard
     if not stated.relative and stated.kind in ADDED:
-        own = amount("peak", unit, size, 3)
+        own = figure_text("peak", unit, size, 3)
         per = figure_unit("peak", unit)
         return stated.typed, stated.distribution, own, _coefficient(line, size / per[0], name, unit, per[2])
-    words = f"{size:.3g} of the effect" if stated.kind in WHOLE else percent(size, 3)
+    words = f"{size:.3g} of the effect" if stated.kind in WHOLE else percents(size, 3)
     of = "the effect" if stated.kind in WHOLE else "%"
     scale = 1.0 if stated.kind in WHOLE else 100.0
     return stated.typed, stated.distribution, words, _coefficient(line, scale * size, name, unit, of)

@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.analyses.record.filter_options import FilterOptions
-from strikewave.analyses.record.verdicts.options import RecordSpecificationOptions
+from strikewave.analyses.record.options import FilterOptions, RecordSpecificationOptions
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import quantity
 from strikewave.reporting.output_options import Output
@@ -71,8 +70,8 @@ def command(
     what is left of it. The exit code is 3 where a file could not be read, has a status of --fail-on, or where the
     verdict by a specification is FAIL.
     """
-    from strikewave.analyses.record.paired import read_pair
-    from strikewave.analyses.record.screen.command import examine_records
+    from strikewave.analyses.record.screen import examine_records
+    from strikewave.analyses.record.sensor_pairs import read_pair
     from strikewave.base.errors import InputError
     from strikewave.cases.stack_of_case import stated_sensor
     from strikewave.records import Request

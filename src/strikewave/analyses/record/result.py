@@ -4,32 +4,39 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from strikewave.analyses.record.chosen import advised_filter, counted, sources_of
-from strikewave.analyses.record.moved import MotionRow, RecordMotion, all_moved, motion_columns
-from strikewave.analyses.record.paired import PAIR_COLUMNS, PairRow, RecordPair, all_pairs, transfer_columns
-from strikewave.analyses.record.responses import ResponseSummary, responding, response_columns, summaries
-from strikewave.analyses.record.rows import BlowRow, CampaignRow, FileRow, blow_rows, units_given
+from strikewave.analyses.record.rows import (
+    BlowRow,
+    CampaignRow,
+    FileRow,
+    MotionRow,
+    RecordMotion,
+    ResponseSummary,
+    advised_filter,
+    all_moved,
+    blow_rows,
+    counted,
+    motion_columns,
+    responding,
+    response_columns,
+    sources_of,
+    summaries,
+    units_given,
+)
+from strikewave.analyses.record.sensor_pairs import PAIR_COLUMNS, PairRow, RecordPair, all_pairs, transfer_columns
 from strikewave.analyses.record.sensor_trials import SensorRow, SensorTrials
-from strikewave.analyses.record.shock_columns import shock_columns
 from strikewave.base import declare
 from strikewave.base.declare import NOT_MEASURED, GivenUnits, Quantity, declarations
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import FAILED, Notice
-from strikewave.base.shock_quantities import (
-    FREQUENCY,
-    MILLISECONDS,
-    OF_CHANNEL,
-    OF_FIGURE,
-    OF_INTEGRAL,
-    usual_unit,
-)
+from strikewave.base.shock_quantities import FREQUENCY, MILLISECONDS, OF_CHANNEL, OF_FIGURE, OF_INTEGRAL, usual_unit
 from strikewave.records.budget import Budget
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import STATUSES, HealthNotice
@@ -39,14 +46,14 @@ from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import data_columns
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import shown_unit
-from strikewave.reporting.shown_result import Curve, history_curve, html_place
+from strikewave.reporting.shown_result import Curve, columns_of_mappings, history_curve, html_place
 from strikewave.signal.filters import Filter
 from strikewave.specifications.judged_records import RecordsVerdict
+from strikewave.specifications.judging import FAIL, NOT_JUDGED
 
 if TYPE_CHECKING:
     from strikewave.cases.stack_of_case import StatedSensor
     from strikewave.cases.stated_test import StatedTest
-
 
 OWN = "as in the file"
 """Stands for the unit of figures whose file does not say it."""
@@ -381,3 +388,30 @@ def notices_of(files: Sequence[FileReading]) -> tuple[Notice, ...]:
         Notice(code, f.message if count == 1 else f"{f.message} ({count} files)", count, 0)
         for code, (f, count) in findings.items()
     )
+
+
+def shock_columns(found: RecordsVerdict) -> list[Column]:
+    """Return all shocks with their verdicts: a line each, a value and a margin for each clause, in SI."""
+    by_name = dict.fromkeys(clause.clause for one in found.shocks for clause in one.found.clauses)
+    rows, units = [], {"time": "s"}
+    for number, shock in enumerate(found.shocks, start=1):
+        row: dict[str, object] = {
+            "number": number,
+            "file": shock.file,
+            "channel": shock.reading.channel.name,
+            "blow": shock.number,
+            "direction": shock.direction,
+            "time": shock.pulse.time,
+            "verdict": shock.found.verdict,
+            "fails": ", ".join(clause.clause for clause in shock.found.clauses if clause.verdict == FAIL),
+        }
+        clauses = {clause.clause: clause for clause in shock.found.clauses}
+        for name in by_name:
+            clause = clauses.get(name)
+            judged_here = clause is not None and clause.verdict != NOT_JUDGED
+            for what in ("value", "margin", "uncertainty"):
+                key = f"{name} {what}".replace(" value", "")
+                row[key] = getattr(clause, what) if judged_here else math.nan
+                units[key] = units.get(key) or (clause.unit if clause is not None else "")
+        rows.append(row)
+    return columns_of_mappings(rows, units)

@@ -1,35 +1,124 @@
-"""Records as every face takes them: files, channels, blows, filters, campaigns, each number declared once."""
+"""Records as every face takes them: files, channels, blows, motions, responses; and which of several stand for all."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
-from strikewave.analyses.record.chosen import cutoff_for
+import numpy as np
+from numpy.typing import NDArray
+
 from strikewave.base import declare
 from strikewave.base.constants import COVERAGE
-from strikewave.base.declare import KEY, GivenUnits
+from strikewave.base.declare import KEY, NO_UNIT, GivenUnits, declarations
 from strikewave.base.shock_quantities import (
     FREQUENCY,
+    LENGTH,
     MICROSECONDS,
     OF_CHANNEL,
     OF_INTEGRAL,
     RATIO,
+    SECONDS,
+    VELOCITY,
     usual_unit,
 )
 from strikewave.records.band_split import BandSplit
 from strikewave.records.budget import RECORD
-from strikewave.records.campaign import Campaign, Outlier, Statistic, Trend
-from strikewave.records.health_notice import HealthNotice
+from strikewave.records.campaign import Campaign, Outlier, Statistic, Trend, statistic
+from strikewave.records.health_notice import RESPONSE_FIGURES, STATUSES, HealthNotice, worst
 from strikewave.records.measured_uncertainty import BudgetLine, FigureUncertainty
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.records.response import MeasuredResponse
+from strikewave.records.response import MOST_MODES, MeasuredResponse, Mode
 from strikewave.records.smooth_pulse import BUDGETED
-from strikewave.signal.filters import Filter, effect_on_half_sine
+from strikewave.reporting.columns import Column
+from strikewave.reporting.numbers import shown_unit
+from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine
+from strikewave.signal.motion import IntegratedMotion, motion
 from strikewave.signal.pulse import HALF_SINE_WIDTH
+
+
+def usable(files: Sequence[FileReading]) -> list[tuple[FileReading, ChannelReading]]:
+    """Return the channels that are not bad, of files that are not: a bad channel does not spoil another."""
+    sound = [file for file in files if worst(file.findings) != "bad"]
+    return [(file, reading) for file in sound for reading in file.channels if reading.status != "bad"]
+
+
+def best_of(files: Sequence[FileReading]) -> ChannelReading | None:
+    """Return the first channel of the first file in which it is good; else suspect; else any."""
+    firsts = [file.channels[0] for file in files if file.channels]
+    sound = [reading for file, reading in usable(files) if reading is file.channels[0]]
+    return min(sound, key=lambda reading: STATUSES.index(reading.status), default=next(iter(firsts), None))
+
+
+def shown_response(files: Sequence[FileReading]) -> tuple[FileReading, ChannelReading] | None:
+    """Return the record whose spectrum is shown: the first good acceleration, else a suspect one."""
+    fit = [
+        (file, reading) for file, reading in usable(files) if reading.pulses and reading.channel.unit in ("m/s^2", "")
+    ]
+    fit.sort(key=lambda row: row[1].channel.unit == "")
+    return min(fit, key=lambda row: STATUSES.index(row[1].status), default=None)
+
+
+def advised_filter(files: Sequence[FileReading]) -> Filter | None:
+    """Return the filter that is advised for all files: it changes the steepest blow by at most 2 %.
+
+    Its cutoff has three digits, rounded up. Only blows whose widths enter the means count, where there are any: what is
+    no blow is often the steepest. None where no channel is sampled fast enough for one.
+    """
+    sound = [reading for _, reading in usable(files) if reading.pulses]
+    counted = [reading for reading in sound if reading.figures("width")] or sound
+    cutoff = max((found for found in map(cutoff_for, counted) if found is not None), default=None)
+    if cutoff is None:
+        return None
+    digit = 10.0 ** (math.floor(math.log10(cutoff)) - 2)
+    return Filter(float(f"{math.ceil(cutoff / digit) * digit:.3g}"))
+
+
+def cutoff_for(reading: ChannelReading) -> float | None:
+    """Return the cutoff advised for the steepest blow of a channel, Hz; None where there is none, or it is too high.
+
+    Rise and width are those of the smooth pulse: ringing is what a filter shall take away.
+    """
+    advised = [
+        advised_cutoff(pulse.smooth.rise(), pulse.smooth.width())
+        for pulse in reading.unfiltered or reading.pulses
+        if pulse.smooth.width() > 0.0
+    ]
+    cutoff = max(advised, default=math.inf)
+    return cutoff if cutoff < 0.5 * reading.channel.sampling_rate else None
+
+
+def sources_of(files: Sequence[FileReading], campaigns: Sequence[Campaign], filter_: Filter | None) -> tuple[str, ...]:
+    """Return the keys of the sources of the methods used."""
+    read = any(file.channels for file in files)
+    keys = ["siegel-1982"] if read else []
+    keys += ["vangel-1996", "croux-1992"] if any(campaign.statistics for campaign in campaigns) else []
+    keys += ["rosner-1983", "sen-1968"] if any(campaign.trends for campaign in campaigns) else []
+    keys += ["smallwood-1981", "iso-18431-4"] if shown_response(files) is not None else []
+    j211 = filter_ is None or "J211" in str(filter_)
+    return tuple(keys + (["sae-j211"] if j211 and read else []))
+
+
+def name_of(paths: Sequence[Path]) -> str:
+    """Return the name of the only file without its ending, or of the folder of several.
+
+    Examples
+    --------
+    >>> name_of([Path("shots/a.csv")]), name_of([Path("shots/a.csv"), Path("shots/b.csv")])
+    ('a', 'shots')
+    """
+    return paths[0].stem if len(paths) == 1 else paths[0].absolute().parent.name or "records"
+
+
+def counted(files: Sequence[FileReading]) -> list[str]:
+    """Return how many files there are of each status, in words."""
+    statuses = [file.status for file in files]
+    return [f"{statuses.count(status)} {status}" for status in STATUSES if status in statuses]
+
 
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s"}
 """Unit of the integral over time of each unit."""
@@ -262,3 +351,177 @@ def filter_effect(reading: ChannelReading, filter_: Filter) -> FilterRow:
         None if effect is None else effect.velocity_change,
         [pulse.smooth.through(filter_)._asdict() for pulse in reading.unfiltered],
     )
+
+
+Array = NDArray[np.float64]
+
+
+@declare.dataclass
+class MotionRow:
+    """Where a motion ends, and how well that is known."""
+
+    file: str = declare.word("measured file")
+    channel: str = declare.word("channel")
+    begin: float = declare.number(SECONDS, "first sample")
+    end: float = declare.number(SECONDS, "last sample")
+    velocity: float = declare.number(VELOCITY, "velocity at the end")
+    displacement: float = declare.number(LENGTH, "displacement at the end")
+    velocity_drift: float = declare.number(VELOCITY, "what is not known of that velocity")
+    displacement_drift: float = declare.number(LENGTH, "what is not known of that displacement")
+    lost: float = declare.number(SECONDS, "from when on the drift exceeds the displacement")
+
+
+class RecordMotion(NamedTuple):
+    """What the base of a channel did from just before its first blow on, from rest.
+
+    Attributes
+    ----------
+    file, channel : str
+        Of what.
+    time : ndarray
+        Of the samples, s.
+    motion : IntegratedMotion
+        Velocity and displacement, with the standard deviations of their drift.
+    """
+
+    file: str
+    channel: str
+    time: Array
+    motion: IntegratedMotion
+
+    @property
+    def lost(self) -> float:
+        """Time from which on the drift exceeds the displacement, to the end; NaN where the end is better known."""
+        known = np.flatnonzero(np.abs(self.motion.displacement) > self.motion.displacement_drift)
+        after = int(known[-1]) + 1 if known.size else 0
+        return float(self.time[after]) if after < self.time.size else math.nan
+
+    @property
+    def row(self) -> MotionRow:
+        """Where it ends."""
+        ends = {name: float(values[-1]) for name, values in self.motion._asdict().items()}
+        return MotionRow(self.file, self.channel, float(self.time[0]), float(self.time[-1]), **ends, lost=self.lost)
+
+
+def moved(file: str, reading: ChannelReading) -> RecordMotion | None:
+    """Return the motion of a channel; None where it is no acceleration, or has no blow.
+
+    The zero is that before the first blow. It is uncertain by what the mean over a width wanders there, over the root
+    of the widths that it is taken from; noise of that wander adds up over the record.
+    """
+    if reading.channel.unit != "m/s^2" or not reading.pulses:
+        return None
+    channel, pulse = reading.channel, reading.pulses[0]
+    length = pulse.end - pulse.begin
+    first = max(math.floor((pulse.begin - length - channel.start) / channel.step), 0)
+    values = channel.values[first:] - pulse.offset
+    if values.size < 2:
+        return None
+    wander, widths = pulse.baseline.wander, max(pulse.baseline.widths, 1)
+    samples = max((pulse.width if pulse.width > 0.0 else length) / channel.step, 1.0)
+    white = pulse.noise / math.sqrt(samples)
+    wander = max(wander, white) if math.isfinite(wander) else white
+    found = motion(values, channel.step, wander / math.sqrt(widths), wander * math.sqrt(samples))
+    return RecordMotion(file, channel.name, channel.time[first:], found)
+
+
+def all_moved(files: Sequence[FileReading]) -> list[RecordMotion]:
+    """Return the motion of all channels that have one."""
+    found = (moved(file.path, reading) for file in files for reading in file.channels)
+    return [one for one in found if one is not None]
+
+
+def motion_columns(found: Sequence[RecordMotion]) -> list[Column]:
+    """Return histories under one another, each line with its file and channel."""
+    columns = [
+        Column("file", [one.file for one in found for _ in one.time]),
+        Column("channel", [one.channel for one in found for _ in one.time]),
+        Column("time", np.concatenate([one.time for one in found]) if found else [], "s"),
+    ]
+    for name in IntegratedMotion._fields:
+        values: Array = np.concatenate([getattr(one.motion, name) for one in found] or [np.empty(0)])
+        columns.append(Column(name, values, declarations(MotionRow)[name].quantity.si))
+    return columns
+
+
+@declare.dataclass
+class ResponseSummary:
+    """Figures of one response channel over all blows of all files."""
+
+    channel: str = declare.word("name of the response channel in the first file")
+    unit: str
+    statistics: dict[str, Statistic] = declare.named(
+        Statistic, "of each figure that has a value; the peak by its magnitude, modes by the strongest", inline=True
+    )
+
+
+def responding(files: Sequence[FileReading]) -> list[tuple[FileReading, ChannelReading]]:
+    """Return the channels that answer the blows of a base, with their files."""
+    return [(file, reading) for file in files for reading in file.channels if reading.responses]
+
+
+def base_of(file: FileReading) -> ChannelReading | None:
+    """Return the driving channel of a file; None where it has none."""
+    driven = any(reading.responses for reading in file.channels)
+    return next((reading for reading in file.channels if driven and reading.pulses), None)
+
+
+def harmed(file: FileReading, reading: ChannelReading) -> tuple[str, ...]:
+    """Return the figures of a response channel that are not to be trusted."""
+    findings = [*file.findings, *reading.findings]
+    spoilt = any(finding.severity == "bad" for finding in findings)
+    return tuple(name for name in RESPONSE_FIGURES if spoilt or any(name in finding.harms for finding in findings))
+
+
+def summaries(files: Sequence[FileReading]) -> list[ResponseSummary]:
+    """Sum up each response channel over its blows in all files; figures that a finding harms are left out."""
+    rows = responding(files)
+    found = []
+    for number in dict.fromkeys(reading.number for _, reading in rows):
+        own = [(file, reading) for file, reading in rows if reading.number == number]
+        unit = own[0][1].channel.unit
+        counting = [
+            (k, reading, harmed(file, reading)) for k, (file, reading) in enumerate(own) if reading.channel.unit == unit
+        ]
+        statistics = {}
+        for name in RESPONSE_FIGURES:
+            pairs = [
+                (k, value)
+                for k, reading, wrong in counting
+                if name not in wrong
+                for value in (response.figure(name) for response in reading.responses)
+                if math.isfinite(value)
+            ]
+            if pairs:
+                statistics[name] = statistic([value for _, value in pairs], [k for k, _ in pairs])
+        found.append(ResponseSummary(own[0][1].channel.name, unit, statistics))
+    return found
+
+
+def response_columns(files: Sequence[FileReading]) -> list[Column]:
+    """Return all responses, one line a blow; where channels differ in unit, ``unit`` is that of each line."""
+    rows = [(file, reading, one) for file, reading in responding(files) for one in reading.responses]
+    units = [reading.channel.unit for _, reading, _ in rows]
+    only = units[0] if len(set(units)) == 1 else ""
+    columns = [
+        Column("file", [file.path for file, _, _ in rows]),
+        Column("channel", [reading.channel.name for _, reading, _ in rows]),
+        Column("unit", [shown_unit(unit, unit) if only else unit for unit in units]),
+        Column("status", [reading.status for _, reading, _ in rows]),
+        Column("harmed", [" ".join(harmed(file, reading)) for file, reading, _ in rows]),
+        Column("blow", [one.blow for _, _, one in rows]),
+    ]
+    for name in ("time", "peak", "ratio", "delay", "duration", "rms"):
+        columns.append(Column(name, [getattr(one, name) for _, _, one in rows], _si(MeasuredResponse, name, only)))
+    for k in range(MOST_MODES):
+        modes = [one.modes[k] if k < len(one.modes) else None for _, _, one in rows]
+        for name in ("frequency", "frequency_uncertainty", "damping", "damping_uncertainty", "decay_time", "amplitude"):
+            values = [None if mode is None else getattr(mode, name) for mode in modes]
+            columns.append(Column(f"mode_{k + 1}_{name}", values, _si(Mode, name, only)))
+    return columns
+
+
+def _si(kind: type, name: str, unit: str) -> str:
+    """Return the SI unit of a field of responses of a channel of a unit; none of a share."""
+    si = declarations(kind)[name].quantity.within(units_given(unit)).si
+    return "" if si == NO_UNIT != unit else si

@@ -9,8 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.record.chosen import advised_filter
-from strikewave.analyses.record.rows import units_given
+from strikewave.analyses.record.rows import advised_filter, units_given
 from strikewave.analyses.record.tables import rows_of
 from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, Quantity, declarations

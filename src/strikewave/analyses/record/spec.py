@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.analyses.record.verdicts.options import complete_specification
+from strikewave.analyses.record.options import complete_specification
 from strikewave.base.errors import MISSING, InputError
 from strikewave.reporting.options import quantity
 from strikewave.reporting.output_options import Output
@@ -71,7 +71,7 @@ def command(
     record --spec and srs --spec judge by them. synthesize makes a base motion whose shock response spectrum meets one:
     its history as acceleration.csv, with the verdict, and the acceleration, velocity and displacement that it takes.
     """
-    from strikewave.analyses.record.verdicts import specified
+    from strikewave.analyses.record.specification import screen
 
     for option, given, of in (("--from", origin, "new"), ("--by", by, "synthesize"), ("--rate", rate, "synthesize")):
         if given is not None and action != of:
@@ -79,13 +79,13 @@ def command(
     if action == "list":
         if name is not None:
             raise InputError("NAME", name, "no name with list", f"strikewave spec show {name}")
-        return specified.list_specifications(output)
+        return screen.list_specifications(output)
     if name is None:
         raise InputError("NAME", MISSING, "the file to write" if action == "new" else "a specification")
     if action == "show":
-        return specified.show_specification(name, output)
+        return screen.show_specification(name, output)
     if action == "synthesize":
-        from strikewave.analyses.record.synthesis.screen import synthesize_specification
+        from strikewave.analyses.record.specification.screen import synthesize_specification
 
         return synthesize_specification(name, by or "damped-sines", rate, output)
-    return specified.new_specification(Path(name), origin or "mil-std-810h", output)
+    return screen.new_specification(Path(name), origin or "mil-std-810h", output)

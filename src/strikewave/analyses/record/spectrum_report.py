@@ -6,12 +6,18 @@ import math
 from pathlib import Path
 
 from strikewave.analyses.record.figures import records
-from strikewave.analyses.record.figures.many_spectra import MOST_NAMES, response_figure, rolling_figure, several_figure
-from strikewave.analyses.record.figures.spectra import srs_figure, tripartite
+from strikewave.analyses.record.figures.spectra import (
+    MOST_NAMES,
+    response_figure,
+    rolling_figure,
+    several_figure,
+    srs_figure,
+    tripartite,
+)
+from strikewave.analyses.record.sentences import named
 from strikewave.analyses.record.spectrum import SpectrumResult, spectrum_findings, status_of
 from strikewave.analyses.record.tables import squeezed, status_tag
-from strikewave.analyses.record.verdicts.judged_spectra import spectra_section, spectra_sentence
-from strikewave.analyses.record.words import named
+from strikewave.analyses.record.verdicts import spectra_section, spectra_sentence
 from strikewave.base.shock_quantities import ACCELERATION
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import held_words, verdict_tag

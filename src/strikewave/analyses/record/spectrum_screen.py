@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.analyses.record.chosen import name_of
 from strikewave.analyses.record.file_spectra import FilesAsked, judged_spectra_of
-from strikewave.analyses.record.filter_options import filtered_folder
+from strikewave.analyses.record.options import filtered_folder
+from strikewave.analyses.record.rows import name_of
 from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
-from strikewave.analyses.record.verdicts.judged_spectra import SpectraJudge, print_spectra_verdict
+from strikewave.analyses.record.verdicts import SpectraJudge, print_spectra_verdict
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import held_words
@@ -76,8 +76,7 @@ class SrsCommand(Command[SpectrumResult]):
 
     def draw(self, result: SpectrumResult, folder: Path) -> list[str]:
         """Write the page, the spectra, and the four-coordinate picture."""
-        from strikewave.analyses.record.figures.many_spectra import response_figure, rolling_figure
-        from strikewave.analyses.record.figures.spectra import tripartite
+        from strikewave.analyses.record.figures.spectra import response_figure, rolling_figure, tripartite
         from strikewave.analyses.record.report import spectrum_picture
         from strikewave.analyses.record.spectrum_report import spectrum_report
         from strikewave.reporting.style import save, titled

@@ -6,9 +6,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.analyses.record.filter_options import FilterOptions
-from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
-from strikewave.analyses.record.verdicts.options import SpecificationOptions
+from strikewave.analyses.record.options import FilterOptions, SpecificationOptions
+from strikewave.analyses.record.spectrum import ALLOWED_Q, Rolling, read_rolling
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Typed, bare_number, one_of, parsed, quantity
 from strikewave.reporting.output_options import Output

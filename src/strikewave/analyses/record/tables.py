@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 
-from strikewave.analyses.record.figures.campaigns import figure_unit
+from strikewave.analyses.record.figures.records import figure_unit
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.parts import NONE, Cell, Tag, written
 
@@ -48,7 +48,7 @@ def rows_of(files: Sequence[FileReading]) -> list[Row]:
     return [(file, reading) for file in files for reading in file.channels]
 
 
-def amount(name: str, unit: str, value: float, digits: int = 4) -> str:
+def figure_text(name: str, unit: str, value: float, digits: int = 4) -> str:
     """Write a figure of a channel with its unit.
 
     Examples
@@ -69,7 +69,7 @@ def in_own_unit(name: str, unit: str, value: float) -> str:
     >>> in_own_unit("peak", "m/s^2", 4900.0), in_own_unit("peak", "N", 500.0), in_own_unit("peak", "", 500.0)
     ('499.7 g', '0.5 kN', '500 (no unit)')
     """
-    text = amount(name, unit, value)
+    text = figure_text(name, unit, value)
     return text if unit or text == NONE else f"{number(name, unit, value)} (no unit)"
 
 
@@ -81,7 +81,7 @@ def plus_minus(name: str, unit: str, value: float, doubt: float) -> str:
     >>> plus_minus("peak", "m/s^2", 49033.25, 98.0665)
     '5000 g ± 10 g'
     """
-    return f"{amount(name, unit, value)} ± {amount(name, unit, doubt, 2)}"
+    return f"{figure_text(name, unit, value)} ± {figure_text(name, unit, doubt, 2)}"
 
 
 def number(name: str, unit: str, value: float, digits: int = 4) -> str:
@@ -120,7 +120,8 @@ class Columns:
     def cells(self, values: Mapping[str, float], unit: str) -> list[str]:
         """Write the values of a row; a dash where there is none."""
         return [
-            (number if self.shared[name] else amount)(name, unit, values.get(name, float("nan"))) for name in self.names
+            (number if self.shared[name] else figure_text)(name, unit, values.get(name, float("nan")))
+            for name in self.names
         ]
 
 
@@ -138,7 +139,7 @@ def between(name: str, unit: str, low: float, high: float) -> str:
     '100 to 200 µs'
     """
     digits = digits_of(low, high)
-    return f"{number(name, unit, low, digits)} to {amount(name, unit, high, digits)}"
+    return f"{number(name, unit, low, digits)} to {figure_text(name, unit, high, digits)}"
 
 
 def digits_of(low: float, high: float) -> int:
@@ -155,7 +156,7 @@ def digits_of(low: float, high: float) -> int:
     return min(max(math.floor(math.log10(largest / (high - low))) + 2, 4), 9)
 
 
-def percent(share: float, digits: int = 3) -> str:
+def percents(share: float, digits: int = 3) -> str:
     """Write a share in percent; a dash where there is none.
 
     Examples

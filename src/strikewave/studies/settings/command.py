@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
 
-from strikewave.analyses.record.verdicts.options import complete_specification
+from strikewave.analyses.record.options import complete_specification
 from strikewave.base.errors import InputError
 from strikewave.reporting.options import Changes, Running, complete_case, quantity
 from strikewave.reporting.output_options import StudyOutput

@@ -1,4 +1,4 @@
-"""Pictures of measured records: the record, its blows over each other, and its velocity."""
+"""Pictures of measured records: the record, its blows over each other, motion, two sensors, responses, many files."""
 
 from __future__ import annotations
 
@@ -9,12 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.analyses.record.rows import RecordMotion
+from strikewave.analyses.record.sensor_pairs import RecordPair
 from strikewave.base.shock_quantities import usual_unit
+from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.pulses import robust_line
 from strikewave.records.reading import ChannelReading
-from strikewave.reporting.numbers import ShownQuantity, axis_unit
+from strikewave.records.response import EFFECTIVE, MeasuredResponse
+from strikewave.records.two_sensors import Transfer
+from strikewave.reporting.numbers import ShownQuantity, axis_unit, headed, with_unit
 from strikewave.reporting.style import (
     BLUE,
     GREEN,
@@ -22,6 +27,7 @@ from strikewave.reporting.style import (
     MOST_PULSES,
     ORANGE,
     RED,
+    WHOLE,
     legend_below,
     new_figure,
     plain,
@@ -395,3 +401,258 @@ def drawable(reading: ChannelReading) -> bool:
     """Tell whether a record has a clock and finite samples."""
     values = reading.channel.values
     return values.size > 1 and reading.channel.step > 0.0 and bool(np.all(np.abs(values) < LARGEST_DRAWN))
+
+
+def motion_figure(one: RecordMotion) -> Figure:
+    """Draw velocity and displacement over time, their drift shaded."""
+    figure = new_figure()
+    rows: Any = figure.subplots(1, 2)
+    factor, seconds = clock(float(np.ptp(one.time)))
+    kept = np.unique(np.linspace(0, one.time.size - 1, min(one.time.size, 2 * COLUMNS)).round().astype(int))
+    for axes, name, si, usual in zip(rows, ("velocity", "displacement"), ("m/s", "m"), ("m/s", "mm"), strict=True):
+        size, _ = axis_unit(si, usual)
+        values, drift = (getattr(one.motion, key)[kept] / size for key in (name, f"{name}_drift"))
+        time = one.time[kept] * factor
+        axes.fill_between(time, values - drift, values + drift, color=BLUE, alpha=0.2, linewidth=0)
+        axes.plot(time, values, color=BLUE, linewidth=1.2)
+        quiet(axes, name.capitalize(), f"time ({seconds})", headed(name, si, usual))
+        axes.margins(x=0.01)
+    return figure
+
+
+BEFORE, AFTER = 1.5, 12.0
+"""Widths of the blow that are drawn before its begin and after it."""
+BEYOND = 3.0
+"""Times the highest frequency that is trusted up to which a transfer function is drawn."""
+LARGEST = 10.0
+"""Gain up to which it is drawn, at most."""
+
+
+def pair_figure(pair: RecordPair) -> Figure:
+    """Draw both channels over one another, and their common and differential motion."""
+    figure = new_figure()
+    left, right = figure.subplots(1, 2, sharey=True)
+    first, second = pair.first, pair.second
+    if first is None or second is None:
+        return figure
+    blow = max(first.pulses or second.pulses, key=lambda pulse: abs(pulse.peak))
+    width = blow.width if blow.width > 0.0 else blow.smooth.width()
+    size = min(first.channel.values.size, second.channel.values.size)
+    time = first.channel.time[:size]
+    inside = (time >= blow.begin - BEFORE * width) & (time <= blow.begin + AFTER * width)
+    quiet_part = time < blow.begin - width
+    how, (factor, unit) = shown(first.channel.unit), clock((BEFORE + AFTER) * width)
+    pair_of = []
+    for reading in (first, second):
+        values = reading.channel.values[:size]
+        zero = float(np.median(values[quiet_part])) if quiet_part.any() else reading.baseline
+        pair_of.append((values[inside] - zero) / how.scale)
+    since = (time[inside] - blow.begin) * factor
+    for axes, curves in (
+        (left, zip(pair_of, (first.channel.name, second.channel.name), (BLUE, ORANGE), strict=True)),
+        (
+            right,
+            (
+                (0.5 * (pair_of[0] + pair_of[1]), "common", GREEN),
+                (0.5 * (pair_of[1] - pair_of[0]), "differential", RED),
+            ),
+        ),
+    ):
+        for values, name, colour in curves:
+            axes.plot(*thin(since, values, COLUMNS // 2), color=colour, linewidth=1.1, label=plain(name, 32))
+        axes.axhline(0.0, color=GREY, linewidth=0.8)
+    quiet(left, "Both channels", f"time from the begin of the blow ({unit})", how.label)
+    quiet(right, "Common and differential motion", f"time from the begin of the blow ({unit})", "")
+    return legend_below(figure)
+
+
+def transfer_figure(transfer: Transfer) -> Figure:
+    """Draw magnitude with coherence, and phase, of a transfer function; the band that is trusted is shaded."""
+    figure = new_figure()
+    left, right = figure.subplots(1, 2)
+    frequency = transfer.frequency / 1e3
+    low, high = (value / 1e3 for value in transfer.trusted)
+    last = min(BEYOND * high, float(frequency[-1])) if np.isfinite(high) else float(frequency[-1])
+    seen = frequency <= last
+    one, other = np.abs(transfer.h1[seen]), np.abs(transfer.h2[seen])
+    known = seen & (transfer.frequency >= transfer.trusted[0]) & (transfer.frequency <= transfer.trusted[1])
+    most = 1.4 * float(np.max(np.abs(transfer.h1[known]), initial=1.0))
+    left.plot(frequency[seen], one, color=BLUE, linewidth=1.2, label="|H1|")
+    left.plot(frequency[seen], other, "--", color=ORANGE, linewidth=1.0, label="|H2|")
+    left.plot(frequency[seen], transfer.coherence[seen], ":", color=GREY, linewidth=1.2, label="coherence")
+    left.axhline(1.0, color="black", linewidth=0.7)
+    left.set_ylim(0.0, min(most, LARGEST))
+    degrees: Any = np.degrees(np.angle(transfer.h1[seen]))
+    right.plot(frequency[seen], degrees, color=BLUE, linewidth=1.2)
+    right.set_ylim(-185.0, 185.0)
+    right.set_yticks((-180, -90, 0, 90, 180))
+    for axes in (left, right):
+        if np.isfinite(low):
+            axes.axvspan(low, high, color=GREEN, alpha=0.12, linewidth=0, label="trusted")
+    quiet(left, "Gain, second over first", "frequency (kHz)", "gain")
+    quiet(right, "Phase", "frequency (kHz)", "degrees")
+    return legend_below(figure)
+
+
+SIZE = (9.8, 5.0)
+"""Inches: two rows."""
+BESIDE = 0.1
+"""Share of what is shown that is left before the first blow, and after the last decay."""
+ENVELOPE = 200
+"""Points of an envelope."""
+_MODES = (RED, GREEN, ORANGE)
+
+
+def response_figure(base: ChannelReading, reading: ChannelReading) -> Figure:
+    """Draw a base and a channel that answers it, from before the first blow to the end of the last decay."""
+    figure = new_figure(SIZE)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(1.0, 1.6))
+    responses = reading.responses
+    begin = base.pulses[responses[0].blow - 1].begin
+    end = max(one.decay.end for one in responses)
+    room = BESIDE * (end - begin)
+    factor, unit = clock(end - begin)
+    for axes, one in ((above, base), (below, reading)):
+        zero = base.baseline if one is base else responses[0].zero
+        _draw(axes, one, zero, begin - room, end + room, factor)
+    for pulse in base.pulses:
+        above.axvspan(pulse.begin * factor, pulse.end * factor, color=BLUE, alpha=0.13, linewidth=0)
+    tops = [(pulse.time * factor, pulse.peak / shown(base.channel.unit).scale) for pulse in base.pulses]
+    above.plot(*zip(*tops, strict=True), "o", color=RED, markersize=3.5, zorder=4)
+    for k, response in enumerate(responses):
+        _mark(below, response, factor, shown(reading.channel.unit).scale, labelled=k == 0)
+    quiet(above, f"Base: {plain(base.channel.name)}", "", shown(base.channel.unit).label)
+    quiet(below, f"Response: {plain(reading.channel.name)}", f"time ({unit})", shown(reading.channel.unit).label)
+    below.set_xlim((begin - room) * factor, (end + room) * factor)
+    return legend_below(figure)
+
+
+def _draw(axes: Any, reading: ChannelReading, zero: float, begin: float, end: float, factor: float) -> None:
+    """Draw a stretch of a channel above its zero."""
+    channel = reading.channel
+    first, last = (round((time - channel.start) / channel.step) for time in (begin, end))
+    first, last = max(first, 0), min(last + 1, channel.values.size)
+    places = np.asarray(channel.start + channel.step * np.arange(first, last), dtype=np.float64)
+    time, values = thin(places, channel.values[first:last] - zero, COLUMNS)
+    axes.axhline(0.0, color=GREY, linewidth=0.8)
+    axes.plot(time * factor, values / shown(channel.unit).scale, color=BLUE, linewidth=0.9)
+
+
+def _mark(axes: Any, one: MeasuredResponse, factor: float, scale: float, labelled: bool) -> None:
+    """Mark the peak and the effective duration of a response, and draw the envelopes of its modes."""
+
+    def called(words: str) -> str:
+        return words if labelled else "_"
+
+    span = np.array([one.begin, one.begin + one.duration]) * factor
+    level = EFFECTIVE * abs(one.peak) / scale
+    axes.axvspan(*span, color=GREY, alpha=0.13, linewidth=0, label=called("effective duration"))
+    axes.plot(span, [level] * 2, ":", color=GREY, linewidth=1.2, label=called("a third of the peak"))
+    axes.plot(span, [-level] * 2, ":", color=GREY, linewidth=1.2)
+    axes.plot([one.time * factor], [one.peak / scale], "o", color=RED, markersize=3.5, zorder=4, label=called("peak"))
+    time = np.linspace(one.decay.begin, one.decay.end, ENVELOPE)
+    for mode, colour in zip(one.modes, _MODES, strict=False):
+        envelope = mode.amplitude / scale * np.exp(-(time - one.decay.begin) / mode.decay_time)
+        label = called(f"decay of {with_unit(mode.frequency, 'Hz', 'kHz')}")
+        axes.plot(time * factor, envelope, "--", color=colour, linewidth=1.2, label=label)
+        axes.plot(time * factor, -envelope, "--", color=colour, linewidth=1.2)
+
+
+TRENDS = ("peak", "width", "velocity_change", "interval")
+"""Figures whose trend is drawn."""
+OF_CHANNEL = {
+    "peak": "peak",
+    "rigid_peak": "peak without ringing",
+    "rms": "RMS",
+    "amplitude": "amplitude",
+}
+"""What figures in the unit of their channel are called."""
+PURE = {"ratio": (1.0, "peak over base", ""), "damping": (0.01, "damping ratio", "%")}
+"""How figures without a unit are shown: size, name and unit."""
+
+
+def trend(campaign: Campaign, count: int = 0) -> Figure:
+    """Draw peak, width, velocity change and interval over the files, with mean, its 95 % bounds, and a clear trend.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As `strikewave.records.campaign.summed` gives it.
+    count : int, optional
+        Number of files; as far as the last one with a value unless given.
+    """
+    names = [name for name in TRENDS if campaign.points.get(name)] or [TRENDS[0]]
+    size = {1: WHOLE, 2: WHOLE, 3: (9.8, 3.3), 4: (9.8, 5.8)}[len(names)]
+    figure = new_figure(size)
+    figure.get_layout_engine().set(wspace=0.05, hspace=0.05)  # type: ignore[union-attr,call-arg]
+    grid = figure.subplots(2, 2) if len(names) == 4 else figure.subplots(1, len(names))
+    panels = np.atleast_1d(grid).ravel()
+    for axes, name in zip(panels, names, strict=True):
+        draw_trend(axes, campaign, name, campaign.unit, count)
+    return legend_below(figure)
+
+
+def draw_trend(axes: Any, campaign: Campaign, name: str, unit: str, count: int = 0) -> None:
+    """Draw the trend of one figure on axes."""
+    points = campaign.points.get(name, ())
+    left_out = len({path for path, harmed, _ in campaign.left_out if name in harmed})
+    gone = f"{left_out} file{'s' if left_out != 1 else ''} left out"
+    if not points:
+        say(axes, f"no file gave a value: {gone}")
+        return
+    scale, what, shown_unit = figure_unit(name, unit)
+    x = np.array([k + 1 for k, _ in points], dtype=float)
+    y = np.array([value for _, value in points]) / scale
+    mean = campaign.statistics[name]
+    ends = np.array([0.5, max(count, int(x.max())) + 0.5])
+    if np.isfinite(mean.low):
+        axes.fill_between(
+            ends,
+            max(mean.low / scale, 0.0) if y.min() > 0.0 else mean.low / scale,  # none can be on the other side
+            min(mean.high / scale, 0.0) if y.max() < 0.0 else mean.high / scale,
+            color=BLUE,
+            alpha=0.15,
+            linewidth=0,
+            label="95 % bounds of the mean",
+        )
+    axes.plot(ends, [mean.mean / scale] * 2, color=BLUE, linewidth=1.2, label="mean")
+    if name in campaign.trends and campaign.trends[name].significant:
+        slope = campaign.trends[name].slope / scale
+        along = np.array([x.min(), x.max()])
+        axes.plot(along, np.median(y - slope * x) + slope * along, "--", color=RED, linewidth=1.4, label="trend")
+    axes.plot(x, y, "o", color="#333333", markersize=4, alpha=0.8, label="blows", zorder=4)
+    quiet(axes, what[0].upper() + what[1:] + (f" ({gone})" if left_out else ""), "file", f"{what} ({shown_unit})")
+    axes.set_xlim(*ends)
+    axes.margins(y=0.1)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.ticklabel_format(axis="y", useOffset=False)
+
+
+def figure_unit(name: str, unit: str) -> tuple[float, str, str]:
+    """Return how much SI the shown unit of a figure is, what the figure is called, and the unit.
+
+    Examples
+    --------
+    >>> figure_unit("width", "m/s^2"), figure_unit("velocity_change", "N")
+    ((1e-06, 'pulse width at 10 %', 'µs'), (1.0, 'impulse change', 'N s'))
+    """
+    how = shown(unit)
+    if name in OF_CHANNEL:
+        return how.scale, OF_CHANNEL[name], how.unit or how.name
+    if name in PURE:
+        return PURE[name]
+    if name == "velocity_change":
+        return how.integral_scale, f"{how.integral} change", how.integral_unit
+    si, usual, called = {
+        "ringing_frequency": ("Hz", "kHz", "ringing frequency"),
+        "interval": ("s", "ms", name),
+        "rise": ("s", "us", "rise time 10-90 %"),
+        "width": ("s", "us", "pulse width at 10 %"),
+        "rigid_width": ("s", "us", "pulse width at 10 % without ringing"),
+        "delay": ("s", "ms", name),
+        "duration": ("s", "ms", "effective duration"),
+        "decay_time": ("s", "ms", "decay time (to 1/e)"),
+        "frequency": ("Hz", "Hz", name),
+    }[name]
+    size, shown_as = axis_unit(si, usual)
+    return size, called, shown_as

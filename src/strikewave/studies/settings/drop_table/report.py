@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from strikewave.analyses.record.verdicts.figures import draw_shock
+from strikewave.analyses.record.figures.verdicts import draw_shock
 from strikewave.base.shock_quantities import LENGTH
 from strikewave.base.texts import percent
 from strikewave.reporting import chapters

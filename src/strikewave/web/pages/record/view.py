@@ -14,12 +14,11 @@ import numpy as np
 import strikewave
 from strikewave.analyses.compare.report import agreement_tables
 from strikewave.analyses.compare.result import CompareResult
-from strikewave.analyses.record.figures.campaigns import figure_unit
-from strikewave.analyses.record.figures.records import shown
+from strikewave.analyses.record.figures.records import figure_unit, shown
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.spectrum import SpectrumResult
-from strikewave.analyses.record.tables import amount
-from strikewave.analyses.record.verdicts.chapter import clause_table
+from strikewave.analyses.record.tables import figure_text
+from strikewave.analyses.record.verdict_chapter import clause_table
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.texts import percent
@@ -160,7 +159,9 @@ def cost_table(result: RecordResult, plain: RecordResult) -> PageTable:
     for name in COST:
         without, with_them = _mean(plain, name, unit), _mean(result, name, unit)
         change = percent(with_them / without - 1.0, 1, "+") if without else NONE
-        rows.append([figure_unit(name, unit)[1], *(amount(name, unit, one) for one in (without, with_them)), change])
+        rows.append(
+            [figure_unit(name, unit)[1], *(figure_text(name, unit, one) for one in (without, with_them)), change]
+        )
     return "What filter and baseline cost", ["mean over the pulses", "without", "with", "change"], rows, (0,)
 
 
@@ -272,7 +273,7 @@ def campaign_tables(result: RecordResult) -> list[PageTable]:
         for name in FIGURES:
             found = one.statistics.get(name)
             if found is not None:
-                mean, low, high = (amount(name, unit, value) for value in (found.mean, found.low, found.high))
+                mean, low, high = (figure_text(name, unit, value) for value in (found.mean, found.low, found.high))
                 cv = f"{100.0 * found.cv:.2g} %" if found.cv is not None and math.isfinite(found.cv) else "–"
                 rows.append([figure_unit(name, unit)[1], mean, cv, f"{low} to {high}", str(found.n)])
         if rows:

@@ -11,17 +11,19 @@ from typing import get_args
 import numpy as np
 
 from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement, shift_to_gap
-from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, checked_curve
-from strikewave.analyses.compare.limits import ComparisonLimit, judge, limit_notices, read_limit
-from strikewave.analyses.compare.result import CompareResult
-from strikewave.analyses.compare.sources import SourceName, SourceOptions, is_simulated, parse_name, read_source
-from strikewave.analyses.compare.specified import (
+from strikewave.analyses.compare.curve import (
     PREFIX,
+    QUANTITIES,
+    ComparedCurve,
     SpecificationVerdict,
+    checked_curve,
     judged_by,
     specified_curve,
     verdict_notices,
 )
+from strikewave.analyses.compare.limits import ComparisonLimit, judge, limit_notices, read_limit
+from strikewave.analyses.compare.result import CompareResult
+from strikewave.analyses.compare.sources import SourceName, SourceOptions, is_simulated, parse_name, read_source
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Result, Source, Verdicts
 from strikewave.base.shock_quantities import usual_unit

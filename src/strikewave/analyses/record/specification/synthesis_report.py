@@ -1,12 +1,12 @@
-"""Picture and page of a synthesized motion; a module of its own, for drawing takes long to import."""
+"""Picture and page of a synthesized motion."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.record.synthesis.result import SynthesisResult, synthesis_words
-from strikewave.analyses.record.verdicts.figures import draw_spectrum_limits
-from strikewave.analyses.record.verdicts.judged_spectra import spectra_section
+from strikewave.analyses.record.figures.verdicts import draw_spectrum_limits
+from strikewave.analyses.record.specification.synthesis import SynthesisResult, synthesis_words
+from strikewave.analyses.record.verdicts import spectra_section
 from strikewave.base.declare import declarations
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import tag_of, verdict_words

@@ -9,8 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.record.verdicts.judged import verdict_notices
-from strikewave.analyses.record.verdicts.judged_spectra import spectra_sentence
+from strikewave.analyses.record.verdicts import spectra_sentence, verdict_notices
 from strikewave.base import declare
 from strikewave.base.declare import declarations
 from strikewave.base.errors import InputError
@@ -81,6 +80,7 @@ class SynthesisResult(measured.AskedResult):
     """A base motion for a specification of a spectrum; see `Result` for what it shares with others."""
 
     command: ClassVar[str] = "spec"
+    drawing: ClassVar[str] = "synthesis_report"
     main_rows: ClassVar[str] = "components"
 
     by: str = declare.word("damped-sines, wavelets or half-sine")

@@ -1,12 +1,12 @@
-"""Page and picture of a specification; a module of its own, for drawing takes long to import."""
+"""Page and picture of a specification."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.record.verdicts.figures import limits_figure, spectrum_limits_figure
-from strikewave.analyses.record.verdicts.specification_result import SpecificationResult, specification_words
+from strikewave.analyses.record.figures.verdicts import limits_figure, spectrum_limits_figure
+from strikewave.analyses.record.specification.result import SpecificationResult, specification_words
 from strikewave.reporting import chapters
 from strikewave.reporting.faces import face_table
 from strikewave.reporting.parts import Part, Picture, Section, Tag

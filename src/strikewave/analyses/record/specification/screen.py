@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from strikewave.analyses.record.verdicts.specification_result import SpecificationResult, specification_words
+from strikewave.analyses.record.specification.result import SpecificationResult, specification_words
+from strikewave.analyses.record.specification.synthesis import SynthesisResult, synthesis_words, synthesize
+from strikewave.analyses.record.verdicts import print_spectra_verdict
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE
 from strikewave.base.documents import head
@@ -16,10 +18,11 @@ from strikewave.base.output_folder import write_atomically
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import columns_of, face_columns
+from strikewave.reporting.layout import keys, numerals
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.parts import NONE
-from strikewave.reporting.run_and_write import Command, run_and_write
-from strikewave.reporting.terminal import print_face, print_json, print_rows, say, tell
+from strikewave.reporting.run_and_write import Command, drawing, run_and_write
+from strikewave.reporting.terminal import print_face, print_json, print_rows, say, table, tell
 from strikewave.specifications.judging import STATUSES
 from strikewave.specifications.reading import (
     Specification,
@@ -129,7 +132,7 @@ class SpecificationCommand(Command[SpecificationResult]):
 
     def draw(self, result: SpecificationResult, folder: Path) -> list[str]:
         """Write page and picture."""
-        from strikewave.analyses.record.verdicts.report import draw_specification
+        from strikewave.analyses.record.specification.report import draw_specification
 
         return draw_specification(result, folder)
 
@@ -180,3 +183,55 @@ def new_specification(file: Path, origin: str, output: Output) -> int:
     else:
         say(f"written: {path}; change a number and its status, then: strikewave spec show {path}")
     return 0
+
+
+def synthesize_specification(name: str, by: str, rate: float | None, output: Output) -> int:
+    """Make a base motion that meets a specification of a spectrum, write and print it, and return the exit code.
+
+    Raises
+    ------
+    InputError
+        If the specification cannot be read, or states no spectrum.
+    """
+    specification = load_specification(name, "NAME")
+    specification.spectrum_limits()
+    usual = f"synthesis-{specification.file_name}-{by}"
+    origin = measured.source_of("command", usual)
+    return run_and_write(SynthesisCommand(specification, by, rate, origin), output, usual, origin.text)
+
+
+@dataclass(frozen=True)
+class SynthesisCommand(Command[SynthesisResult]):
+    """A synthesis that is asked for."""
+
+    indent: ClassVar[int | None] = None
+    of_test: ClassVar[bool] = False
+
+    specification: Specification
+    by: str
+    rate: float | None
+    origin: Source
+
+    def solve(self) -> SynthesisResult:
+        """Return the motion with its verdict."""
+        return synthesize(self.specification, self.by, self.rate, self.origin)
+
+    def summary(self, result: SynthesisResult) -> str:
+        """Say the verdict, and what a shaker must reach."""
+        return synthesis_words(result)
+
+    def show(self, result: SynthesisResult) -> None:
+        """Print the key numbers and the clauses."""
+        table("The motion", [*keys("quantity"), *numerals("value")], [list(row) for row in result.highlights()])
+        print_spectra_verdict(result.verdict)
+
+    def draw(self, result: SynthesisResult, folder: Path) -> list[str]:
+        """Write page and picture."""
+        from strikewave.analyses.record.specification.synthesis_report import page, picture
+        from strikewave.reporting.style import save
+
+        with drawing(folder / "report.html") as path:
+            path.write_text(page(result), "utf-8", newline="\n")
+        with drawing(folder / "summary.svg") as path:
+            save(picture(result), path)
+        return ["report.html", "summary.svg"]

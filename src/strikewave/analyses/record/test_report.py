@@ -1,42 +1,329 @@
-"""The page of a test report: result of records with a verdict and what is stated of the test in, HTML out."""
+"""The test report of a laboratory: what was asked, with what it was tested, each shock with its verdict, signatures."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+import re
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from statistics import fmean, stdev
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from strikewave._version import __version__
 from strikewave.analyses.record.budget_chapter import source_table
+from strikewave.analyses.record.figures.verdicts import draw_limits, shown_window
 from strikewave.analyses.record.result import RecordResult
+from strikewave.analyses.record.sentences import WHY_HEAD, named, sentence, tag_of_records, why_of_shock
+from strikewave.analyses.record.specification.result import AskedRow, asked_rows
 from strikewave.analyses.record.tables import short_names, status_tag
-from strikewave.analyses.record.test_report.asked import NORM, missing
-from strikewave.analyses.record.test_report.figures import drawn_shocks, overlay
-from strikewave.analyses.record.test_report.shocks import (
-    MOST_LISTED,
-    blow_verdicts,
-    direction_tables,
-    group_name,
-    groups,
-    several_channels,
-    shock_tables,
-)
-from strikewave.analyses.record.verdicts.chapter import limit_words_of
-from strikewave.analyses.record.verdicts.specification_result import AskedRow, asked_rows
-from strikewave.analyses.record.verdicts.words import sentence, tag_of_records
-from strikewave.analyses.record.words import named
+from strikewave.analyses.record.verdict_chapter import limit_words_of
+from strikewave.base.shock_quantities import SECONDS
+from strikewave.base.texts import percent
 from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
-from strikewave.reporting import chapters
+from strikewave.reporting import chapters, faces
 from strikewave.reporting.chapters import Head, whole_page
-from strikewave.reporting.clause_words import clause_name
+from strikewave.reporting.clause_words import amount, clause_name, doubted_words, limit_words, tag_of, value_words
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.measured_files import digests_of
-from strikewave.reporting.numbers import listed
+from strikewave.reporting.numbers import axis_unit, listed, time_unit
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Photo, Picture, Section, SignatureLines, Table, Tag
 from strikewave.reporting.run_and_write import drawing
-from strikewave.specifications.judged_records import RecordsVerdict
-from strikewave.specifications.judging import CANNOT_TELL, FAIL, NOT_JUDGED, PASS
+from strikewave.reporting.style import BLUE, GREY, HALF, ORANGE, RED, legend_below, new_figure, plain, quiet, thin
+from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
+from strikewave.specifications.judging import (
+    CANNOT_TELL,
+    FAIL,
+    NORMATIVE,
+    NOT_JUDGED,
+    PASS,
+    Clause,
+    Limits,
+    PulseLimits,
+    judged,
+    together,
+)
+from strikewave.specifications.shock_directions import DIRECTIONS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NORM = "ISO/IEC 17025:2017"
+
+
+class Asked17025(NamedTuple):
+    """One thing that is asked for: the clause, what, and where a test file states it."""
+
+    clause: str
+    what: str
+    key: str
+
+
+def missing(stated: StatedTest, uncertainty: bool) -> list[Asked17025]:
+    """Return what is asked for and not stated; ``uncertainty`` tells whether that of the measurement is.
+
+    Examples
+    --------
+    >>> from strikewave.cases.tables.common import PerformedTest
+    >>> [one.key for one in missing(StatedTest(PerformedTest(item="board", laboratory="hall 3")), True)][:3]
+    ['report.laboratory_address', 'report.number', 'customer.name, customer.contact']
+    """
+    test, tables = stated.test, stated.tables
+    report, customer, items = tables.report, tables.customer, tables.specimen
+    named = bool(test.item or (items and all(one.name for one in items)))
+    numbered = bool(test.serial_number or (items and all(one.serial_number for one in items)))
+    calibrated = bool(tables.equipment) and all(one.calibrated and one.certificate for one in tables.equipment)
+    rows = [
+        (test.laboratory, "7.8.2.1 b", "name of the laboratory", "test.laboratory"),
+        (report.laboratory_address, "7.8.2.1 b, c", "its address, and where the test was done",
+         "report.laboratory_address"),
+        (report.number, "7.8.2.1 d", "unique number of the report", "report.number"),
+        (customer.name and customer.contact, "7.8.2.1 e", "customer and contact", "customer.name, customer.contact"),
+        (named, "7.8.2.1 g", "description of each item", "specimen.name"),
+        (numbered, "7.8.2.1 g", "what tells each item from others", "specimen.serial_number"),
+        (items and all(one.condition for one in items), "7.8.2.1 g", "condition of each item, where it matters",
+         "specimen.condition"),
+        (items and all(one.received for one in items), "7.8.2.1 h", "date of receipt, where it matters",
+         "specimen.received"),
+        (test.date, "7.8.2.1 i", "date of the test", "test.date"),
+        (report.issued, "7.8.2.1 j", "date of issue", "report.issued"),
+        (report.deviations, "7.8.2.1 n", "deviations from the method, or that there were none", "report.deviations"),
+        (any(one.name for one in tables.signature), "7.8.2.1 o", "who authorizes the report", "signature.name"),
+        (tables.environment.temperature, "7.8.3.1 a", "conditions of the surroundings, where they matter",
+         "environment.temperature"),
+        (uncertainty, "7.8.3.1 c", "uncertainty of the measurement, where it bears on the verdict",
+         "option --uncertainty"),
+        (calibrated, "6.5, not 7.8", "equipment, with dates and certificates of calibration", "equipment"),
+    ]  # fmt: skip
+    return [Asked17025(*row) for given, *row in rows if not given]
+
+
+MOST_LINES = 24
+"""Pulses that are drawn one by one, those that do not pass first; beyond them the range of all is filled."""
+POINTS = 150
+"""Points of a pulse, and of the range."""
+COLOURS = {PASS: BLUE, CANNOT_TELL: ORANGE, FAIL: RED}
+WORDS = {PASS: "passes", CANNOT_TELL: "cannot tell", FAIL: "fails"}
+
+
+def drawn_shocks(shocks: Sequence[JudgedShock]) -> list[JudgedShock]:
+    """Return the shocks that are drawn one by one: all of a few; else those that do not pass, and some that do."""
+    if len(shocks) <= MOST_LINES:
+        return list(shocks)
+    odd = [one for verdict in (FAIL, CANNOT_TELL) for one in shocks if one.found.verdict == verdict]
+    odd = odd[: MOST_LINES // 2]
+    passed = [one for one in shocks if one.found.verdict == PASS]
+    chosen = {round(place) for place in np.linspace(0, len(passed) - 1, MOST_LINES - len(odd))} if passed else set()
+    return [*(passed[place] for place in sorted(chosen)), *odd]
+
+
+def overlay(shocks: Sequence[JudgedShock], limits: PulseLimits, name: str) -> Figure:
+    """Draw shocks over one another, each from the begin of the ideal pulse where the band lies best over it."""
+    figure = new_figure(HALF)
+    axes = figure.add_subplot()
+    size, unit = axis_unit("m/s^2", "g")
+    second, clock = time_unit(limits.pulse.duration)
+    draw_limits(axes, limits, size, second)
+    before, after = shown_window(limits)
+    grid = np.linspace(-before, limits.pulse.duration + after, POINTS)
+    drawn = drawn_shocks(shocks)
+    if len(drawn) < len(shocks):
+        low, high = np.full(POINTS, np.inf), np.full(POINTS, -np.inf)
+        for one in shocks:
+            values = np.interp(grid, one.shock.time - one.found.start, one.shock.values, np.nan, np.nan)
+            low, high = np.fmin(low, values), np.fmax(high, values)
+        known = np.isfinite(low) & np.isfinite(high)
+        shown = (grid[known] / second, low[known] / size, high[known] / size)
+        axes.fill_between(*shown, color=GREY, alpha=0.25, linewidth=0, label=f"range of all {len(shocks)}")
+    named = set[str]()
+    for one in drawn:
+        verdict = one.found.verdict
+        time = one.shock.time - one.found.start
+        inside = (time >= grid[0]) & (time <= grid[-1])
+        x, y = thin(time[inside], one.shock.values[inside], POINTS // 2)
+        label = "" if verdict in named else WORDS[verdict]
+        named.add(verdict)
+        axes.plot(x / second, y / size, color=COLOURS[verdict], linewidth=0.8, alpha=0.8, label=label or "_")
+    quiet(axes, plain(name, 40), f"time from the begin of the ideal pulse ({clock})", f"acceleration ({unit})")
+    axes.margins(x=0.0, y=0.08)
+    return legend_below(figure)
+
+
+MOST_LISTED = 200
+"""Shocks that are listed one by one: five sheets. Of more a summary is given, and those that do not pass."""
+FIGURES = (("peak", "m/s^2"), ("pulse width", "s"), ("velocity change", "m/s"))
+"""Figures of a shock, by the begin of the names of their clauses, and their SI units."""
+_VALUE = re.compile(r"(?P<value>[−+]?\d\S*( ± \S+)?)\s(?P<unit>\D\S*)")
+DOUBT = "; behind ± the expanded uncertainty, k = 2"
+"""Ends the captions of tables of figures with it."""
+UNSTATED = "not stated"
+"""Stands for a direction that is not stated."""
+
+
+def figures_of(shock: JudgedShock) -> list[Clause]:
+    """Return peak, pulse width and velocity change as their clauses; as measured where the specification asks none."""
+    pulse = shock.pulse
+    values = (abs(pulse.peak), pulse.width, abs(pulse.velocity_change))
+    found = []
+    for (name, unit), value in zip(FIGURES, values, strict=True):
+        own = [clause for clause in shock.found.clauses if clause.clause.startswith(name)]
+        called = {"s": f"{name} at 10 %", "m/s": f"{name}, foot to foot"}.get(unit, name)
+        found += own[:1] or [judged(called, value, Limits(value, value, NORMATIVE), unit)]
+    return found
+
+
+def groups(found: RecordsVerdict) -> Iterator[tuple[str, str, list[JudgedShock]]]:
+    """Yield direction, channel and shocks of each group that has a direction and a channel in common."""
+    channels = list(dict.fromkeys(shock.reading.channel.name for shock in found.shocks))
+    for direction in (*DIRECTIONS, ""):
+        for channel in channels:
+            here = [one for one in found.shocks if (one.direction, one.reading.channel.name) == (direction, channel)]
+            if here:
+                yield direction, channel, here
+
+
+def group_name(direction: str, channel: str, several: bool) -> str:
+    """Return what a group is called."""
+    words = f"direction {direction}" if direction else "direction not stated"
+    return f"{words}, {channel}" if several else words
+
+
+def several_channels(found: RecordsVerdict) -> bool:
+    """Tell whether the shocks were taken on several channels."""
+    return len({shock.reading.channel.name for shock in found.shocks}) > 1
+
+
+def blow_verdicts(shocks: Sequence[JudgedShock]) -> list[str]:
+    """Return the verdict on each blow: one on several channels is one, and passes where it does on all."""
+    blows: dict[tuple[str, int], list[str]] = {}
+    for one in shocks:
+        blows.setdefault((one.file, one.number), []).append(one.found.verdict)
+    return [together(of_channels) for of_channels in blows.values()]
+
+
+def direction_tables(found: RecordsVerdict) -> list[Table]:
+    """Return what was asked of each direction and what was done, and the clauses on all shocks together."""
+    count = found.specification.count()
+    clauses = {clause.clause: clause for clause in found.campaign}
+    asked = NONE
+    if count is not None:
+        asked = f"{count.low:g}" if not math.isfinite(count.high) else f"{count.low:g} to {count.high:g}"
+    rows: list[list[Cell]] = []
+    for direction in (*DIRECTIONS, ""):
+        here = [one for one in found.shocks if one.direction == direction]
+        clause = clauses.pop(f"shocks in {direction}", None)
+        if not here and clause is None:
+            continue
+        verdicts = blow_verdicts(here)
+        counts: list[Cell] = [len(verdicts), *(verdicts.count(verdict) for verdict in (PASS, FAIL, CANNOT_TELL))]
+        axis = direction.lstrip("+-") or NONE
+        rows.append([direction or UNSTATED, axis, asked, *counts, NONE if clause is None else tag_of(clause.verdict)])
+    heads = ["direction", "axis", "shocks asked for", "done", "pass", "fail", "cannot tell", "verdict"]
+    others: list[list[Cell]] = [
+        [one.clause, limit_words(one), value_words(one), tag_of(one.verdict), one.reason or NONE]
+        for one in clauses.values()
+    ]
+    tables = [Table("Shocks by direction", heads, rows, "No shock was recorded.")]
+    if others:
+        tables.append(Table("All shocks together", ["clause", "asked for", "found", "verdict", "why"], others))
+    return tables
+
+
+def shock_tables(found: RecordsVerdict, names: dict[str, str]) -> list[Table]:
+    """Return all shocks in a table or, of many, a summary, those that do not pass, and the largest and smallest."""
+    numbered = list(enumerate(found.shocks, start=1))
+    if len(numbered) <= MOST_LISTED:
+        return [_listed(numbered, found, names, f"Each shock{DOUBT}")]
+    odd = [one for one in numbered if one[1].found.verdict != PASS]
+    left = f", the first {MOST_LISTED} of {len(odd)}" if len(odd) > MOST_LISTED else ""
+    outliers = _listed(odd[:MOST_LISTED], found, names, f"Shocks that do not pass{left}{DOUBT}")
+    extremes = _listed(_extremes(numbered), found, names, f"Shocks with the largest and smallest figures{DOUBT}")
+    return [_summary(found), outliers, extremes]
+
+
+def _listed(
+    numbered: Sequence[tuple[int, JudgedShock]], found: RecordsVerdict, names: dict[str, str], caption: str
+) -> Table:
+    several = several_channels(found)
+    rows: list[list[Cell]] = []
+    for number, shock in numbered:
+        inside = [clause for clause in shock.found.clauses if clause.clause == "band"]
+        rows.append(
+            [
+                number,
+                shock.direction or NONE,
+                names[shock.file],
+                *([shock.reading.channel.name] if several else []),
+                shock.number,
+                faces.amount(SECONDS, shock.pulse.time, digits=6),
+                *map(doubted_words, figures_of(shock)),
+                value_words(inside[0]) if inside else NONE,
+                tag_of(shock.found.verdict),
+                why_of_shock(shock),
+            ]
+        )
+    heads = ["#", "direction", "record", *(["channel"] if several else []), "blow", "time"]
+    heads += [*(clause_name(clause.clause) for clause in _model(found)), "band", "verdict", WHY_HEAD]
+    empty = [place for place, head in enumerate(heads) if head == "band" and all(row[place] == NONE for row in rows)]
+    kept = [place for place in range(len(heads)) if place not in empty]
+    return Table(caption, *_units_in_heads([heads[k] for k in kept], [[row[k] for k in kept] for row in rows]), "None.")
+
+
+def _units_in_heads(heads: Sequence[str], rows: Sequence[Sequence[Cell]]) -> tuple[list[str], list[list[Cell]]]:
+    """Move a unit with which all cells of a column end into its head.
+
+    Examples
+    --------
+    >>> _units_in_heads(["peak", "why"], [["50 ± 2 g", "-"], ["9.1 ± 0.4 g", "peak"]])
+    (['peak (g)', 'why'], [['50 ± 2', '-'], ['9.1 ± 0.4', 'peak']])
+    """
+    columns = [[row[place] for row in rows] for place in range(len(heads))]
+    named = list(heads)
+    for place, column in enumerate(columns):
+        parts = [_VALUE.fullmatch(str(cell)) for cell in column if cell != NONE]
+        units = {part["unit"] for part in parts if part}
+        if len(units) == 1 and all(parts):
+            named[place] = f"{heads[place]} ({units.pop()})"
+            columns[place] = [cell if cell == NONE else _VALUE.sub(r"\g<value>", str(cell)) for cell in column]
+    return named, [list(row) for row in zip(*columns, strict=True)]
+
+
+def _model(found: RecordsVerdict) -> list[Clause]:
+    return figures_of(found.shocks[0])
+
+
+def _summary(found: RecordsVerdict) -> Table:
+    """Return range, mean and scatter of each figure of each group."""
+    several, rows = several_channels(found), list[list[Cell]]()
+    for direction, channel, here in groups(found):
+        for clauses in zip(*(figures_of(one) for one in here), strict=True):
+            values = [clause.value for clause in clauses if math.isfinite(clause.value)]
+            if not values:
+                continue
+            mean, model = fmean(values), clauses[0]
+            ends = [amount(model, value) for value in (min(values), mean, max(values))]
+            scatter = percent(stdev(values) / mean, 2) if len(values) > 1 and mean else NONE
+            rows.append(
+                [group_name(direction, channel, several), clause_name(model.clause), len(values), *ends, scatter]
+            )
+    heads = ["shocks", "figure", "number", "smallest", "mean", "largest", "scatter (CV)"]
+    return Table("All shocks, by direction", heads, rows)
+
+
+def _extremes(numbered: Sequence[tuple[int, JudgedShock]]) -> list[tuple[int, JudgedShock]]:
+    """Return the shocks with the largest and smallest of each figure."""
+    chosen: dict[int, JudgedShock] = {}
+    figures = [(number, shock, figures_of(shock)) for number, shock in numbered]
+    for place in range(len(FIGURES)):
+        known = [(row[place].value, number, shock) for number, shock, row in figures if math.isfinite(row[place].value)]
+        for pick in (min, max) if known else ():
+            _, number, shock = pick(known, key=lambda one: one[0])
+            chosen[number] = shock
+    return sorted(chosen.items(), key=lambda one: one[0])
+
 
 FILE = "test-report.html"
 MOST_DRAWN = 24

@@ -1,18 +1,18 @@
-"""Spectra of records against a specification: each by itself."""
+"""Verdicts on records and on spectra by a specification."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
-from strikewave.analyses.record.verdicts.judged import verdict_notices
 from strikewave.base.errors import InputError
+from strikewave.base.result import FAILED, WARNING, Notice
 from strikewave.records.budget import Budget
 from strikewave.reporting.clause_words import clause_columns, clause_words, decision_words, verdict_words, why_column
 from strikewave.reporting.columns import Column, page_table
@@ -21,10 +21,44 @@ from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Typed
 from strikewave.reporting.parts import Picture, Section
 from strikewave.reporting.terminal import print_rows, tell
-from strikewave.specifications.judged_records import Asked, JudgedSpectrum, SpectraVerdict
-from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS
+from strikewave.specifications.judged_records import Asked, JudgedSpectrum, SpectraVerdict, judge_records
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, Clause
 from strikewave.specifications.reading import Specification
 from strikewave.specifications.spectrum_limits import judge_spectrum
+
+if TYPE_CHECKING:
+    from strikewave.analyses.record.result import RecordResult
+
+
+def with_verdict(result: RecordResult, specification: Specification, asked: Asked) -> RecordResult:
+    """Return the result of records with the verdict by a specification; a fail is a failed check.
+
+    Raises
+    ------
+    InputError
+        If the records cannot be judged by it.
+    """
+    found = judge_records(result.readings, specification, asked, result.filter)
+    notices = verdict_notices(
+        specification.title, found.verdict, found.by_indicative, [one for one, _ in found.clauses]
+    )
+    citations = ("jcgm-106", "iso-14253-1") if asked.rule == "guarded" else ()
+    return dataclasses.replace(
+        result,
+        verdict=found,
+        notices=(*result.notices, *notices),
+        citations=(*result.citations, *citations),
+    )
+
+
+def verdict_notices(title: str, verdict: str, by_indicative: bool, clauses: list[Clause]) -> list[Notice]:
+    """Return the notice of a verdict that is no pass."""
+    if verdict not in (FAIL, CANNOT_TELL):
+        return []
+    names = listed(list(dict.fromkeys(clause.clause for clause in clauses if clause.verdict == verdict)))
+    message = f"{verdict_words(verdict, by_indicative)} by {title}: {names or 'nothing could be judged'}"
+    return [Notice("specification", message, severity=FAILED if verdict == FAIL else WARNING)]
+
 
 Array = NDArray[np.float64]
 
@@ -134,7 +168,7 @@ def _columns(found: SpectraVerdict) -> list[Column]:
 
 def spectra_section(found: SpectraVerdict) -> Section:
     """Return the chapter of a verdict on spectra: the tolerance with the spectra over it, and the clauses."""
-    from strikewave.analyses.record.verdicts.figures import spectrum_limits_figure
+    from strikewave.analyses.record.figures.verdicts import spectrum_limits_figure
 
     drawn = [(one.name, one.frequency, one.values, one.verdict) for one in found.spectra]
     file = found.specification.file

@@ -8,16 +8,15 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.record.chosen import name_of
-from strikewave.analyses.record.filter_options import filtered
-from strikewave.analyses.record.paired import read_pair
+from strikewave.analyses.record.options import RecordSpecificationOptions, filtered
 from strikewave.analyses.record.result import RecordResult, record_result
-from strikewave.analyses.record.verdicts.judged import with_verdict
-from strikewave.analyses.record.verdicts.options import RecordSpecificationOptions
+from strikewave.analyses.record.rows import name_of
+from strikewave.analyses.record.sensor_pairs import read_pair
+from strikewave.analyses.record.verdicts import with_verdict
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Source
 from strikewave.base.units import si_value
-from strikewave.cases.stack_of_case import stated_sensor
+from strikewave.cases.stack_of_case import StatedSensor, stated_sensor
 from strikewave.cases.stated_test import StatedTest, load_test
 from strikewave.records import (
     FileReading,
@@ -40,7 +39,6 @@ from strikewave.signal.filters import Filter
 from strikewave.specifications.judging import Rule
 
 if TYPE_CHECKING:
-    from strikewave.cases.stack_of_case import StatedSensor
     from strikewave.specifications.judged_records import Asked
     from strikewave.specifications.reading import Specification
 

@@ -1,4 +1,4 @@
-"""What measured records say, in words: for the screen and for the report."""
+"""What measured records and their verdicts say in sentences, for screen and report."""
 
 from __future__ import annotations
 
@@ -6,17 +6,28 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from strikewave.analyses.record.chosen import counted
-from strikewave.analyses.record.pair_chapter import pair_words
-from strikewave.analyses.record.response_chapter import response_words
-from strikewave.analyses.record.tables import amount, between, called, percent, plus_minus, rows_of, short_names
-from strikewave.analyses.record.verdicts.words import sentence
+from strikewave.analyses.record.chapters import pair_words, response_words
+from strikewave.analyses.record.rows import counted
+from strikewave.analyses.record.tables import between, called, figure_text, percents, plus_minus, rows_of, short_names
 from strikewave.base.texts import are_many, first_few
+from strikewave.cases.stated_test import StatedTest
 from strikewave.records.campaign import COPY, Campaign, Outlier
 from strikewave.records.health_notice import worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
+from strikewave.reporting.clause_words import (
+    clause_name,
+    first_upper,
+    not_judged_names,
+    share_words,
+    verdict_sentence,
+    verdict_tag,
+    why_words,
+)
 from strikewave.reporting.numbers import listed
+from strikewave.reporting.parts import NONE, Tag
+from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS
 
 if TYPE_CHECKING:
     from strikewave.analyses.record.result import RecordResult
@@ -115,7 +126,7 @@ def doubted_peaks(campaign: Campaign, files: Sequence[FileReading]) -> list[Reco
 def peak_range(values: Sequence[float], unit: str) -> str:
     """Return a peak, or the smallest and the largest of several."""
     low, high = min(values), max(values)
-    return amount("peak", unit, low) if low == high else between("peak", unit, low, high)
+    return figure_text("peak", unit, low) if low == high else between("peak", unit, low, high)
 
 
 def _doubted_words(campaign: Campaign, files: Sequence[FileReading]) -> str:
@@ -144,18 +155,18 @@ def _campaign_words(campaign: Campaign, names: Mapping[str, str], several: bool)
     statistics, unit = campaign.statistics, campaign.unit
     rigid = statistics.get("rigid_peak")
     without = (
-        "" if rigid is None else f" Without ringing {_of_blows(rigid.n)} {amount('rigid_peak', unit, rigid.mean)}."
+        "" if rigid is None else f" Without ringing {_of_blows(rigid.n)} {figure_text('rigid_peak', unit, rigid.mean)}."
     )
     if "peak" not in statistics:
         return f"{where}{NO_PEAK}{without}"
     one = statistics["peak"]
-    text = f"{where}{one.n} blow{'s' if one.n > 1 else ''}, peak {amount('peak', unit, one.mean)}"
+    text = f"{where}{one.n} blow{'s' if one.n > 1 else ''}, peak {figure_text('peak', unit, one.mean)}"
     if one.n > 1:
         bounds = between("peak", unit, one.low, one.high)
-        text += f" in the mean (95 % bounds {bounds}, scatter {percent(one.cv, 2)})"
+        text += f" in the mean (95 % bounds {bounds}, scatter {percents(one.cv, 2)})"
     for name in ("width", "velocity_change"):
         if name in statistics:
-            text += f", {called(name, unit)} {amount(name, unit, statistics[name].mean)}"
+            text += f", {called(name, unit)} {figure_text(name, unit, statistics[name].mean)}"
     line = campaign.trends.get("peak")
     odd = {one.path: one for one in reversed(campaign.outliers)}  # the first of each file
     if odd:
@@ -165,4 +176,67 @@ def _campaign_words(campaign: Campaign, names: Mapping[str, str], several: bool)
     if not line.significant:
         return f"{text}.{without} Over the files no trend of the peak stands out of the scatter."
     grows = "grows" if (line.slope > 0.0) == (one.mean > 0.0) else "falls"
-    return f"{text}.{without} Over the files the peak {grows} by {percent(abs(line.change), 2)} along its trend."
+    return f"{text}.{without} Over the files the peak {grows} by {percents(abs(line.change), 2)} along its trend."
+
+
+WHY_HEAD = "fails, or why nothing can be said"
+"""Head of a column of `why_of_shock`."""
+MOST_SHOCKS_NAMED = 3
+"""Shocks that a sentence names."""
+
+
+def name_of_shock(shock: JudgedShock | None, names: dict[str, str], several: bool) -> str:
+    """Return how a shock is called: file, channel where there are several, number of its blow."""
+    if shock is None:
+        return NONE
+    channel = f", {shock.reading.channel.name}" if several else ""
+    return f"{names[shock.file]}{channel}, blow {shock.number}"
+
+
+def why_of_shock(shock: JudgedShock) -> str:
+    """Say which clauses a shock fails or, where it fails none, of which nothing can be said, and why."""
+    for verdict in (FAIL, CANNOT_TELL):
+        clauses = [clause for clause in shock.found.clauses if clause.verdict == verdict]
+        if clauses:
+            names = ", ".join(clause.clause for clause in clauses)
+            return f"{names}: {clauses[0].reason}" if verdict == CANNOT_TELL and clauses[0].reason else names
+    return NONE
+
+
+def tag_of_records(found: RecordsVerdict, stated: StatedTest | None = None) -> Tag:
+    """Return the verdict as a tag, with what it rests on; equipment without a valid calibration takes its green."""
+    tag = verdict_tag(found.verdict, found.by_indicative, [clause for clause, _ in found.clauses])
+    if stated is None or not stated.lapses:
+        return tag
+    return Tag(f"{tag.text}; calibration overdue", "warned" if found.verdict == PASS else tag.look)
+
+
+def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
+    """Say what the verdict is, by what, and why."""
+    count = len(found.shocks)
+    many = {0: "no shock", 1: "one shock"}.get(count, f"{count} shocks")
+    clauses = [clause for clause, _ in found.clauses]
+    of_what = f": {many} by {found.specification.title} ({found.specification.file.edition})."
+    words = [verdict_sentence(found.verdict, found.by_indicative, clauses, of_what)]
+    several = len({shock.reading.channel.name for shock in found.shocks}) > 1
+    wrong = [(c, s) for c, s in found.clauses if c.verdict == found.verdict and c.verdict in (FAIL, CANNOT_TELL)]
+    for clause, shock in wrong[:MOST_SHOCKS_NAMED]:
+        where = f" of {name_of_shock(shock, names, several)}" if shock is not None and count > 1 else ""
+        words.append(f"{first_upper(clause_name(clause.clause))}{where}: {why_words(clause)}.")
+    if found.verdict == PASS:
+        tight = [(c, s) for c, s in found.clauses if c.verdict == PASS and math.isfinite(c.share)]
+        if tight:
+            clause, shock = min(tight, key=lambda one: one[0].share)
+            where = f", {name_of_shock(shock, names, several)}" if shock is not None and count > 1 else ""
+            words.append(f"Least margin: {clause.clause}{where}, {share_words(clause)} of the tolerance.")
+    failed = sum(shock.found.verdict == FAIL for shock in found.shocks)
+    if count > 1 and failed:
+        words.append(f"{failed} of {count} shocks fail.")
+    unclear = [shock for shock in found.shocks if shock.found.verdict == CANNOT_TELL]
+    if count > 1 and unclear and found.verdict != CANNOT_TELL:
+        where = first_few([name_of_shock(shock, names, several) for shock in unclear], MOST_SHOCKS_NAMED, "; ")
+        words.append(f"Of {len(unclear)} of {count} nothing can be said ({where}): {why_of_shock(unclear[0])}.")
+    skipped = not_judged_names(clauses)
+    if skipped and found.verdict != PASS:
+        words.append(f"Not judged: {listed(skipped)}.")
+    return " ".join(words)

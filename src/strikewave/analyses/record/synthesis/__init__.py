@@ -1,1 +1,0 @@
-"""Base motions that meet a specification of a shock response spectrum."""

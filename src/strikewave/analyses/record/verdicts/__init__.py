@@ -1,1 +1,0 @@
-"""Verdicts on records by a specification: options, screen, chapter of the report, pictures."""
