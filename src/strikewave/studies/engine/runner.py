@@ -182,8 +182,8 @@ def finished_runs(
 @contextlib.contextmanager
 def at_work(store: RunStore | None, pool: Pool | None, workers: int = 1) -> Iterator[tuple[RunStore, Pool]]:
     """Give a store and a pool: those that are given, else a temporary one, and so many processes; the pool is ended."""
-    with given_or_temporary(store) as kept_in, ProcessPool(workers) if pool is None else pool as ready:
-        yield kept_in, ready
+    with given_or_temporary(store) as open_store, ProcessPool(workers) if pool is None else pool as open_pool:
+        yield open_store, open_pool
 
 
 def finished_before(job: Work[Asked], rows: Sequence[Asked], store: RunStore) -> int:

@@ -381,8 +381,9 @@ def make_map(
     case = parse_case(plan.case)
     machine_of(case)
     present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
-    with at_work(store, pool, workers) as (kept, ready):
-        runs = finished_runs(plan.job, plan.rows, kept, ready, progress, "cells", fast_not_judged(case))
+    with at_work(store, pool, workers) as (open_store, open_pool):
+        not_judged = fast_not_judged(case)
+        runs = finished_runs(plan.job, plan.rows, open_store, open_pool, progress, "cells", not_judged)
     cells = runs.numbers.reshape(*plan.shape, len(FIELDS))
     study = MapStudy(plan, cells, wanted, present, verdicts=runs.verdicts)
     setting, refused = confirmed(study)

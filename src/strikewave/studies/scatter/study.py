@@ -551,8 +551,8 @@ def scatter(
         if progress is not None:
             progress((1 + done) / whole)
 
-    with at_work(store, pool, plan.workers) as (kept, ready):
-        runner = Runner(case, tolerances, kept, ready, advance)
+    with at_work(store, pool, plan.workers) as (open_store, open_pool):
+        runner = Runner(case, tolerances, open_store, open_pool, advance)
         runs = runner(numbers)
         sobol = ("saltelli-2010", "jansen-1999") if plan.shares == "sobol" else ()
         citations = ("vangel-1996", "wilks-1941", *sobol)

@@ -287,16 +287,9 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
         raise InputError("schema", file.schema_version, f"schema = {SCHEMA}")
     whole = (*file.set, *changes)
     case = load_case(case_place(file.case, Path(name).parent), whole)
-    return SweepRequest(
-        vary=typed.vary or tuple(varied_texts(file.vary)),
-        keep=typed.keep or file.keep,
-        analysis=typed.analysis or file.analysis,
-        design=typed.design or file.design,
-        runs=file.runs if typed.runs is None else typed.runs,
-        seed=file.seed if typed.seed is None else typed.seed,
-        changes=whole,
-        case=case,
-    )
+    stated = SweepRequest(tuple(varied_texts(file.vary)), file.keep, file.analysis, file.design, file.runs, file.seed)
+    beside = {name: value for name, value in vars(typed).items() if value not in (None, "", ())}
+    return replace(stated, **{**beside, "changes": whole, "case": case})
 
 
 def _document(text: str) -> Mapping[str, Any]:

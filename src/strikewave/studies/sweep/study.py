@@ -317,8 +317,8 @@ def make_sweep(
         If the pool is lost.
     """
     not_judged = plan.evaluation.not_judged(plan.case)
-    with at_work(store, pool) as (kept, ready):
-        runs = finished_runs(plan.job, plan.rows, kept, ready, advance, not_judged=not_judged)
+    with at_work(store, pool) as (open_store, open_pool):
+        runs = finished_runs(plan.job, plan.rows, open_store, open_pool, advance, not_judged=not_judged)
     keys = tuple(key.hex() for key in runs.keys)
     sources = SOURCES.get(plan.design, ())
     study = SweepStudy(plan, runs.numbers, tuple(runs.failures), keys, citations=sources, verdicts=runs.verdicts)
