@@ -28,7 +28,7 @@ from strikewave.studies.study import Study
 Shown = TypeVar("Shown", bound=ShownResult)
 Made = TypeVar("Made", bound=Study)
 Report = Callable[..., None]
-"""What a bar is told: the share of the runs that is done, and words beside it."""
+"""What moves a bar, by the share of the runs that is done, and words beside it."""
 
 
 @dataclass(kw_only=True)

@@ -70,7 +70,7 @@ class Pool(ABC):
         """Return what an error says of a batch that ended before its time; None of an error of ours."""
         return Loss.BY_ANY if isinstance(error, BrokenExecutor) else None
 
-    def look(self) -> None:  # noqa: B027  (most are told of what is lost)
+    def look(self) -> None:  # noqa: B027  (most pools report what is lost)
         """End batches whose loss nobody reports; called now and then while none comes back."""
 
     @abstractmethod

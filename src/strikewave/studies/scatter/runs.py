@@ -158,7 +158,7 @@ class TrainEvaluation:
 
 @dataclass
 class Runner:
-    """Runs a case at drawn values, each alone, so that no number depends on it; ``advance`` is told how many are done.
+    """Runs a case at drawn values, each alone, so that no number depends on it; ``advance`` takes how many are done.
 
     Attributes
     ----------
@@ -191,7 +191,7 @@ class Runner:
         places = [tuple(row) for row in rows.tolist()]
         keys = carry_out(job, places, self.store, self.pool, lambda now: self.advance(begun + now.done)).keys
         self.done += len(places)
-        self.advance(self.done)  # runs that the store had already were not told one by one
+        self.advance(self.done)  # runs that the store had already came in no batch
         return kept_runs(self.store, keys)
 
 
