@@ -132,7 +132,7 @@ def test_a_result_without_a_band_says_why_on_screen_and_in_json_and_report(strik
 
 
 def test_a_bar_that_takes_too_long_for_a_band_says_so(monkeypatch):
-    monkeypatch.setattr(bar_band, "WORK", 1.0)
+    monkeypatch.setattr(bar_band, "BAND_WORK", 1.0)
     solution = bar_band.with_bands(run_wave(load_case("li-ma-2019-fig13-bar")))
     assert not solution.band
     assert "no-band" in [notice.code for notice in solution.notices]
