@@ -132,7 +132,7 @@ def read_lvm(path: Path, options: Options = Options()) -> Record:  # noqa: B008 
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "blow.lvm"
     ...     _ = file.write_text(header + segment + "X_Value\tboard\tComment\n\t1.5\n\t2.5\n")
-    ...     record = read(file)
+    ...     record = read_lvm(file)
     >>> [(c.name, c.unit, c.step, c.values.tolist()) for c in record.channels]
     [('board', 'g', 5e-06, [1.5, 2.5])]
     """

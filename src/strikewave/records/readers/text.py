@@ -464,7 +464,7 @@ def read_text(path: Path, options: Options = Options()) -> Record:  # noqa: B008
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     file = Path(folder) / "blow.csv"
     ...     _ = file.write_text("Zeit [ms];Platine [g]\n0,00;1,5\n0,01;5,25\n0,02;2,0\n")
-    ...     record = read(file)
+    ...     record = read_text(file)
     >>> [(c.name, c.unit, c.values.tolist(), c.stamps.tolist()) for c in record.channels]
     [('Platine', 'g', [1.5, 5.25, 2.0], [0.0, 1e-05, 2e-05])]
     """
