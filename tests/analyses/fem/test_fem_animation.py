@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 from strikewave import load_case
 from strikewave.analyses.fem.build import build_model
 from strikewave.analyses.fem.figures import animation as fem_animation
-from strikewave.analyses.fem.figures.animation import chosen, fem_page, movie_of, write_fem_gif
+from strikewave.analyses.fem.figures.animation import fem_page, movie_of, shown_snapshots, write_fem_gif
 from strikewave.analyses.fem.run import run_model
 from strikewave.cli.app import app
 from strikewave.fem.run import mean_force
@@ -120,7 +120,7 @@ def test_names_of_curves_hold_no_letters_that_control_a_screen():
 
 
 def test_most_instants_are_those_in_contact(solution):
-    stills = chosen(solution.film)
+    stills = shown_snapshots(solution.film)
     times = [still.time for still in stills]
     assert times == sorted(set(times))
     assert len(times) <= fem_animation.TOUCHING + fem_animation.APART

@@ -18,7 +18,59 @@ from strikewave.fem.model import Driven, Fixed, Guided, NonReflecting, Pressure,
 from strikewave.fem.quality import quality_report
 from strikewave.fem.solids import Bilinear, Elastic, JohnsonCook, ZerilliArmstrong
 
-from .ball_case import CASE, edited
+CASE = """
+schema = 1
+title = "A ball on a block"
+
+[[mesh.part]]
+name = "ball"
+shape = "ball"
+material = "65Mn"
+radius = "10 mm"
+size = "2.5 mm"
+sector = "quarter"
+at = { z = { value = "14.01 mm", provenance = "measured", note = "gauge block" } }
+velocity = { z = "-1 m/s" }
+solid = { law = "bilinear", tangent_modulus = "21 GPa" }
+
+[[mesh.part]]
+name = "block"
+shape = "block"
+material = "2A12"
+width = "10 mm"
+depth = "8 mm"
+height = "4 mm"
+size = "2 mm"
+elements = "full"
+
+[fem]
+duration = "80 us"
+gravity = { z = "-1 g" }
+
+[[fem.contact]]
+first = "ball.round"
+second = "block"
+friction = 0.1
+
+[[fem.boundary]]
+kind = "symmetry"
+side = "ball.x-"
+
+[[fem.boundary]]
+kind = "pressure"
+side = "block.x+"
+time = ["0 us", { value = "10 us", provenance = "measured" }]
+pressure = ["0 MPa", "10 MPa"]
+"""
+
+
+def edited(*changes):
+    """The case above with pieces of its text replaced."""
+    text = CASE
+    for old, new in changes:
+        assert text.count(old) >= 1, old
+        text = text.replace(old, new, 1)
+    return text
 
 
 def with_fem(text):
@@ -598,3 +650,21 @@ def test_a_speed_above_the_wave_speed_and_a_modulus_of_no_material_are_named_bef
     }
     (notice,) = [one for one in model_notices(changed, build_model(changed)) if one.code == code]
     assert words in notice.message
+
+
+@pytest.mark.parametrize("height", [5.5, 4.0, 0.0, -1.0])
+def test_parts_that_stand_in_each_other_are_refused_however_deep(height):
+    """A ball of 10 mm radius whose lowest point is below the block's top at 4 mm by more than an element of 1 mm."""
+    text = edited(('value = "14.01 mm"', f'value = "{10.0 + height - 3.0} mm"'), ('size = "2 mm"', 'size = "1 mm"'))
+    with pytest.raises(InputError, match="stand beside each other"):
+        build_model(parse_case(text))
+
+
+def test_parts_that_touch_and_parts_that_only_share_a_box_may_stand_so():
+    """The ball's box reaches over a block at its corner, the ball does not; and lowest point on top is no overlap."""
+    for place in ('value = "14 mm"', 'value = "13.95 mm"'):
+        build_model(parse_case(edited(('value = "14.01 mm"', place))))
+    beside = edited(
+        ('value = "14.01 mm"', 'value = "-3 mm"'), ('size = "2 mm"', 'size = "1 mm"\nat = { x = "14 mm", y = "12 mm" }')
+    )
+    build_model(parse_case(beside))

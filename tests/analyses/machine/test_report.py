@@ -12,7 +12,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from strikewave import load_case, run_case, run_wave
-from strikewave.analyses.machine.figures.pulses import chosen, rigid_acceleration, whole_train
+from strikewave.analyses.machine.figures.pulses import drawn_blows, rigid_acceleration, whole_train
 from strikewave.analyses.machine.report import report
 from strikewave.analyses.machine.result import load_solution
 from strikewave.analyses.wave.report import wave_report
@@ -413,7 +413,7 @@ def test_a_thousand_blows_stay_below_the_largest_size(solution):
     for name in ("pulse_force", "pulse_acceleration"):
         data[name] = SimpleNamespace(values=solution.data[name].values[rows])
     long = dataclasses.replace(solution, blows=blows, sampled=data)
-    assert len(chosen(long)) <= MOST_PULSES
+    assert len(drawn_blows(long)) <= MOST_PULSES
     page = report(long)
     assert len(tables(page)["Blows"]) == many + 1
     assert len(page.encode()) < LARGEST

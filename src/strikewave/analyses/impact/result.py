@@ -282,7 +282,7 @@ class ImpactResult(measured.AskedResult):
         return {"impact.json": self.document_text(2)}
 
 
-def _notices(setup: Setup, blow: Impact, answers: ImpactAnswers) -> tuple[Notice, ...]:
+def impact_notices(setup: Setup, blow: Impact, answers: ImpactAnswers) -> tuple[Notice, ...]:
     """Return what is odd about the first blow, and the laws that stand here from memory."""
     notices = [
         _restitution_differs(setup, blow),
@@ -292,7 +292,7 @@ def _notices(setup: Setup, blow: Impact, answers: ImpactAnswers) -> tuple[Notice
     return (*_beyond(setup, blow), *(notice for notice in notices if notice), *_from_memory(setup))
 
 
-def _blows(setup: Setup) -> list[Impact]:
+def solved_blows(setup: Setup) -> list[Impact]:
     """Solve the blows; without a cap on the pressure one is as the other."""
     if not LEAST_ENERGY < float(reduced_mass(*setup.masses)) * setup.speed * setup.speed < 1.0 / LEAST_ENERGY:
         raise InputError("impact", _given(setup), "masses and a speed whose energy is finite")

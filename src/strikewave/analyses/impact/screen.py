@@ -8,7 +8,14 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from strikewave.analyses.impact.identified import Given, IdentifyResult
-from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, _blows, _notices, blow_columns, impact_answers
+from strikewave.analyses.impact.result import (
+    MOST_ROWS,
+    ImpactResult,
+    blow_columns,
+    impact_answers,
+    impact_notices,
+    solved_blows,
+)
 from strikewave.analyses.impact.setup import Setup
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.result import Notice, Source
@@ -44,10 +51,10 @@ class ImpactCommand(Command[ImpactResult]):
 
     def solve(self) -> ImpactResult:
         """Return the blows."""
-        blows = _blows(self.setup)
+        blows = solved_blows(self.setup)
         answers = impact_answers(self.setup, blows[0])
         return ImpactResult(
-            self.setup, blows, answers, origin=self.origin, notices=_notices(self.setup, blows[0], answers)
+            self.setup, blows, answers, origin=self.origin, notices=impact_notices(self.setup, blows[0], answers)
         )
 
     def summary(self, result: ImpactResult) -> str:

@@ -326,7 +326,7 @@ def build_rotary(case: Case) -> Machine:
         ),
         layered=layered,
     )
-    lines = [str(error) for error in inconsistencies(case, machine)]
+    lines = [str(error) for error in rotary_inconsistencies(case, machine)]
     if lines:
         raise InputErrors(lines)
     return machine
@@ -359,7 +359,7 @@ FASTEST_BELT = 1e5
 """Highest rate at which turntable and motor may swing on the belt, rad/s: beyond it the belt is rigid."""
 
 
-def inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]:
+def rotary_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]:
     """Yield an error for each pair of values of a rotary machine that does not fit together."""
     yield from _strike_inconsistencies(case.rotary_tables().machine, machine)
     yield from _striker_inconsistencies(case, machine)

@@ -237,7 +237,7 @@ def pulse_pictures(solution: Solution, moving: str = "") -> Section:
             f"Contact force over time, blow {first.index}: peak {text_of(first, 'peak_force')}, "
             f"{first.contacts} contacts.",
         )
-        drawn = pulses.chosen(solution)
+        drawn = pulses.drawn_blows(solution)
         some = "" if len(drawn) == len(struck) else f" {len(drawn)} of {len(struck)} are drawn."
         add(
             ["pulse_time", "pulse_acceleration"],

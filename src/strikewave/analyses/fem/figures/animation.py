@@ -146,7 +146,7 @@ def movie_of(
         Called with the share that is done, 0 to 1.
     """
     film = solution.film
-    stills = chosen(film) if film is not None else []
+    stills = shown_snapshots(film) if film is not None else []
     if film is None or not stills:
         return None
     skin, shown = film.skin, QUANTITIES[quantity]
@@ -164,7 +164,7 @@ def movie_of(
     return Movie(time, images, shown, scale, width, extend, traces_of(solution))
 
 
-def chosen(film: SnapshotRecorder) -> list[Snapshot]:
+def shown_snapshots(film: SnapshotRecorder) -> list[Snapshot]:
     """Return the instants that are shown, in the order of time: most of them while bodies touch."""
     touching = {still.time for still in film.contact.kept}
     apart = [still for still in film.snapshots if still.time not in touching]

@@ -32,19 +32,6 @@ from strikewave.fem.solids import pressure, von_mises
 from strikewave.reporting.numbers import ShownQuantity, axis_unit, round_step, time_unit
 from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, shortened
 
-__all__ = [
-    "QUANTITIES",
-    "Camera",
-    "body_picture",
-    "contact_zone",
-    "frames_picture",
-    "kept_elements",
-    "mesh_picture",
-    "scene",
-    "view_of",
-]
-
-
 Array = NDArray[np.float64]
 
 Vector = tuple[float, float, float]

@@ -197,7 +197,7 @@ def overlaid_pulses(solution: Solution) -> Figure:
     size, _ = axis_unit("m/s^2", "g")
     first = _first_struck(solution)
     seen: set[str] = set()
-    rows = chosen(solution)
+    rows = drawn_blows(solution)
     longest = max((solution.blows[row].width for row in rows if solution.blows[row].width > 0.0), default=0.0)
     for row in reversed(rows):  # the first one on top
         blow = solution.blows[row]
@@ -251,7 +251,7 @@ def whole_train(solution: Solution) -> Figure:
     return figure
 
 
-def chosen(solution: Solution) -> list[int]:
+def drawn_blows(solution: Solution) -> list[int]:
     """Return the rows of the blows whose pulses are drawn over each other."""
     struck = [row for row, blow in enumerate(solution.blows) if blow.kind != "missed"]
     if len(struck) <= MOST_PULSES:
@@ -282,6 +282,3 @@ def _window(solution: Solution, row: int, name: str, width: float) -> tuple[Arra
     time, values = blow_history(solution.arrays, row, name)
     shown = np.isfinite(values) & (time <= (SHOWN_WIDTHS * width if width > 0.0 else time[-1]))
     return time[shown] / unit, values[shown]
-
-
-__all__ = ["chosen", "contact_force", "overlaid_pulses", "rigid_acceleration", "thin", "whole_train"]

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.colors import to_hex
 
 from strikewave.analyses.fem.build import build_model
-from strikewave.analyses.fem.figures.animation import chosen, fem_page, movie_of
+from strikewave.analyses.fem.figures.animation import fem_page, movie_of, shown_snapshots
 from strikewave.analyses.fem.figures.cut import QUANTITIES, colour_scale
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_fem, run_model
@@ -103,7 +103,7 @@ def body_field(solution: FemSolution) -> bytes:
     byte a face, from the least to the largest of its scale. All are little-endian.
     """
     film = solution.film
-    stills = chosen(film) if film is not None else []
+    stills = shown_snapshots(film) if film is not None else []
     if film is None or not stills:
         return b""
     skin = film.skin
