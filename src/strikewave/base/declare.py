@@ -342,7 +342,7 @@ def declarations(kind: type) -> dict[str, Declaration]:
 
 
 def content(value: Any) -> dict[str, Any]:
-    """Return what the JSON document holds of a declared value; `json_document.plain` makes it fit for JSON."""
+    """Return what the JSON document holds of a declared value; `documents.plain` makes it fit for JSON."""
     held: dict[str, Any] = {}
     for name, one in declarations(type(value)).items():
         if not one.in_document:

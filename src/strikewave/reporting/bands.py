@@ -230,19 +230,6 @@ def short_fields(fields: Iterable[str]) -> dict[str, str]:
     return {field: next((end for end in of_one if counts[end] == 1), field) for field, of_one in ends.items()}
 
 
-def bands_of(bands: Mapping[str, Band], column: str) -> list[Band]:
-    """Return the bands of what a column of a table holds: of the first blow and of later ones, or of a sensor.
-
-    Examples
-    --------
-    >>> bands = {"first.width": Band(1e-4, 2e-4, 0.95), "sensor.end.peak": Band(1e4, 2e4, 0.95)}
-    >>> len(bands_of(bands, "width")), len(bands_of(bands, "end peak")), len(bands_of(bands, "impulse"))
-    (1, 1, 0)
-    """
-    named = column.replace(".", " ")
-    return [band for name, band in bands.items() if name.partition(".")[2].replace(".", " ") == named]
-
-
 def units_of(result: Result, name: str) -> tuple[str, str]:
     """Return the SI unit of a result with a band, and the one in which it is shown as a rule, as its field declares.
 

@@ -199,7 +199,6 @@ class Reproduction(ShownResult):
     """
 
     command: ClassVar[str] = "reproduce"
-    drawing: ClassVar[str] = "report.page"
 
     main_rows: ClassVar[str] = "first_answers"
 
