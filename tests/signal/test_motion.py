@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.signal.motion import motion
+from strikewave.signal.motion import motion, zero_before
 
 
 def test_half_sine_moves_its_base_by_its_closed_forms():
@@ -77,3 +77,18 @@ def test_two_samples_are_a_motion():
     found = motion([6.0, 12.0], 2.0)
     assert found.velocity.tolist() == [0.0, 18.0]
     assert found.displacement.tolist() == pytest.approx([0.0, 16.0], rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("touch", "values", "zero"),
+    [
+        (0.0, [-9.8, -9.7, 40.0], -9.7),  # the instant of the touch is before the blow
+        (0.5, [-9.8, -9.7, 40.0], -9.7),
+        (1.0, [-9.8, -9.7, 40.0], 40.0),
+        (-1.0, [-9.8, -9.7, 40.0], -9.8),
+        (-1.5, [-9.8, -9.7, 40.0], 0.0),  # nothing is known
+        (0.0, [-9.8, math.nan, 40.0], 0.0),
+    ],
+)
+def test_the_last_value_not_after_the_touch_is_zero(touch, values, zero):
+    assert zero_before([-1.0, 0.0, 1.0], values, touch) == zero
