@@ -20,7 +20,10 @@ TABLES = (
 )  # fmt: skip
 """Modules that know units themselves: how they convert, what is offered, which one suits a size, which ones files have and
 cases are written in."""
-PICTURES = ("reporting/style.py", "reporting/waves.py", "reporting/waves.py", "web/charts.py")
+PICTURES = (
+    "reporting/style.py", "reporting/waves.py", "web/charts.py", "analyses/wave/report.py",
+    "analyses/fem/ls_dyna/report.py",
+)  # fmt: skip
 """Modules that draw, beside those in `figures`: an axis may say its own units."""
 
 
