@@ -22,7 +22,7 @@ TABLES = (
 cases are written in."""
 PICTURES = (
     "reporting/style.py", "reporting/waves.py", "web/charts.py", "analyses/wave/report.py",
-    "analyses/fem/ls_dyna/report.py",
+    "analyses/fem/ls_dyna/report.py", "analyses/record/test_report.py",
 )  # fmt: skip
 """Modules that draw, beside those in `figures`: an axis may say its own units."""
 

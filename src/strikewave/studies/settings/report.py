@@ -95,7 +95,7 @@ class SearchCommand(StudyCommand[MachineSearch]):
         """Print the ranking, what the first is judged by, and what gave no result."""
         first = result.candidates[0]
         shown = leading(result.candidates, MOST_SHOWN, lambda one: one.strikers)
-        print_rows(f"{result.met_count} settings give {result.goal.words}", result.columns_of(shown))
+        print_rows(f"{result.met_count} settings give {result.goal.words}", result.candidate_columns(shown))
         tell(
             "peak, width, interval: of the typical blow, the median of the later full ones; CV: scatter of all peaks; "
             "sensitivity: change of the peak with engagement"
@@ -111,7 +111,7 @@ class SearchCommand(StudyCommand[MachineSearch]):
         if first.clauses:
             print_rows("Clauses of the first, each by its worst blow", clause_columns(first.clauses))
         if len(result.masses) > 1:
-            print_rows("What the mass of a striker costs", result.columns_of(result.masses, "mass"))
+            print_rows("What the mass of a striker costs", result.candidate_columns(result.masses, "mass"))
         for one in result.left_out:
             tell(f"left out, {one.strikers} strikers: {one.why}")
         self.show_failed(result)
@@ -280,10 +280,10 @@ def _ranking_section(study: SettingsStudy) -> Section:
         f"change of the peak with engagement.{f' settings.json has {more} more.' if more else ''}"
     )
     caption = f"Candidates, best first, for {study.goal.printed}"
-    tables = [page_table(caption, study.columns_of(rows))]
+    tables = [page_table(caption, study.candidate_columns(rows))]
     if len(study.masses) > 1:
         caption = "What the mass of a striker costs, all else as the first"
-        tables.append(page_table(caption, study.columns_of(study.masses, "mass")))
+        tables.append(page_table(caption, study.candidate_columns(study.masses, "mass")))
     return Section("Candidates", text, tables)
 
 

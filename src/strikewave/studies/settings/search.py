@@ -460,7 +460,6 @@ class MachineSearch(Study):
         Why designs gave no result.
     """
 
-    command: ClassVar[str] = "settings"
     main_rows: ClassVar[str] = "candidates"
     noun: ClassVar[str]
     """What a candidate is called."""

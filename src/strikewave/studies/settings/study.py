@@ -612,6 +612,7 @@ class StrikersLeftOut:
 class SettingsStudy(MachineSearch):
     """Ranked settings of the rotary machine for blows; see `MachineSearch`."""
 
+    command: ClassVar[str] = "settings"
     noun: ClassVar[str] = "setting"
 
     goal: BlowGoal
@@ -666,7 +667,7 @@ class SettingsStudy(MachineSearch):
         near = f"each within {percent(WITHIN, 0)}"
         return f"{self.goal.printed}, {near}, with all blows full and all limits kept"
 
-    def columns_of(self, rows: Sequence[SettingsCandidate], table: str = "ranking") -> list[Column]:
+    def candidate_columns(self, rows: Sequence[SettingsCandidate], table: str = "ranking") -> list[Column]:
         """Return the columns of candidates, or of what the "mass" of a striker costs, without what was not varied."""
         columns = columns_of(SettingsCandidate, rows, table)
         return [column for column in columns if column.name not in set(VARIED) - {self.choice.vary}]

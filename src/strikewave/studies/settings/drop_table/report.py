@@ -60,7 +60,7 @@ class DropCommand(SearchCommand):
         """Print the ranking, the clauses, limits and inputs of the first, and why others do not meet the goal."""
         first = result.candidates[0]
         shown = leading(result.candidates, MOST_SHOWN, lambda one: one.programmer.name)
-        print_rows(f"{result.met_count} designs give {result.goal.words}", result.columns_of(shown))
+        print_rows(f"{result.met_count} designs give {result.goal.words}", result.candidate_columns(shown))
         tell("peak, width: as a sensor reads them whose zero is taken in the fall; margin: least of all clauses")
         tell("rebound: coefficient of restitution of the programmer, speed back over speed of arrival")
         reasons: dict[str, list[str]] = {}
@@ -163,7 +163,7 @@ def _ranking(study: DropStudy) -> Section:
         "more height for the same velocity change, four times as much without any rebound."
     )
     heights = face_table(study, "heights", caption="Height of a free fall for this velocity change")
-    designs = page_table(f"Designs for {study.goal.words}", study.columns_of(study.candidates[:MOST_ROWS]))
+    designs = page_table(f"Designs for {study.goal.words}", study.candidate_columns(study.candidates[:MOST_ROWS]))
     return Section("Designs", text, [designs, heights])
 
 

@@ -351,6 +351,7 @@ class WantedPulse:
 class DropStudy(MachineSearch):
     """Ranked designs of a drop table for a specification; see `MachineSearch`."""
 
+    command: ClassVar[str] = "settings"
     noun: ClassVar[str] = "design"
 
     goal: DropGoal
@@ -414,7 +415,7 @@ class DropStudy(MachineSearch):
         shock = self.candidates[0].reading.shock
         return history_curve(shock.time, shock.values, *PEAK.units, "acceleration of the table")
 
-    def columns_of(self, designs: Sequence[DropCandidate]) -> list[Column]:
+    def candidate_columns(self, designs: Sequence[DropCandidate]) -> list[Column]:
         """Return the columns of designs, with verdicts as they are written."""
         judged = [tag_of(one.judged) for one in designs]
         columns = columns_of(DropCandidate, designs)
