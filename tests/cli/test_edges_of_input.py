@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
+from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.contact import registry
 from strikewave.contact.damping import damping_law
@@ -95,7 +96,7 @@ def test_a_law_of_a_package_that_raises_is_named(monkeypatch):
         name = "foreign"
 
         def load(self):
-            return registry.DampingLaw("foreign", fails, "chi = 1/0", "none", registry.FROM_MEMORY, "nobody")
+            return registry.DampingLaw("foreign", fails, "chi = 1/0", "none", FROM_MEMORY, "nobody")
 
     monkeypatch.setattr(registry, "entry_points", lambda group: [Point()])
     registry._added.cache_clear()

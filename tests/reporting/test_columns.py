@@ -2,9 +2,9 @@
 
 import pytest
 
+from strikewave.base.declare import KEY
 from strikewave.base.units import in_unit
 from strikewave.reporting.columns import Column, page_table
-from strikewave.reporting.layout import KEY
 from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.reporting.parts import NONE, Tag
 from strikewave.reporting.terminal import print_rows

@@ -6,20 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from strikewave.base.declare import KEY, MORE
 from strikewave.reporting.columns import Column
-from strikewave.reporting.layout import (
-    KEY,
-    MORE,
-    cut,
-    keys,
-    length,
-    numerals,
-    plain,
-    table_lines,
-    texts,
-    tokens,
-    wrapped,
-)
+from strikewave.reporting.layout import cut, keys, length, numerals, plain, table_lines, texts, tokens, wrapped
 
 WORD = st.text("abcdefghijklmnopqrstuvwxyzµ-_./", min_size=1, max_size=14)
 NUMBER = st.one_of(

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple, Protocol
 
+from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.constants import Material, material
 from strikewave.base.quantities import AUTO, Value
 from strikewave.base.result import FAILED, INFO, Notice
@@ -28,7 +29,7 @@ from strikewave.contact import (
     stiffness_law,
 )
 from strikewave.contact.cushions import cushion_law
-from strikewave.contact.registry import FROM_MEMORY, Law
+from strikewave.contact.registry import Law
 
 SAME_RESTITUTION = 1e-9
 """Two restitutions that differ by less are the same: far more than rounding of the closed form, far less than any law

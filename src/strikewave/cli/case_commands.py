@@ -14,7 +14,7 @@ import typer
 
 from strikewave.base import declare
 from strikewave.base.constants import Material, materials
-from strikewave.base.declare import KEY, MAIN
+from strikewave.base.declare import KEY, MAIN, MORE
 from strikewave.base.documents import head
 from strikewave.base.errors import InputError
 from strikewave.base.output_folder import write_atomically
@@ -26,7 +26,7 @@ from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.stated_test import example_file
 from strikewave.cases.tables.common import EXAMPLE as TEST_EXAMPLE
 from strikewave.cases.written_case import comment_lines, document_of, dump_case
-from strikewave.reporting.layout import MORE, keys, texts
+from strikewave.reporting.layout import keys, texts
 from strikewave.reporting.numbers import showing
 from strikewave.reporting.options import CaseName, Changes, case_name, complete_case
 from strikewave.reporting.output_options import Show, Shown

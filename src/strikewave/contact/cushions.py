@@ -29,6 +29,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.citations import CHECKED, FROM_MEMORY, QUOTED
 from strikewave.base.errors import InputError, IntegrationError, nearest
 from strikewave.contact import _pair_kernels
 from strikewave.contact._law_kernels import DAMPING, YIELD_LOAD, base_force, damper_force
@@ -46,7 +47,7 @@ from strikewave.contact.law import (
     positive,
     single,
 )
-from strikewave.contact.registry import CHECKED, FROM_MEMORY, QUOTED, CushionLaw, law_named, with_added
+from strikewave.contact.registry import CushionLaw, law_named, with_added
 
 _OWN: dict[str, CushionLaw] = {}
 """The laws of this module by name; `_law` fills it."""

@@ -22,9 +22,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.citations import CHECKED, FROM_MEMORY, QUOTED
 from strikewave.contact import _kernels
 from strikewave.contact.law import AnyContact, Damper, PressureCap, RequestedDamping, not_negative, positive, refuse
-from strikewave.contact.registry import CHECKED, FROM_MEMORY, QUOTED, DamperLaw, DampingLaw, law_named, with_added
+from strikewave.contact.registry import DamperLaw, DampingLaw, law_named, with_added
 from strikewave.contact.stiffness import LogarithmicStiffness, Stiffness
 
 Array = NDArray[np.float64]

@@ -23,9 +23,10 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.citations import CHECKED, QUOTED
 from strikewave.contact import _pair_kernels
 from strikewave.contact.law import AnyContact, PressureCap, flat, not_negative, positive, refuse, rows_beside, single
-from strikewave.contact.registry import CHECKED, QUOTED, CapLaw
+from strikewave.contact.registry import CapLaw
 from strikewave.contact.stiffness import ElasticBody, Geometry, contact_modulus, reduced_radius
 
 Array = NDArray[np.float64]

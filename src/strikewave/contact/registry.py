@@ -22,10 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base import declare
-from strikewave.base.citations import CHECKED as CHECKED
-from strikewave.base.citations import FROM_MEMORY as FROM_MEMORY
-from strikewave.base.citations import QUOTED as QUOTED
-from strikewave.base.citations import SOURCES
+from strikewave.base.citations import FROM_MEMORY, SOURCES
 from strikewave.base.declare import KEY, MAIN, MORE
 from strikewave.base.errors import InputError, StrikewaveError, StrikewaveWarning, nearest, show
 

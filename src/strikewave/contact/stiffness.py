@@ -15,9 +15,10 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from strikewave.base.citations import CHECKED, FROM_MEMORY, QUOTED
 from strikewave.base.errors import MISSING, InputError
 from strikewave.contact.law import Contact, Damper, LogarithmicContact, PressureCap
-from strikewave.contact.registry import CHECKED, FROM_MEMORY, QUOTED, StiffnessLaw, law_named, with_added
+from strikewave.contact.registry import StiffnessLaw, law_named, with_added
 
 SMALLEST = 1e-15
 """Sizes below this are refused, m: the size of a proton, so that only a wrong unit gets there; curvatures stay far from

@@ -16,7 +16,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
@@ -31,8 +31,6 @@ from strikewave.fem.run import FieldFrame
 from strikewave.fem.solids import pressure, von_mises
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from strikewave.fem.mesh import Mesh
 
 VERSION = (2, 0)

@@ -10,13 +10,12 @@ from collections.abc import Iterable, Mapping
 from strikewave.base.constants import MATERIAL
 from strikewave.base.declare import banded_quantities
 from strikewave.base.result import Band, BandMethod, MovedInput, Notice, Result
+from strikewave.base.texts import percent, rounded
 from strikewave.base.units import in_unit, take_apart
 from strikewave.reporting.numbers import (
     decimals_of,
     fixed,
     listed,
-    percent,
-    rounded,
     share_with_error,
     shown,
     shown_unit,

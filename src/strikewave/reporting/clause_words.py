@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
+from strikewave.base.declare import KEY, MORE
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import usual_unit
 from strikewave.records.budget import Budget
 from strikewave.reporting.columns import Column
-from strikewave.reporting.layout import KEY, MORE
 from strikewave.reporting.numbers import doubted, listed, shown, shown_unit, spelled, with_unit
 from strikewave.reporting.parts import NONE, Tag, written
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, NOT_JUDGED, PASS, Clause

@@ -10,9 +10,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from strikewave.base.declare import KEY as KEY
-from strikewave.base.declare import MAIN as MAIN
-from strikewave.base.declare import MORE as MORE
+from strikewave.base.declare import KEY, MAIN
 from strikewave.reporting.columns import Column
 
 GAP = "  "

@@ -14,10 +14,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.texts import NO_DOUBT as NO_DOUBT
-from strikewave.base.texts import beside_doubt
-from strikewave.base.texts import percent as percent
-from strikewave.base.texts import rounded as rounded
+from strikewave.base.texts import NO_DOUBT, beside_doubt, percent, rounded
 from strikewave.base.units import DIMENSIONS, in_unit, parse_quantity
 from strikewave.reporting.parts import NONE, written
 

@@ -55,8 +55,6 @@ def mark_runs(axes: Any, x: Any, y: Any, verdicts: Verdicts, noun: str = "run", 
     size : float, optional
         Of the marks, points.
     """
-    import numpy as np
-
     if not verdicts.texts:
         return
     for status, marker, words in (

@@ -17,30 +17,18 @@ from contextvars import ContextVar
 from typing import TYPE_CHECKING, Any, NamedTuple, TextIO
 
 from strikewave.base.compiling import WORDS, compiling_shown
+from strikewave.base.declare import KEY, MAIN, MORE
 from strikewave.base.documents import json_text
 from strikewave.base.processes import interrupts_as_such
-from strikewave.base.result import FAILED, INFO, WARNING
+from strikewave.base.result import FAILED, INFO, WARNING, Band, Comparison, Notice, Result
+from strikewave.base.texts import percent
 from strikewave.reporting import numbers
 from strikewave.reporting.bands import BAND_HEADS, band_rows, fixed_within
 from strikewave.reporting.columns import Column
-from strikewave.reporting.layout import (
-    KEY,
-    MAIN,
-    MORE,
-    Line,
-    clean,
-    cut,
-    keys,
-    numerals,
-    plain,
-    table_lines,
-    texts,
-    wrapped,
-)
-from strikewave.reporting.numbers import headed, percent, shown, shown_heads
+from strikewave.reporting.layout import Line, clean, cut, keys, numerals, plain, table_lines, texts, wrapped
+from strikewave.reporting.numbers import headed, shown, shown_heads
 
 if TYPE_CHECKING:
-    from strikewave.base.result import Band, Comparison, Notice, Result
     from strikewave.cases.stack_of_case import FittedLoss
     from strikewave.reporting.parts import Table
     from strikewave.sensors.trial import SensorChannel

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.shock_quantities import ACCELERATION, KILOHERTZ, LENGTH, STEP
+from strikewave.base.texts import percent
 from strikewave.reporting.faces import amount
-from strikewave.reporting.numbers import ShownQuantity, axis_unit, fixed, headed, percent, shown, with_unit
+from strikewave.reporting.numbers import ShownQuantity, axis_unit, fixed, headed, shown, with_unit
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
 from strikewave.reporting.style import (
     BLUE,

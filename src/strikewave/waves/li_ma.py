@@ -354,8 +354,6 @@ def _added(sandwich: Sandwich, history: History, times: ArrayLike, waves: list[t
     return total
 
 
-Array = NDArray[np.float64]
-
 EXACT = "exact"
 """The finite stack itself, as the delay lines solve it."""
 
@@ -363,9 +361,9 @@ EXACT = "exact"
 class RouteHistory(NamedTuple):
     """Force (N), velocity (m/s) and acceleration (m/s^2) of the stress wave at a tap by one route."""
 
-    force: Array
-    velocity: Array
-    acceleration: Array
+    force: Floats
+    velocity: Floats
+    acceleration: Floats
 
 
 def specimen_of(stack: Stack, layer: int) -> Sandwich | None:
@@ -375,14 +373,14 @@ def specimen_of(stack: Stack, layer: int) -> Sandwich | None:
     return Sandwich(*stack.layers[layer - 1 : layer + 2])
 
 
-def too_thin(stack: Stack, times: Array) -> list[str]:
+def too_thin(stack: Stack, times: Floats) -> list[str]:
     """Return the layers that no route follows to these times: their waves would be too many."""
     specimens = (specimen_of(stack, layer) for layer in range(len(stack.layers)))
     return [one.specimen.name for one in specimens if one is not None and too_many(one, times)]
 
 
 def route_history(
-    stack: Stack, layer: int, position: float, times: Array, face_force: Array, route: str
+    stack: Stack, layer: int, position: float, times: Floats, face_force: Floats, route: str
 ) -> RouteHistory:
     """Return what a route of Li & Ma 2019 says of a tap, driven by the force on the first face of the stack.
 

@@ -1,6 +1,6 @@
 import { OrbitControls, THREE } from "nicegui-scene";
 
-// The moving surface that strikewave.web.pages.case.body_field writes: turned by the hand, at any instant, cut by a plane.
+// The moving surface that strikewave.web.pages.case.elements_view writes: turned by the hand, at any instant, cut by a plane.
 export default {
   template: `
     <div class="sw-body">

@@ -13,7 +13,8 @@ from strikewave.base.constants import COVERAGE
 from strikewave.base.declare import KEY, MAIN, NOT_MEASURED
 from strikewave.base.errors import InputError
 from strikewave.base.shock_quantities import OF_FIGURE, RATIO
-from strikewave.reporting.numbers import headed, percent, shown
+from strikewave.base.texts import percent
+from strikewave.reporting.numbers import headed, shown
 from strikewave.reporting.parts import written
 from strikewave.signal.alignment import EvenHistory, Shift, are_opposite, by_correlation, by_onset, by_peak
 from strikewave.signal.interpolation import resampled, share_above

@@ -13,10 +13,10 @@ from strikewave.base.declare import KEY, MAIN, MORE, NOT_MEASURED
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import FAILED, Notice
 from strikewave.base.shock_quantities import MICROSECONDS
-from strikewave.base.texts import sign_needed
+from strikewave.base.texts import NO_DOUBT, sign_needed
 from strikewave.base.units import parse_quantity, typed_number
 from strikewave.reporting.clause_words import tag_of
-from strikewave.reporting.numbers import NO_DOUBT, axis_unit, doubted
+from strikewave.reporting.numbers import axis_unit, doubted
 from strikewave.reporting.parts import written
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, together
 

@@ -10,6 +10,7 @@ from strikewave.analyses.compare.figures import half_figures, overlay, summary_f
 from strikewave.analyses.compare.limits import verdict_of
 from strikewave.analyses.compare.result import TOGETHER, CompareResult, IsoScores
 from strikewave.base.shock_quantities import MICROSECONDS
+from strikewave.base.texts import percent
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import (
     SHOWN,
@@ -22,7 +23,6 @@ from strikewave.reporting.clause_words import (
 )
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, columns_of, face_table, line_table
-from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Part, Picture, Section, Table
 from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import save

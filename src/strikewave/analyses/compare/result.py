@@ -27,12 +27,13 @@ from strikewave.base.shock_quantities import (
     SHARE,
     usual_unit,
 )
+from strikewave.base.texts import percent, rounded
 from strikewave.records.budget import Budget
 from strikewave.reporting.bands import band_text
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import amount
 from strikewave.reporting.measured_files import AskedResult
-from strikewave.reporting.numbers import axis_unit, percent, rounded, shown, with_unit
+from strikewave.reporting.numbers import axis_unit, shown, with_unit
 from strikewave.reporting.parts import Tag, written
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.signal.filters import Filter

@@ -27,12 +27,13 @@ from strikewave.analyses.compare.sources import SourceName, SourceOptions, is_si
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Result, Source, Verdicts
 from strikewave.base.shock_quantities import usual_unit
+from strikewave.base.texts import percent
 from strikewave.base.units import si_value
 from strikewave.records.ringing import FEWEST_AFTER, RINGS_WITHIN, strongest_frequency
 from strikewave.records.thresholds import OfRingingSought
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import budget_notices
-from strikewave.reporting.numbers import listed, percent
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import budget_in_python, low_pass_of, wrong_choice
 from strikewave.signal.alignment import Shift, are_opposite
 from strikewave.signal.filters import Filter

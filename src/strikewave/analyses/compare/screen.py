@@ -12,6 +12,7 @@ from strikewave.analyses.compare.report import (
     budget_words,
     clause_table,
     compare_words,
+    draw_result,
     scaling_words,
 )
 from strikewave.analyses.compare.result import CompareResult
@@ -84,6 +85,4 @@ class CompareCommand(Command[CompareResult]):
 
     def draw(self, result: CompareResult, folder: Path) -> list[str]:
         """Write page and summary."""
-        from strikewave.analyses.compare.report import draw_result
-
         return draw_result(result, folder)

@@ -28,7 +28,7 @@ from strikewave.records.measured_uncertainty import blow_uncertainty
 from strikewave.records.reading import ChannelReading, check_amounts
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.terminal import say
-from strikewave.signal.alignment import EvenHistory, Shift
+from strikewave.signal.alignment import EvenHistory, Shift, by_correlation
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import Pulse
 from strikewave.specifications.judged_records import measured_figure, troubles_of
@@ -280,8 +280,6 @@ def _shots(
 
 def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: SourceOptions) -> ComparedCurve:
     """Return the mean of several files, each aligned with that of median peak by correlation, and their deviations."""
-    from strikewave.signal.alignment import by_correlation
-
     curves, left = _shots(option, paths, name, reading)
     several = "two blows or more" if name.blow == ALL else "two measured files or more"
     if len(curves) < 2:

@@ -25,6 +25,7 @@ from strikewave.analyses.fem.figures.pictures import contact_zone, mesh_picture,
 from strikewave.analyses.fem.result import FemSolution, instant_words, largest_words, place_words
 from strikewave.analyses.fem.sectors import unlike_sectors
 from strikewave.base.shock_quantities import DENSITY, LENGTH, MASS, MICROSECONDS, MODULUS, STEP, STRESS, VELOCITY
+from strikewave.base.texts import percent
 from strikewave.fem.quality import PartQuality, quality_report
 from strikewave.fem.run import ALIGNED, ENERGIES, EnergyExtent, FemRun, contact_measure, still_presses
 from strikewave.fem.snapshots import Snapshot, SnapshotRecorder, blow_contact, faces_on, recorder_from_frames
@@ -33,7 +34,7 @@ from strikewave.reporting import chapters
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import FaceRow, amount, columns_of, face_columns, face_rows, face_table, text_of
-from strikewave.reporting.numbers import headed, listed, percent, shown
+from strikewave.reporting.numbers import headed, listed, shown
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag, written
 from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import save

@@ -9,12 +9,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from strikewave.analyses.hopkinson.result import EchoSolution, HopkinsonSolution, SensorSolution
+from strikewave.base.texts import percent
 from strikewave.hopkinson import ANALYSES, stress_difference
 from strikewave.hopkinson.checks import UNIFORM, face_forces
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.hopkinson.pulses import Pulses
 from strikewave.hopkinson.reduction import Reduction
-from strikewave.reporting.numbers import axis_unit, headed, percent, with_unit
+from strikewave.reporting.numbers import axis_unit, headed, with_unit
 from strikewave.reporting.style import (
     BLUE,
     GREEN,

@@ -10,7 +10,24 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from strikewave.analyses.hopkinson.figures import echo_summary, sensor_summary, shot_summary
+from strikewave.analyses.hopkinson.figures import (
+    draw_accelerations,
+    draw_curves,
+    draw_difference,
+    draw_end_record,
+    draw_forces,
+    draw_losses,
+    draw_passes,
+    draw_rate,
+    draw_record,
+    draw_sensor_difference,
+    draw_speed,
+    draw_velocities,
+    draw_waves,
+    echo_summary,
+    sensor_summary,
+    shot_summary,
+)
 from strikewave.analyses.hopkinson.result import (
     AnalysedCurve,
     EchoSolution,
@@ -22,13 +39,14 @@ from strikewave.analyses.hopkinson.result import (
 )
 from strikewave.base.declare import GivenUnits, declarations
 from strikewave.base.shock_quantities import BAR_SPEED, KILOHERTZ, LENGTH, MICROSECONDS
+from strikewave.base.texts import percent
 from strikewave.hopkinson import stress_difference, transits_to_uniform
 from strikewave.hopkinson.checks import UNIFORM, Energy, Equilibrium, Momentum, StrikerCheck
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, cell_text, columns_of, face_table, label_of, numbers_of, text_of
-from strikewave.reporting.numbers import fixed, headed, percent, shown, shown_unit, spelled
+from strikewave.reporting.numbers import fixed, headed, shown, shown_unit, spelled
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
 from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import WHOLE, one_diagram, save
@@ -55,8 +73,6 @@ _ECHOES = (
 
 def echo_report(solution: EchoSolution) -> str:
     """Return the report of a bar calibrated by its echoes as one HTML page."""
-    from strikewave.analyses.hopkinson.figures import draw_losses, draw_passes, draw_speed
-
     echoes = solution.echoes
     pictures = [
         Picture(one_diagram(lambda axes: draw_passes(axes, echoes), WHOLE), "The passes of the pulse at the gauge."),
@@ -139,13 +155,6 @@ def sensor_report(solution: SensorSolution) -> str:
 
 def _sensor_pictures(solution: SensorSolution) -> list[Picture]:
     """Return the pictures of reference, reading and record."""
-    from strikewave.analyses.hopkinson.figures import (
-        draw_accelerations,
-        draw_end_record,
-        draw_sensor_difference,
-        draw_velocities,
-    )
-
     return [
         Picture(
             one_diagram(lambda axes: draw_accelerations(axes, solution), WHOLE), "Reference and reading of the sensor."
@@ -257,15 +266,6 @@ def shot_report(solution: HopkinsonSolution) -> str:
 
 def _shot_pictures(solution: HopkinsonSolution) -> list[Picture]:
     """Return the pictures of waves, forces and curves."""
-    from strikewave.analyses.hopkinson.figures import (
-        draw_curves,
-        draw_difference,
-        draw_forces,
-        draw_rate,
-        draw_record,
-        draw_waves,
-    )
-
     r, pulses = solution.reduction, solution.pulses
     return [
         Picture(

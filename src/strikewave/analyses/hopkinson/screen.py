@@ -10,6 +10,7 @@ from typing import ClassVar
 from strikewave.analyses.hopkinson.build import HopkinsonCase, with_test
 from strikewave.analyses.hopkinson.notices import digests
 from strikewave.analyses.hopkinson.report import (
+    draw_result,
     echo_tables,
     echo_words,
     sensor_tables,
@@ -68,8 +69,6 @@ class SetupCommand(Command[AnySolution]):
 
     def draw(self, result: AnySolution, folder: Path) -> list[str]:
         """Write page and summary."""
-        from strikewave.analyses.hopkinson.report import draw_result
-
         return draw_result(result, folder)
 
 

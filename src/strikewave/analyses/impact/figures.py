@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.texts import percent
 from strikewave.contact import (
     DampingLaw,
@@ -29,7 +30,6 @@ from strikewave.contact import (
 from strikewave.contact.cushions import Cushion, Pad
 from strikewave.contact.identification import Identified
 from strikewave.contact.law import AnyContact, HardeningContact, indentation_under
-from strikewave.contact.registry import FROM_MEMORY
 from strikewave.contact.stiffness import ElasticBody
 from strikewave.reporting.numbers import axis_unit, headed, with_unit
 from strikewave.reporting.style import (

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from strikewave.base import declare
+from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.constants import material
 from strikewave.base.declare import KEY, MORE, NO_UNIT
 from strikewave.base.errors import InputError, nearest
@@ -30,7 +31,6 @@ from strikewave.contact import (
     stiffness_laws,
 )
 from strikewave.contact.cushions import cushion_laws
-from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import FaceRow, columns_of, face_columns, face_rows, face_table

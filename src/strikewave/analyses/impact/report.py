@@ -11,10 +11,11 @@ from strikewave.analyses.impact.identified import IdentifyResult
 from strikewave.analyses.impact.law_list import LawsResult
 from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, blow_columns
 from strikewave.base.shock_quantities import KILOGRAMS, VELOCITY
+from strikewave.base.texts import percent
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, face_table, part_tables, text_of
-from strikewave.reporting.numbers import percent, spelled
+from strikewave.reporting.numbers import spelled
 from strikewave.reporting.parts import Cell, Picture, Section, Table, Tag
 from strikewave.reporting.style import titled
 

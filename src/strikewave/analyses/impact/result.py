@@ -11,6 +11,7 @@ import numpy as np
 
 from strikewave.analyses.impact.setup import Setup
 from strikewave.base import declare
+from strikewave.base.citations import FROM_MEMORY
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quantity, declarations
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
@@ -20,7 +21,6 @@ from strikewave.cases.contact_notices import duration_notices, indentation_notic
 from strikewave.cases.contact_parts import ELASTIC, HIGH, LOW, WORTH_SHOWING, YIELDING, pressures_of_answers
 from strikewave.contact import Impact, Stiffness, cap_of, first_yield, impact_history, reduced_mass, solve_impact
 from strikewave.contact.elastoplastic import cap_law_of
-from strikewave.contact.registry import FROM_MEMORY
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import FaceRow, face_columns, face_rows

@@ -1,7 +1,7 @@
 """The bands of a machine's run, and a first look at it while its settings are moved: many runs by the fast engine.
 
 For its bands the machine runs with its inputs moved within what is known of them: a rotary machine by the fast engine
-(`strikewave.machines.fast_train`), a stack as two bodies on its frame; the first blow has further runs, since two
+(`strikewave.machines.fast_run`), a stack as two bodies on its frame; the first blow has further runs, since two
 passes are cheap. A machine that strikes once, or that the fast engine does not hold for, runs as it is. Sensors need
 the whole history of a blow, on a stack with its waves: few such runs are made.
 

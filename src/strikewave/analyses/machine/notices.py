@@ -16,7 +16,7 @@ from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import FAILED, INFO, Notice, Verdict, balance_notices
 from strikewave.base.shock_quantities import ACCELERATION
-from strikewave.base.texts import plain
+from strikewave.base.texts import percent, plain
 from strikewave.cases.case import Case, origin_notices
 from strikewave.cases.contact_notices import (
     cushion_notices,
@@ -37,7 +37,6 @@ from strikewave.machines import Blow
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import REST_SHARE, StackSpan
 from strikewave.reporting.faces import amount, text_of
-from strikewave.reporting.numbers import percent
 from strikewave.signal.pulse import FEWEST_INTERVALS, measure_pulse
 from strikewave.waves.limits import (
     field_extremes,

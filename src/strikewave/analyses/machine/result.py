@@ -25,7 +25,7 @@ from strikewave.analyses.machine.kind import MachineKind, kind_of
 from strikewave.analyses.machine.readings import BlowReading
 from strikewave.base import declare
 from strikewave.base.datasets import LabelledArrays, open_result
-from strikewave.base.declare import MAIN, MORE, NO_UNIT, Quantity
+from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.errors import InputError
 from strikewave.base.result import SCHEMA, Band, BandMethod, Comparison, Notice
 from strikewave.base.shock_quantities import (
@@ -51,7 +51,6 @@ from strikewave.machines.blows import KINDS as BLOW_KINDS
 from strikewave.reporting.case_result import CaseResult
 from strikewave.reporting.columns import Column, csv_table, page_table
 from strikewave.reporting.faces import amount, bands_below, columns_of, part_tables, text_of
-from strikewave.reporting.layout import KEY
 from strikewave.reporting.numbers import listed, shown, shown_unit, spelled
 from strikewave.reporting.parts import NONE, Table, written
 from strikewave.reporting.shown_result import Curve, history_curve

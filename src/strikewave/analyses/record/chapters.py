@@ -8,7 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from statistics import mean, median
 
-from strikewave.analyses.record.figures.records import drawable, figure_unit
+from strikewave.analyses.record.figures.records import (
+    drawable,
+    figure_unit,
+    motion_figure,
+    pair_figure,
+    response_figure,
+    transfer_figure,
+)
 from strikewave.analyses.record.rows import RecordMotion, ResponseSummary, advised_filter, base_of, harmed, responding
 from strikewave.analyses.record.sensor_pairs import RecordPair
 from strikewave.analyses.record.sensor_trials import SensorTrials, lacking
@@ -50,6 +57,9 @@ from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 MOST_ROWS = 200
 """Blows, and findings, that a table lists: ten screens; the CSV file has all."""
+MOST_LISTED = 60
+"""Channels, files or blows that a table of motions, pairs, sensors or pulses without ringing lists; the CSV file has
+all."""
 LEFT_LEAST = 0.01
 """Cutoff times duration of a half-sine below which a filter leaves less than 2 % of the peak: no number is then
 shown."""
@@ -384,14 +394,10 @@ def _several(names: Sequence[str]) -> str:
     return listed(list(names)) if len(names) <= 4 else f"{len(names)} files, {names[0]} to {names[-1]}"
 
 
-MOST_MOTIONS = 60
-"""Channels of the table; motion.csv has all."""
-
-
 def motion_table(found: Sequence[RecordMotion]) -> Table:
     """Return where the motions end, and how well that is known."""
     rows: list[list[Cell]] = []
-    for one in found[:MOST_MOTIONS]:
+    for one in found[:MOST_LISTED]:
         last = {name: float(values[-1]) for name, values in one.motion._asdict().items()}
         speed, way = (
             f"{amount(of, last[name], digits=3)} ± {amount(of, last[f'{name}_drift'], digits=2)}"
@@ -406,8 +412,6 @@ def motion_table(found: Sequence[RecordMotion]) -> Table:
 
 def motion_section(found: Sequence[RecordMotion]) -> Section:
     """Return table and picture, that of the first channel."""
-    from strikewave.analyses.record.figures.records import motion_figure
-
     text = (
         "The record, its zero before the first blow taken off, integrated once and twice. A zero that is off by u "
         "gives u t and u t²/2; both are told from what lies before the blow. motion.csv has the histories."
@@ -419,8 +423,6 @@ def motion_section(found: Sequence[RecordMotion]) -> Section:
     return Section("Motion", text, [*parts, motion_table(found)])
 
 
-MOST_PAIRS = 60
-"""Files of the table; pairs.csv has all."""
 LEFT_OUT_FIRST = ("leads", "common peak", "differential peak", "alike up to")
 """Columns that a narrow screen leaves out."""
 ANSWERS = {"yes": "yes", "no": "no", "cannot-tell": "undetermined"}
@@ -437,7 +439,7 @@ def pair_table(pairs: Sequence[RecordPair], why: bool = False) -> Table:
     """Return what two channels of each file do together, and in words why that is one rigid body or not."""
     rows: list[list[Cell]] = []
     size, delay_unit = axis_unit(*MICROSECONDS.units)
-    for one in pairs[:MOST_PAIRS]:
+    for one in pairs[:MOST_LISTED]:
         found, unit = one.found, "" if one.first is None else one.first.channel.unit
         if found is None:
             rows.append([Path(one.file).name, ANSWERS[one.one_body], *[NONE] * 6, *([one.why] if why else [])])
@@ -505,8 +507,6 @@ def pair_reasons(pairs: Sequence[RecordPair]) -> list[str]:
 
 def pair_section(pairs: Sequence[RecordPair]) -> Section:
     """Return table, reasons and pictures, those of the first file that has them."""
-    from strikewave.analyses.record.figures.records import pair_figure, transfer_figure
-
     calibrated = percent(OfTwoSensors.CALIBRATED, 0)
     text = (
         "Common motion is half the sum of both channels, differential motion half of second less first. The delay is "
@@ -555,8 +555,6 @@ def response_sections(files: Sequence[FileReading], together: Sequence[ResponseS
     for file, reading in rows[:MOST_DRAWN]:
         base = base_of(file)
         if base is not None and drawable(base) and drawable(reading):
-            from strikewave.analyses.record.figures.records import response_figure
-
             one = max(reading.responses, key=lambda response: abs(response.base_peak))
             peak, delay = figure_text("peak", reading.channel.unit, one.peak), figure_text("delay", "", one.delay, 3)
             who = f"{names[file.path]}, {reading.channel.name}: {reading.status}"
@@ -663,10 +661,6 @@ def response_words(together: Sequence[ResponseSummary]) -> str:
     return " ".join(words)
 
 
-MOST_RIGID = 60
-"""Blows of the table; pulses.csv has all."""
-
-
 def rigid_sections(files: Sequence[FileReading], names: Names) -> list[Section]:
     """Return what of the blows is rigid, by two methods; nothing where no blow rings."""
     found = [
@@ -686,11 +680,11 @@ def rigid_sections(files: Sequence[FileReading], names: Names) -> list[Section]:
         "difference of both peaks over its standard uncertainty: beyond 2 one of them is wrong. Where costs come to "
         "more than 10 % of the peak, the bands of pulse and wave part overlap, and they cannot be separated this way."
     )
-    if len(cells) > MOST_RIGID:
-        text += f" The first {MOST_RIGID} of {len(cells)} blows are listed."
+    if len(cells) > MOST_LISTED:
+        text += f" The first {MOST_LISTED} of {len(cells)} blows are listed."
     heads = ["file", "channel", "#", "joint fit", "model", "band split", "apart", "cutoff (kHz)", "lowest mode (kHz)"]
     heads += ["filter takes", "costs: shape", "wave left", "elastic", "energy of the wave part"]
-    table = Table("Peaks without the wave part, ± a standard uncertainty", heads, cells[:MOST_RIGID])
+    table = Table("Peaks without the wave part, ± a standard uncertainty", heads, cells[:MOST_LISTED])
     return [Section("Rigid and wave parts", text, [table])]
 
 
@@ -712,14 +706,10 @@ def _cells(pulse: RecordedPulse, unit: str) -> list[Cell]:
     ]
 
 
-MOST_TRIALS = 60
-"""Blows of the table; sensor.csv has all."""
-
-
 def sensor_table(found: SensorTrials, names: Names) -> Table:
     """Return what is left of each blow."""
     rows: list[list[Cell]] = []
-    for blow in found.blows[:MOST_TRIALS]:
+    for blow in found.blows[:MOST_LISTED]:
         trial = blow.trial
         used = percents(trial.range_used) if trial.range_used > 0.0 else NONE
         clipped = faces.amount(MICROSECONDS, trial.time_clipped, digits=3)
@@ -732,7 +722,7 @@ def sensor_table(found: SensorTrials, names: Names) -> Table:
             ]
         )
     heads = ["file", "channel", "#", "highest value", "peak left", "width left", "of its range", "beyond it", "ringing"]
-    many = f", the first {MOST_TRIALS} of {len(found.blows)} blows" if len(found.blows) > MOST_TRIALS else ""
+    many = f", the first {MOST_LISTED} of {len(found.blows)} blows" if len(found.blows) > MOST_LISTED else ""
     return Table(f"On {found.called}{many}", [*heads, "verdict"], rows, "No blow could be tried.")
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from strikewave.analyses.record import chapters as chapters
+from strikewave.analyses.record import chapters
 from strikewave.analyses.record.budget_chapter import budget_section
 from strikewave.analyses.record.chapters import (
     motion_section,

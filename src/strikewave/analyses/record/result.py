@@ -30,7 +30,7 @@ from strikewave.analyses.record.rows import (
     units_given,
 )
 from strikewave.analyses.record.sensor_pairs import PAIR_COLUMNS, PairRow, RecordPair, all_pairs, transfer_columns
-from strikewave.analyses.record.sensor_trials import SensorRow, SensorTrials
+from strikewave.analyses.record.sensor_trials import SensorRow, SensorTrials, try_records
 from strikewave.base import declare
 from strikewave.base.declare import NOT_MEASURED, GivenUnits, Quantity, declarations
 from strikewave.base.errors import StrikewaveError
@@ -165,7 +165,6 @@ class RecordResult(AskedResult):
         InputError
             If the records hold no acceleration.
         """
-        from strikewave.analyses.record.sensor_trials import try_records
         from strikewave.sensors.trial import SensorChannel, sensor_sources
 
         found = try_records(self.readings, self.filter, stated, field)

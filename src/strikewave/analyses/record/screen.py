@@ -39,6 +39,7 @@ from strikewave.analyses.record.rows import (
 )
 from strikewave.analyses.record.sentences import WHY_HEAD, name_of_shock, named, record_words, why_of_shock
 from strikewave.analyses.record.tables import rows_of, short_names
+from strikewave.base.declare import MORE
 from strikewave.base.result import Source
 from strikewave.base.shock_quantities import (
     BANDWIDTH,
@@ -49,6 +50,7 @@ from strikewave.base.shock_quantities import (
     RISE_TIME,
     usual_unit,
 )
+from strikewave.base.texts import percent
 from strikewave.base.units import DIMENSIONS
 from strikewave.records import Campaign, ChannelReading, FileReading, Options, Request, worst
 from strikewave.records.band_split import BandSplit
@@ -60,8 +62,8 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import SHOWN, clause_columns, clause_name, decision_words, value_words
 from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import amount
-from strikewave.reporting.layout import MORE, keys, numerals, texts
-from strikewave.reporting.numbers import percent, shown_unit, with_unit
+from strikewave.reporting.layout import keys, numerals, texts
+from strikewave.reporting.numbers import shown_unit, with_unit
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.run_and_write import Command, run_and_write

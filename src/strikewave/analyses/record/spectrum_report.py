@@ -19,10 +19,11 @@ from strikewave.analyses.record.spectrum import SpectrumResult, spectrum_finding
 from strikewave.analyses.record.tables import squeezed, status_tag
 from strikewave.analyses.record.verdicts import spectra_section, spectra_sentence
 from strikewave.base.shock_quantities import ACCELERATION
+from strikewave.base.texts import percent
 from strikewave.reporting import chapters
 from strikewave.reporting.clause_words import held_words, verdict_tag
 from strikewave.reporting.faces import amount
-from strikewave.reporting.numbers import hertz, one_in, percent, spelled
+from strikewave.reporting.numbers import hertz, one_in, spelled
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
 from strikewave.signal.srs import FEWEST
 

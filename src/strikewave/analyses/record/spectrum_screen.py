@@ -11,10 +11,11 @@ from strikewave.analyses.record.options import filtered_folder
 from strikewave.analyses.record.rows import name_of
 from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
 from strikewave.analyses.record.verdicts import SpectraJudge, print_spectra_verdict
+from strikewave.base.declare import KEY, MORE
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.clause_words import held_words
-from strikewave.reporting.layout import KEY, MORE, numerals
+from strikewave.reporting.layout import numerals
 from strikewave.reporting.numbers import one_in
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write

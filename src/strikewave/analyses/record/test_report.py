@@ -20,7 +20,7 @@ from strikewave.analyses.record.sentences import WHY_HEAD, named, sentence, tag_
 from strikewave.analyses.record.specification.result import AskedRow, asked_rows
 from strikewave.analyses.record.tables import short_names, status_tag
 from strikewave.analyses.record.verdict_chapter import limit_words_of
-from strikewave.base.shock_quantities import SECONDS
+from strikewave.base.shock_quantities import ACCELERATION, SECONDS
 from strikewave.base.texts import percent
 from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
 from strikewave.reporting import chapters, faces
@@ -124,7 +124,7 @@ def overlay(shocks: Sequence[JudgedShock], limits: PulseLimits, name: str) -> Fi
     """Draw shocks over one another, each from the begin of the ideal pulse where the band lies best over it."""
     figure = new_figure(HALF)
     axes = figure.add_subplot()
-    size, unit = axis_unit("m/s^2", "g")
+    size, unit = axis_unit(*ACCELERATION.units)
     second, clock = time_unit(limits.pulse.duration)
     draw_limits(axes, limits, size, second)
     before, after = shown_window(limits)

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from strikewave.base.errors import MISSING, InputError, checked
 from strikewave.cases.case import Case
 from strikewave.cases.contact_of_case import face_contact, refuse_sliding, struck_material
-from strikewave.cases.stack_of_case import need, typed
+from strikewave.cases.stack_of_case import need, read_load, typed
 from strikewave.cases.tables.stack import LoadTable
 from strikewave.sensors.trial import SensorChannel, shortest_period
 from strikewave.waves import Impactor, Load, LoadPulse, Sampled, Stack, WantedError
@@ -53,8 +53,6 @@ def build_load(case: Case, stack: Stack) -> Load:
     if load.shape == "file":
         if not load.file:
             raise InputError("load.file", MISSING, "a file with time and force", 'add file = "force.csv"')
-        from strikewave.cases.stack_of_case import read_load  # the readers of records take long to import
-
         return _as_applied(read_load(load.file), load)
     peak = need(load.peak, "load.peak", "a force", 'add peak = "20 kN"')
     duration = need(load.duration, "load.duration", "a time", 'add duration = "100 us"')

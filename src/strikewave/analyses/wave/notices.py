@@ -15,7 +15,7 @@ from strikewave.analyses.wave.build import of_the_paper, wanted
 from strikewave.analyses.wave.result import WaveSolution, load_peak
 from strikewave.base.constants import material
 from strikewave.base.result import BALANCE_LIMIT, FAILED, INFO, Notice
-from strikewave.base.texts import first_few, plain
+from strikewave.base.texts import first_few, percent, plain
 from strikewave.cases.case import Case, origin_notices
 from strikewave.cases.contact_notices import (
     damping_speed_notices,
@@ -29,7 +29,6 @@ from strikewave.cases.contact_notices import (
 from strikewave.cases.contact_of_case import struck_material
 from strikewave.cases.materials_of_case import material_notices
 from strikewave.cases.stack_of_case import sensor_notices
-from strikewave.reporting.numbers import percent
 from strikewave.sensors.trial import SensorChannel, channel_notices, shortest_period
 from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Stack
 from strikewave.waves.li_ma import too_thin

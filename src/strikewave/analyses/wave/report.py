@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from strikewave.analyses.wave.result import WaveSolution, error_words, wave_tables, wave_words
+from strikewave.base.shock_quantities import ACCELERATION, FORCE, LENGTH, MICROSECONDS, STRESS, VELOCITY
 from strikewave.reporting import chapters
 from strikewave.reporting.animation import (
     Animation,
@@ -108,22 +109,22 @@ def wave_summary(solution: WaveSolution) -> Figure:
     figure = new_figure((9.0, 6.4))
     sheet_title(figure, solution.title)
     grid = figure.subplots(2, 2)
-    run, since = solution.run, headed("time after the start of the load", "s", "us")
-    unit, newtons, pascals = axis_unit("s", "us")[0], axis_unit("N", "kN")[0], axis_unit("Pa", "MPa")[0]
-    speed, size = axis_unit("m/s", "m/s")[0], axis_unit("m/s^2", "g")[0]
+    run, since = solution.run, headed("time after the start of the load", *MICROSECONDS.units)
+    unit, newtons, pascals = (axis_unit(*kind.units)[0] for kind in (MICROSECONDS, FORCE, STRESS))
+    speed, size = (axis_unit(*kind.units)[0] for kind in (VELOCITY, ACCELERATION))
     time, force = thin(run.time, run.face_force)
     grid[0, 0].plot(time / unit, force / newtons, color=GREY, linewidth=1.3)
-    quiet(grid[0, 0], "Force on the first face", since, headed("force", "N", "kN"))
+    quiet(grid[0, 0], "Force on the first face", since, headed("force", *FORCE.units))
     shown = (
-        (grid[0, 1], lambda k: solution.stress(k) / pascals, "stress", "Pa", "MPa"),
-        (grid[1, 0], lambda k: run.velocity[:, k] / speed, "velocity", "m/s", "m/s"),
-        (grid[1, 1], lambda k: run.acceleration[:, k] / size, "acceleration", "m/s^2", "g"),
+        (grid[0, 1], lambda k: solution.stress(k) / pascals, "stress", STRESS),
+        (grid[1, 0], lambda k: run.velocity[:, k] / speed, "velocity", VELOCITY),
+        (grid[1, 1], lambda k: run.acceleration[:, k] / size, "acceleration", ACCELERATION),
     )
-    for axes, values, name_of, si, usual in shown:
+    for axes, values, name_of, kind in shown:
         for k, (name, _) in enumerate(solution.taps[: len(COLOURS)]):
             t, v = thin(run.time, np.asarray(values(k)))
             axes.plot(t / unit, v, DASHES[k % len(DASHES)], color=COLOURS[k], linewidth=1.2, label=name)
-        quiet(axes, name_of.capitalize(), since, headed(name_of, si, usual))
+        quiet(axes, name_of.capitalize(), since, headed(name_of, *kind.units))
     if len(solution.taps) > 1:
         put_legend(grid[0, 1])
     if not solution.quoted:
@@ -341,7 +342,7 @@ def _places(field: WaveField) -> PlaceAxis:
     shown, band = np.unique(field.layer, return_inverse=True)
     layers, joints = field.stack.layers, field.stack.joints
     greys, ends = shades(field.stack), field.ends
-    size, unit = axis_unit("m", "mm")
+    size, unit = axis_unit(*LENGTH.units)
     return PlaceAxis(
         unit=unit,
         per=size,
@@ -418,7 +419,7 @@ def _moving_figure(field: WaveField, title: str, rows: NDArray[np.int64]) -> tup
     for (axes, shown), rows_of_values in zip(panels, values, strict=True):
         shade_layers(axes, field)
         peak = float(np.abs(rows_of_values).max(initial=0.0)) or 1.0
-        axes.set_xlim(0.0, field.ends[-1] / axis_unit("m", "mm")[0])
+        axes.set_xlim(0.0, field.ends[-1] / axis_unit(*LENGTH.units)[0])
         axes.set_ylim(-GIF_MARGIN * peak, GIF_MARGIN * peak)
         axes.set_title(shown.label, loc="left", fontsize=9)
         axes.spines[["top", "right"]].set_visible(False)

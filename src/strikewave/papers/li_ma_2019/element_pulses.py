@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.fem.run import contact_measure, interval_means, mean_acceleration, mean_force, middles
+from strikewave.fem.run import PartMeasure, contact_measure, interval_means, mean_acceleration, mean_force, middles
 from strikewave.papers.li_ma_2019.types import ElementNumbers
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
-    from strikewave.fem.run import PartMeasure
 
 Array = NDArray[np.float64]
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from strikewave.base.declare import MORE
 from strikewave.base.result import Notice, Verdicts
 from strikewave.base.texts import percent
 from strikewave.papers.li_ma_2019.answers import number_rows
@@ -30,7 +31,7 @@ from strikewave.papers.li_ma_2019.runs import (
     silent,
 )
 from strikewave.papers.li_ma_2019.unknowns import run_unknowns
-from strikewave.reporting.layout import MORE, keys, numerals, texts
+from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.terminal import progress_bar, say, table, tell

@@ -53,8 +53,8 @@ _STATED = {
 """Patterns of a rate, a step and a start in the lines above the data."""
 _CHUNK = 2**20
 """Time stamps compared at once: keeps the memory beside them small."""
-_LONGEST_SETTING = 500
-"""Characters of a line in which a rate or step is looked for: bounds the time of patterns on hostile lines."""
+_LONGEST = 500
+"""Characters of a line that are looked at: bounds the time of patterns on hostile lines."""
 _WITHIN_DIGIT = 1.01
 """Times the last printed digit that stamps may stray by: rounding by half a digit at both ends, and floating point."""
 _WITHIN_STEP = 0.01
@@ -200,12 +200,12 @@ def said_step(lines: Sequence[str]) -> tuple[float, float]:
 
 def names_a_step(line: str) -> bool:
     """Tell whether a line names a rate, an interval or a start."""
-    return any(pattern.search(line[:_LONGEST_SETTING]) for pattern in _STATED.values())
+    return any(pattern.search(line[:_LONGEST]) for pattern in _STATED.values())
 
 
 def _stated(lines: Iterable[str], kind: str) -> float:
     for line in lines:
-        for match in _STATED[kind].finditer(line[:_LONGEST_SETTING]):
+        for match in _STATED[kind].finditer(line[:_LONGEST]):
             factor = _hertz(match[1] or match[3]) if kind == "rate" else seconds_in(match[1] or match[3] or "s")
             if factor is not None:
                 value = float(match[2].replace(",", "."))
@@ -496,8 +496,6 @@ _COUNT = re.compile(
     re.IGNORECASE,
 )
 """Names of a step, of a start, and a line that counts the samples, in English and German."""
-_LONGEST = 500
-"""Characters of a line that are looked at: bounds the time of patterns on hostile lines."""
 _CLOCK = re.compile(
     r"(?:(\S{6,12})[ T]{1,3})?(\d{1,2}):(\d{2}):(\d{2})(?:[.,](\d{1,40}))?\s{0,2}([AaPp][Mm])?", re.ASCII
 )

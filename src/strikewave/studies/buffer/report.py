@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+from strikewave.base.texts import percent
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import columns_of, part_tables, text_of
-from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Picture, Section, Tag
 from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, StackGasket, distinct
 from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth

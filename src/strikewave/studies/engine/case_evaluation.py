@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from strikewave.analyses.machine.notices import fast_not_judged, fast_verdict, run_verdict
-from strikewave.analyses.machine.result import figures_of
+from strikewave.analyses.machine.result import RigidReference, figures_of
 from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError, nearest
@@ -91,8 +91,6 @@ def numbers_of(case: Case, analysis: str) -> dict[str, str]:
     ('1', False)
     """
     if analysis == "impact":
-        from strikewave.analyses.machine.result import RigidReference
-
         return {name: one.quantity.si for name, one in declarations(RigidReference).items()}
     units = number_units(case)
     if analysis in ("run", "fast"):

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.result import FAILED, INFO, Notice
-from strikewave.base.texts import plain
+from strikewave.base.texts import percent, plain
 from strikewave.cases.case import Case
-from strikewave.reporting.numbers import listed, percent
+from strikewave.reporting.numbers import listed
 from strikewave.studies.fit.posterior import ENOUGH, LONG, Posterior
 from strikewave.studies.fit.result import FitStudy, combination_words, separating_words
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from strikewave.base.texts import percent
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import columns_of
-from strikewave.reporting.numbers import listed, percent
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table, written
 from strikewave.studies.fit.checking import Checks, PredictedFigure, PulseAgreement
 from strikewave.studies.fit.corner import corner_figure

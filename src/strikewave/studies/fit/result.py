@@ -13,11 +13,12 @@ from strikewave.analyses.compare.curve import QUANTITIES
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quantity
 from strikewave.base.shock_quantities import RATIO, SHARE, usual_unit
+from strikewave.base.texts import percent
 from strikewave.cases.case import Case
 from strikewave.cases.written_case import dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
-from strikewave.reporting.numbers import listed, percent
+from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.studies.fit.checking import OF_NUMBER, Checks

@@ -26,6 +26,7 @@ from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.report import (
     POSTERIOR_TITLE,
     correlation_table,
+    fit_report,
     fit_words,
     posterior_words,
     residual_rows,
@@ -142,7 +143,6 @@ class FitCommand(ResumableCommand[FitStudy]):
         from strikewave.reporting.style import save, titled
         from strikewave.studies.fit.corner import corner_figure
         from strikewave.studies.fit.figures import fit_figure
-        from strikewave.studies.fit.report import fit_report
 
         with drawing(folder / "fit.svg") as path:
             save(fit_figure(result), path)

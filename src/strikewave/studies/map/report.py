@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from strikewave.base.declare import declarations
+from strikewave.base.texts import percent
 from strikewave.reporting.faces import columns_of, face_table, text_of
-from strikewave.reporting.numbers import percent
 from strikewave.reporting.parts import Cell, Link, Part, Section, Table, Tag
 from strikewave.reporting.terminal import report_table, say, tell
 from strikewave.studies.command import Report, StudyCommand

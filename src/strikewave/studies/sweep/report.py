@@ -9,8 +9,8 @@ from typing import ClassVar, NamedTuple
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import RUN_BROKEN, RUN_FAILED
+from strikewave.base.texts import percent
 from strikewave.reporting.faces import face_table
-from strikewave.reporting.numbers import percent
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.parts import Cell, Link, Part, Section, Table
 from strikewave.reporting.table_files import write_parquet

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from strikewave.analyses.fem.figures.histories import TINY
 from strikewave.analyses.fem.ls_dyna.result import LsDynaResult
 from strikewave.base.declare import declarations
-from strikewave.base.shock_quantities import MICROSECONDS
+from strikewave.base.shock_quantities import FORCE, MICROSECONDS
 from strikewave.exchange.ls_dyna.comparison import ForcePair, PulseDifferences, RunComparison
 from strikewave.exchange.ls_dyna.folder import ENERGIES, ContactPulse, EnergyHistory, Extreme, LsDynaContact, LsDynaRun
 from strikewave.fem.run import EnergyExtent
@@ -246,7 +246,7 @@ def energy_figure(comparison: RunComparison) -> Figure:
 def draw_force(axes: Any, pair: ForcePair) -> None:
     """Draw the size of a contact force of both about its pulse, and the peaks."""
     pulses = [pulse for pulse in (pair.strikewave, pair.ls_dyna) if pulse]
-    newton, _ = axis_unit("N", "kN")
+    newton, _ = axis_unit(*FORCE.units)
     scale, unit = time_unit(max((pulse.end for pulse in pulses), default=float(pair.curves[0].time[-1])))
     looks = (
         ("strikewave", OUR_COLOUR, "-"),
@@ -256,7 +256,7 @@ def draw_force(axes: Any, pair: ForcePair) -> None:
         axes.plot(*thin(curve.time / scale, curve.size / newton), dash, color=colour, linewidth=1.5, label=label)
         if pulse:
             axes.plot(pulse.at / scale, pulse.peak / newton, "o", markersize=4, color=colour)
-    quiet(axes, f"Contact force: {shortened(pair.name, 60)}", f"time ({unit})", headed("force", "N", "kN"))
+    quiet(axes, f"Contact force: {shortened(pair.name, 60)}", f"time ({unit})", headed("force", *FORCE.units))
     if pulses:
         begin, end = min(pulse.begin for pulse in pulses), max(pulse.end for pulse in pulses)
         first = min(float(curve.time[0]) for curve in pair.curves)
@@ -273,12 +273,12 @@ def draw_contacts(axes: Any, contacts: tuple[LsDynaContact, ...]) -> None:
         empty_axes(axes, "Contact force", "no rcforc or binout is there")
         return
     ranked = sorted(contacts, key=lambda contact: -float(contact.first.size.max(initial=0.0)))[: len(CONTACT_COLOURS)]
-    newton, _ = axis_unit("N", "kN")
+    newton, _ = axis_unit(*FORCE.units)
     scale, unit = time_unit(max(float(contact.first.time[-1]) for contact in ranked))
     for contact, colour in zip(ranked, CONTACT_COLOURS, strict=False):
         force = contact.first
         axes.plot(*thin(force.time / scale, force.size / newton), color=colour, label=shortened(contact.name, 40))
-    quiet(axes, "Contact force of LS-DYNA", f"time ({unit})", headed("force", "N", "kN"))
+    quiet(axes, "Contact force of LS-DYNA", f"time ({unit})", headed("force", *FORCE.units))
     axes.set_ylim(bottom=0.0)
     _legend(
         axes, f"{len(ranked)} of {len(contacts)}: those that reach farthest" if len(contacts) > len(ranked) else None

@@ -6,7 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from strikewave.analyses.fem.ls_dyna.report import contact_table, energy_table, field_table, ls_dyna_words, pair_table
+from strikewave.analyses.fem.ls_dyna.report import (
+    contact_table,
+    draw_result,
+    energy_table,
+    field_table,
+    ls_dyna_words,
+    pair_table,
+)
 from strikewave.analyses.fem.ls_dyna.result import LsDynaResult, folder_name
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.exchange.ls_dyna.comparison import RunComparison, compare_runs, read_strikewave
@@ -49,8 +56,6 @@ class LsDynaCommand(Command[LsDynaResult]):
 
     def draw(self, result: LsDynaResult, folder: Path) -> list[str]:
         """Write page and picture."""
-        from strikewave.analyses.fem.ls_dyna.report import draw_result
-
         return draw_result(result, folder)
 
 

@@ -58,8 +58,6 @@ def machine_drawings(case: Case) -> tuple[Figure, ...]:
     >>> machine_drawings(load_case("li-ma-2019-fig13-bar"))
     ()
     """
-    from matplotlib.figure import Figure
-
     outline = outlines(case)
     if outline is None:
         return ()

@@ -15,11 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
-from strikewave.cases.tables.machine import RotaryTable
+from strikewave.cases.tables.machine import RotaryTable, StrikerTable
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
-    from strikewave.cases.tables.machine import StrikerTable
     from strikewave.cases.tables.stack import LayerTable
 
 Array = NDArray[np.float64]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from strikewave.analyses.machine.kind import DROP_HEIGHT, Drawing, LaunchedKind, PartEntry, Release
-from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import DropHeight, Mass, MaybeGap, MaybeShare, Restitution
 from strikewave.base.result import INFO, Notice
@@ -176,7 +176,6 @@ def _gain_notices(followed: Collisions, names: tuple[str, ...], height: float) -
 
 def _overlap_notices(case: Case, followed: Collisions, struck: Collision) -> Iterator[Notice]:
     """Warn where the striker is in two contacts at once: pairs then no longer tell how fast it comes."""
-    from strikewave.base.constants import material
     from strikewave.cases.contact_of_case import face_contact
     from strikewave.contact import solve_impact
 

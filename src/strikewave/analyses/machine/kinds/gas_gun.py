@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release
 from strikewave.base.declare import Quantity
-from strikewave.base.errors import MISSING, InputError
+from strikewave.base.errors import MISSING, InputError, checked
 from strikewave.base.quantities import (
     MaybeAmbient,
     MaybeFriction,
@@ -121,7 +121,6 @@ class GasGun(LaunchedKind):
 
 def _from_reservoir(gun: launch.GunBarrel, sound_speed: float) -> Release:
     """Return the release of a gun whose speed follows from its reservoir: the smaller of two upper bounds."""
-    from strikewave.base.errors import checked
     from strikewave.machines import launch
 
     bounds = {"expands without inertia": checked("machine", lambda: launch.muzzle_speed(gun))}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from strikewave.analyses.machine.kind import Drawing, LaunchedKind, PartEntry, Release
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.declare import NO_UNIT, Quantity
-from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.errors import InputError, InputErrors, checked
 from strikewave.base.quantities import Count, Inertia, Length, MaybeAngle, MaybeLength, MaybeMass, MaybeTorque
 from strikewave.base.result import Notice
 
@@ -60,7 +60,6 @@ class Machete(LaunchedKind):
 
     def release(self, case: Case, mass: float) -> Release:
         """Return an object at R sqrt(2 E/(J + M r^2)), in the head of the arm."""
-        from strikewave.base.errors import checked
         from strikewave.cases.contact_of_case import or_else
         from strikewave.cases.stack_of_case import need
         from strikewave.machines import launch

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 from strikewave.analyses.machine.kind import FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.declare import Quantity
-from strikewave.base.errors import MISSING, InputError
+from strikewave.base.errors import MISSING, InputError, checked
 from strikewave.base.quantities import Length, Mass, MaybeInertia, MaybeTime, SwingAngle
 
 if TYPE_CHECKING:
@@ -54,7 +54,6 @@ class Pendulum(LaunchedKind):
         InputError
             If its inertia is not given once, or cannot be.
         """
-        from strikewave.base.errors import checked
         from strikewave.cases.contact_of_case import or_else
         from strikewave.machines import launch
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 class Rotary(RotaryTable, MachineKind):
     """[machine]: a rotary machine.
 
-    Its fields are those of `strikewave.cases.tables.RotaryTable`, which studies know too;
+    Its fields are those of `strikewave.cases.tables.machine.RotaryTable`, which studies know too;
     `strikewave.analyses.machine.build` builds it.
     """
 
