@@ -3,7 +3,8 @@
 The record is taken as straight lines between samples, rising from zero over one step before its first sample and
 falling to zero over one step after its last. For that input the spectra are exact: no sample is picked where the
 peak lies between two, and the vibration after the record is followed in closed form. The relative displacement is
-base minus mass: a base that starts upwards gives a positive spectrum first.
+base minus mass: a base that starts upwards gives a positive spectrum first. Several spectra are joined by the
+largest of them, or by the limit that a share of all shocks stays below.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What every solution of split bars shares: files and their digests, sources, what reading and constants say."""
+"""Notices on split bars: digests and sources, the sign of the first pulse, echoes, what reading and constants say."""
 
 from __future__ import annotations
 

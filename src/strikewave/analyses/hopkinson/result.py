@@ -1,4 +1,4 @@
-"""What a split-Hopkinson shot gave: curves, checks, tables, files."""
+"""What split bars gave: a shot reduced, an accelerometer on a bar end compared, or a bar calibrated by its echoes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Set-up in, solution out: read the gauges, find the pulses, reduce them, check them."""
+"""Set-up in, solution out: a shot reduced and checked, a bar calibrated by echoes, or an accelerometer compared."""
 
 from __future__ import annotations
 

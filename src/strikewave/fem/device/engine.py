@@ -1,4 +1,4 @@
-"""A run whose steps are taken, and whose instants are summed, on a device."""
+"""A run on a device: its elements, boundaries and contacts, each step, and the sums of each instant; SI."""
 
 from __future__ import annotations
 

@@ -365,7 +365,7 @@ def lumped(case: Case, law: LineLaw = LAW) -> SimpleAnswer:
     """Return the answer of a few masses: striker, middles of top and bottom wall, side walls, and a sensor.
 
     The middle of a wall has what of its mass moves with it, on its bending spring to the side walls, which have the
-    rest (`beams.Wall`). A column without a sensor is one spring E A/l; with one, the pieces above and below it, each
+    rest (`Wall`). A column without a sensor is one spring E A/l; with one, the pieces above and below it, each
     with half its own length, are two. Half of the mass of a spring is at either end: what the column weighs moves with
     the object, so halves, not the thirds of a spring that is held. A column that is not tied pushes only.
 

@@ -1,4 +1,4 @@
-"""A setting of the rotary machine as full runs show it: what the blows are, and which limits it keeps."""
+"""What is asked of settings, and one as full runs show it: what its blows are, and which limits it keeps."""
 
 from __future__ import annotations
 

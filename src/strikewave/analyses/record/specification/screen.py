@@ -1,4 +1,4 @@
-"""Specifications as a command: list them, show one, begin a file of one's own."""
+"""Specifications as commands: list them, show one, begin a file of one's own, synthesize a base motion."""
 
 from __future__ import annotations
 
