@@ -259,7 +259,9 @@ def parse_quantity(text: object, si: str, field: str, example: str = "") -> floa
         value = _times(typed.value, _factor(unit, si))
     except _pint().UndefinedUnitError as error:
         unknown = str(error.args[0][0] if isinstance(error.args[0], tuple | list) else error.args[0])
-        raise InputError(field, text, allowed, f'unknown unit "{unknown}": {_nearest_unit(unknown)}') from None
+        raise InputError(
+            field, text, allowed, f'unknown unit "{unknown}": {nearest(unknown, _COMMON.split())}'
+        ) from None
     except _pint().DimensionalityError:
         hint = (
             '"g" is standard gravity here; write gram or kg' if re.search(r"(?<![A-Za-z])g(?![A-Za-z])", unit) else ""
@@ -302,10 +304,6 @@ def _times(number: float, factor: float) -> float:
     inverse = 1.0 / factor
     whole = round(inverse) if inverse < _LARGEST_DIVISOR else 0
     return number / whole if whole > 1 and abs(inverse - whole) < _WHOLE * inverse else number * factor
-
-
-def _nearest_unit(unknown: str) -> str:
-    return nearest(unknown, _COMMON.split())
 
 
 def parse_typed(text: str, si: str, field: str) -> float:

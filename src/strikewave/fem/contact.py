@@ -1,4 +1,4 @@
-"""Contact between deformable bodies and with rigid walls, by a penalty on the gap to come; SI.
+"""Contact between deformable bodies and with rigid walls, by a penalty on the gap to come, and tied nodes; SI.
 
 A node is pressed out of a face of the other surface by a force that acts on the **predicted gap** g*, the gap that
 there would be at the end of the step dt if there were no contact (theory: :eq:`fem-contact`):

@@ -1,5 +1,6 @@
-"""Run a model with central differences: forces at t_n, velocity at t_(n+1/2), position at t_(n+1); SI.
+"""Run a model with central differences, blow after blow, or bring its bodies to rest; SI.
 
+Forces are those at t_n, the velocity that at t_(n+1/2), the position that at t_(n+1).
 Each interval of the histories is cut into equal steps below the critical one, so that its end is met exactly. Order
 within a step: elements, gravity, ties, loads, boundaries, contact, walls, ties and boundaries again, rigid parts; then
 nodes move.

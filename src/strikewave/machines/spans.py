@@ -1,4 +1,4 @@
-"""A run of a machine in spans: followed as bodies between blows, as a stack of layers in a blow.
+"""A run of a machine in spans: as bodies between blows, as a stack of layers in a blow, and over its rebounds.
 
 Both kinds of span answer the same questions: what moved how at given times, which contacts and switches
 there were, and which impulses.

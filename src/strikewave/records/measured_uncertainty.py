@@ -41,8 +41,6 @@ from strikewave.records.noisy_pulse import figures_of, without_noise
 from strikewave.records.record import Array, Channel
 from strikewave.records.smooth_pulse import BUDGETED
 
-FIGURES = BUDGETED
-"""Figures of a blow that have a budget."""
 BESIDE = 0.5
 """Lengths of a blow to either side of it that are changed and measured again."""
 MOST_SAMPLES = 200
@@ -219,7 +217,7 @@ def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
     shaping = [k for k, one in enumerate(contributions) if one.kind in CHANGING]
 
     def figures(drawn: Array) -> Array:
-        found = np.empty((drawn.shape[0], len(FIGURES)))
+        found = np.empty((drawn.shape[0], len(BUDGETED)))
         block = max(LARGEST // stretch.values.size, 1)
         for first in range(0, drawn.shape[0], block):
             rows = drawn[first : first + block, :count]
@@ -239,7 +237,7 @@ def _by_noise(measured: _Measured, noise: float) -> Array:
     """Return the standard uncertainty of the figures by white noise of each sample, added to what is in the record."""
     stretch, where = measured.stretch, measured.where
     size, noise = stretch.values.size, noise / math.sqrt(measured.factor)
-    total = np.zeros(len(FIGURES))
+    total = np.zeros(len(BUDGETED))
     block = max(LARGEST // size, 1)
     for first in range(0, size, block):
         bump = noise * np.eye(min(block, size - first), size, first)
@@ -260,7 +258,7 @@ class _Inputs(NamedTuple):
         """All inputs, those added to each figure last."""
         together = np.sqrt(np.sum([np.nan_to_num(each) ** 2 for _, each in self.added], axis=0))
         return [one.input for one in self.contributions] + [
-            InputQuantity(name, float(each)) for name, each in zip(FIGURES, together, strict=True)
+            InputQuantity(name, float(each)) for name, each in zip(BUDGETED, together, strict=True)
         ]
 
 
@@ -272,7 +270,7 @@ def _inputs(channel: Channel, pulse: RecordedPulse, budget: Budget, measured: _M
     added += [(one.name, _by_noise(measured, one.input.standard * (peak if one.relative else 1.0))) for one in noises]
     others = tuple(one for one in budget.contributions if one.kind != "noise")
     kinds = {one.kind for one in budget.contributions}
-    stated = [bool(kinds & set(IN_PLACE[name])) for name in FIGURES]
+    stated = [bool(kinds & set(IN_PLACE[name])) for name in BUDGETED]
     return _Inputs((sampling(channel.step), *others), tuple(added), np.isnan(told) & ~np.array(stated))
 
 
@@ -318,9 +316,9 @@ def _summed(
     measured: _Measured, inputs: _Inputs, propagated: Propagated, simulated: Simulated | None
 ) -> BlowUncertainty:
     """Return figures with their uncertainty, by the law of propagation where it is validated, else by Monte Carlo."""
-    sound = [True] * len(FIGURES) if simulated is None else simulated.validates(propagated).tolist()
+    sound = [True] * len(BUDGETED) if simulated is None else simulated.validates(propagated).tolist()
     figures = {}
-    for k, name in enumerate(FIGURES):
+    for k, name in enumerate(BUDGETED):
         standard, method = math.nan if inputs.unknown[k] else float(propagated.standard[k]), BY_LAW
         expanded = COVERAGE * standard
         if simulated is not None and not sound[k] and math.isfinite(standard + float(simulated.standard[k])):
@@ -335,7 +333,7 @@ def _summed(
         coverage = expanded / standard if standard > 0.0 else COVERAGE
         value = float(measured.figures[k]) * (1.0 if name == "width" else measured.sign)
         figures[name] = FigureUncertainty(value, standard, expanded, coverage, method, tuple(shares))
-    checked = {} if simulated is None else dict(zip(FIGURES, sound, strict=True))
+    checked = {} if simulated is None else dict(zip(BUDGETED, sound, strict=True))
     return BlowUncertainty(figures, 0 if simulated is None else simulated.trials, checked)
 
 

@@ -129,10 +129,16 @@ def new_figure(size: tuple[float, float] = WHOLE) -> Figure:
     return Figure(figsize=size, layout="constrained")
 
 
+def figure_with_axes(size: tuple[float, float] = HALF) -> tuple[Figure, Any]:
+    """Return a figure of a size in inches, and its one pair of axes."""
+    figure = new_figure(size)
+    return figure, figure.add_subplot()
+
+
 def one_diagram(draw: Callable[[Any], None], size: tuple[float, float] = HALF) -> Figure:
     """Return a figure with one pair of axes, on which ``draw`` draws."""
-    figure = new_figure(size)
-    draw(figure.add_subplot())
+    figure, axes = figure_with_axes(size)
+    draw(axes)
     return figure
 
 

@@ -1,4 +1,4 @@
-"""The stress-wave route of Li & Ma 2019: a specimen between two endless fixtures, as printed and corrected.
+"""The stress-wave route of Li & Ma 2019, as printed and corrected, and the staircase of force about a layer.
 
 A wave eps_i(t) comes down the upper fixture, enters the specimen at interface I (x = 0) and is reflected
 between it and interface II (x = l) many times. Time t counts from its first arrival at x; compression and

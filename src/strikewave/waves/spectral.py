@@ -1,4 +1,4 @@
-"""A stack in the frequency domain: layers that lose energy, disperse, or are far thinner than the others.
+"""A stack in the frequency domain, with layers that lose energy, disperse, or are thin; loss in the time domain.
 
 Each frequency is followed through the stack by the reflection recursion, in which all exponentials fall, so that
 neither many layers nor thin or lossy ones overflow. The spectrum is taken along s = sigma + i w (exponential window):

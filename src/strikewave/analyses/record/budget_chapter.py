@@ -11,9 +11,10 @@ from strikewave.analyses.record.tables import Names, called, figure_text, percen
 from strikewave.base.constants import COVERAGE
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.records.budget import ADDED, NORMAL, RECORD, RECTANGULAR, SAMPLING, Budget, Contribution
-from strikewave.records.measured_uncertainty import FIGURES, BlowUncertainty, BudgetLine, FigureUncertainty
+from strikewave.records.measured_uncertainty import BlowUncertainty, BudgetLine, FigureUncertainty
 from strikewave.records.reading import ChannelReading
 from strikewave.records.record import Channel
+from strikewave.records.smooth_pulse import BUDGETED
 from strikewave.reporting import faces
 from strikewave.reporting.clause_words import held_words
 from strikewave.reporting.numbers import doubted, listed
@@ -66,10 +67,10 @@ def uncertainty_table(result: RecordResult, names: Names) -> Table:
                         names[file.path],
                         *([reading.channel.name] if several else []),
                         str(number),
-                        *(_figure_words(one.figures[name], name, reading.channel.unit) for name in FIGURES),
+                        *(_figure_words(one.figures[name], name, reading.channel.unit) for name in BUDGETED),
                     ]
                 )
-    heads = ["file", *(["channel"] if several else []), "#", *(called(name, unit) for name in FIGURES)]
+    heads = ["file", *(["channel"] if several else []), "#", *(called(name, unit) for name in BUDGETED)]
     left = f", the first {MOST_ROWS} of {total} blows" if total > MOST_ROWS else ""
     return Table(f"Expanded uncertainty{left}", heads, rows, "No blow was found.")
 
@@ -83,9 +84,9 @@ def share_table(found: BlowUncertainty) -> Table:
     """Return the share of each contribution in the variance of each figure of a blow."""
     by_name = {name: {line.name: line for line in one.contributions} for name, one in found.figures.items()}
     rows: list[list[Cell]] = [
-        [name, *(_share(by_name[figure][name]) for figure in FIGURES)] for name in by_name["peak"]
+        [name, *(_share(by_name[figure][name]) for figure in BUDGETED)] for name in by_name["peak"]
     ]
-    heads = ["contribution", *(name.replace("_", " ") for name in FIGURES)]
+    heads = ["contribution", *(name.replace("_", " ") for name in BUDGETED)]
     return Table("Shares of the variance", heads, rows)
 
 
@@ -131,7 +132,7 @@ def budget_section(result: RecordResult, names: Names) -> Section:
         for number, one in enumerate(reading.uncertainties, 1):
             if one.trials:
                 where = f"{names[file.path]}, {reading.channel.name}, blow {number}"
-                parts += [figure_table(budget, one.figures[name], name, reading.channel, where) for name in FIGURES]
+                parts += [figure_table(budget, one.figures[name], name, reading.channel, where) for name in BUDGETED]
     parts.append(source_table(budget))
     stated = f" Budget: {budget.title} ({budget.file})." if budget.file else ""
     text = (

@@ -19,7 +19,7 @@ from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.sentences import WHY_HEAD, named, sentence, tag_of_records, why_of_shock
 from strikewave.analyses.record.specification.result import AskedRow, asked_rows
 from strikewave.analyses.record.tables import short_names, status_tag
-from strikewave.analyses.record.verdict_chapter import limit_words_of
+from strikewave.analyses.record.verdict_chapter import limit_words_of, several_channels
 from strikewave.base.shock_quantities import ACCELERATION, SECONDS
 from strikewave.base.texts import percent
 from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
@@ -189,11 +189,6 @@ def group_name(direction: str, channel: str, several: bool) -> str:
     """Return what a group is called."""
     words = f"direction {direction}" if direction else "direction not stated"
     return f"{words}, {channel}" if several else words
-
-
-def several_channels(found: RecordsVerdict) -> bool:
-    """Tell whether the shocks were taken on several channels."""
-    return len({shock.reading.channel.name for shock in found.shocks}) > 1
 
 
 def blow_verdicts(shocks: Sequence[JudgedShock]) -> list[str]:
@@ -454,12 +449,10 @@ def _rows_table(caption: str, rows: Sequence[CaseTable]) -> list[Part]:
     if not rows:
         return []
     keys = [key for key in type(rows[0]).model_fields if any(getattr(row, key) for row in rows)]
-    cells: list[list[Cell]] = [[number, *(getattr(row, key) or NONE for key in keys)] for number, row in _counted(rows)]
+    cells: list[list[Cell]] = [
+        [number, *(getattr(row, key) or NONE for key in keys)] for number, row in enumerate(rows, 1)
+    ]
     return [Table(caption, ["#", *map(_in_words, keys)], cells)]
-
-
-def _counted(rows: Sequence[CaseTable]) -> list[tuple[int, CaseTable]]:
-    return list(enumerate(rows, start=1))
 
 
 def _items(stated: StatedTest) -> Section:

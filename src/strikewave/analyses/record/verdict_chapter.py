@@ -20,7 +20,7 @@ MOST_ROWS = 200
 
 def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
     """Return the chapter of a verdict."""
-    several, many = _has_channels(found), len(found.shocks) > 1
+    several, many = several_channels(found), len(found.shocks) > 1
     tables: list[Part] = [clause_table(found, names)]
     if many:
         tables.append(_shock_table(found, names, several))
@@ -34,7 +34,7 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
 
 def clause_table(found: RecordsVerdict, names: dict[str, str]) -> Table:
     """Return the clauses with what came out, each of several shocks where it came out worst."""
-    several, many = _has_channels(found), len(found.shocks) > 1
+    several, many = several_channels(found), len(found.shocks) > 1
 
     def why(clause: Clause, shock: JudgedShock | None) -> str | None:
         named = many and shock is not None and clause.verdict != NOT_JUDGED
@@ -45,8 +45,8 @@ def clause_table(found: RecordsVerdict, names: dict[str, str]) -> Table:
     return page_table("Clauses" + (", each where it came out worst" if many else ""), columns)
 
 
-def _has_channels(found: RecordsVerdict) -> bool:
-    """Whether shocks of several channels were judged."""
+def several_channels(found: RecordsVerdict) -> bool:
+    """Tell whether shocks of several channels were judged."""
     return len({shock.reading.channel.name for shock in found.shocks}) > 1
 
 

@@ -21,11 +21,11 @@ from strikewave.reporting.style import (
     BLUE,
     GREEN,
     GREY,
-    HALF,
     ORANGE,
     RED,
     WHOLE,
     Trace,
+    figure_with_axes,
     new_figure,
     put_legend,
     quiet,
@@ -105,7 +105,7 @@ def ratio_figure(rows: Sequence[Ratio]) -> Figure:
     >>> [label.get_text() for label in figure.axes[0].get_yticklabels()]
     ['first peak', 'direct sensor']
     """
-    figure, axes = _sheet((9.8, 1.0 + 0.21 * len(rows)))
+    figure, axes = figure_with_axes((9.8, 1.0 + 0.21 * len(rows)))
     for k, row in enumerate(rows):
         if row.ends is not None:
             axes.hlines(k, 1.0 + row.ends[0], 1.0 + row.ends[1], color=ROLES["range"][0], linewidth=7.0, alpha=0.6)
@@ -302,7 +302,7 @@ def pulse_figure(
     >>> [text.get_text() for text in figure.axes[0].texts]
     ['measured 5 000 g', 'measured 200 µs']
     """
-    figure, axes = _sheet(WHOLE)
+    figure, axes = figure_with_axes(WHOLE)
     for (colour, stroke), curve in zip(CURVES[: len(curves)], curves, strict=True):
         time, values = thin(curve.time, curve.values)
         axes.plot(time * 1e6, values / STANDARD_GRAVITY, stroke, color=colour, linewidth=1.4, label=curve.label)
@@ -344,7 +344,7 @@ def fixture_figure(solution: Solution, sensor: str, marks: Sequence[PublishedMar
 
 def front_figure(solution: WaveSolution, marks: Sequence[PublishedMark]) -> Figure:
     """Draw the acceleration at the taps of a bar under a steep front, with the levels of published peaks."""
-    figure, axes = _sheet(WHOLE)
+    figure, axes = figure_with_axes(WHOLE)
     for k, ((name, _), (colour, stroke)) in enumerate(zip(solution.taps, CURVES[: len(solution.taps)], strict=True)):
         time, values = thin(solution.run.time, solution.run.acceleration[:, k])
         axes.plot(time * 1e6, values / STANDARD_GRAVITY, stroke, color=colour, linewidth=1.1, label=f"computed, {name}")
@@ -401,13 +401,6 @@ def _headroom(*all_axes: Any) -> None:
     for axes in all_axes:
         low, high = axes.get_ylim()
         axes.set_ylim(low, high + 0.1 * (high - low))
-
-
-def _sheet(size: tuple[float, float] = HALF) -> tuple[Figure, Any]:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=size, layout="constrained")
-    return figure, figure.add_subplot()
 
 
 COLUMN, ROW, BESIDE, MARGIN = 0.36, 0.42, 0.2, 1.2

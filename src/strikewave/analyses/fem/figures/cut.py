@@ -16,6 +16,7 @@ from strikewave.analyses.fem.figures.pictures import (
     SMALLEST_LINED,
     WIDEST,
     Camera,
+    as_vector,
     frame_window,
     instant_words,
     paint_faces,
@@ -242,10 +243,10 @@ def sight(skin: Skin, stills: Sequence[Snapshot], tilt: float, lying: bool = Tru
     normal = skin.cut.plane.normal
     up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.7 else np.array([1.0, 0.0, 0.0])
     if lying:
-        straight = Camera(toward=_vector(normal), up=_vector(up)).axes()
+        straight = Camera(toward=as_vector(normal), up=as_vector(up)).axes()
         if _aspect(window_of(skin, stills, straight)) > SLENDER:
             up = straight[0] * -1.0
-    return Camera(toward=_vector(normal + tilt * up), up=_vector(up)).axes()
+    return Camera(toward=as_vector(normal + tilt * up), up=as_vector(up)).axes()
 
 
 def window_of(skin: Skin, stills: Sequence[Snapshot], frame: Array, bar: bool = True) -> Window:
@@ -369,8 +370,3 @@ def _inside(skin: Skin, still: Snapshot, frame: Array, window: Window) -> NDArra
 
 def _aspect(window: Window) -> float:
     return (window[3] - window[2]) / (window[1] - window[0])
-
-
-def _vector(values: Array) -> tuple[float, float, float]:
-    x, y, z = (float(v) for v in values)
-    return x, y, z

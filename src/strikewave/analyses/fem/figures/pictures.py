@@ -105,12 +105,12 @@ def view_of(model: Model) -> Camera:
         toward = flat[0] + 0.5 * sum(flat[1:], np.zeros(3)) + 0.4 * up
         if len(flat) == 1:
             toward = toward + 0.35 * np.cross(up, flat[0])
-        return Camera(toward=_vector(toward), up=_vector(up))
+        return Camera(toward=as_vector(toward), up=as_vector(up))
     normal = next(n for n in (np.array([0.0, -1.0, 0.0]), np.array([-1.0, 0.0, 0.0])) if abs(n @ axis) < 0.9)
     middle = 0.5 * (mesh.points.min(axis=0) + mesh.points.max(axis=0))
     toward = normal + 0.35 * np.cross(normal, up) + 0.45 * up
-    whole = Camera(toward=_vector(toward), up=_vector(up))
-    cut = dataclasses.replace(whole, cut=(_vector(middle), _vector(normal)))
+    whole = Camera(toward=as_vector(toward), up=as_vector(up))
+    cut = dataclasses.replace(whole, cut=(as_vector(middle), as_vector(normal)))
     return cut if _visible(mesh, cut).any() else whole
 
 
@@ -135,10 +135,11 @@ def contact_zone(model: Model, view: Camera | None = None) -> tuple[Vector, floa
     for side in (contact.first, contact.second):
         on_side = shown & np.isin(mesh.hexahedra, mesh.side(side)).any(axis=1)
         radius = max(radius, (1.0 + ROUNDING) * float(away[on_side if on_side.any() else shown].min()))
-    return _vector(place), radius
+    return as_vector(place), radius
 
 
-def _vector(values: Array) -> Vector:
+def as_vector(values: Array) -> Vector:
+    """Return three numbers as a tuple of floats."""
     x, y, z = (float(v) for v in values)
     return x, y, z
 

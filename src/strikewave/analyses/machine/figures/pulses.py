@@ -19,6 +19,7 @@ from strikewave.reporting.style import (
     ORANGE,
     RED,
     WHOLE,
+    figure_with_axes,
     put_legend,
     quiet,
     sheet_title,
@@ -164,7 +165,7 @@ def contact_force(solution: Solution, row: int = 0) -> Figure:
     >>> figure.axes[0].get_ylabel()
     'force (kN)'
     """
-    figure, axes = _sheet(HALF)
+    figure, axes = figure_with_axes(HALF)
     time, force = _window(solution, row, "pulse_force", solution.blows[row].width)
     size, _ = axis_unit("N", "kN")
     axes.plot(time, force / size, color=BLUE, linewidth=1.4)
@@ -175,7 +176,7 @@ def contact_force(solution: Solution, row: int = 0) -> Figure:
 
 def rigid_acceleration(solution: Solution, row: int = 0) -> Figure:
     """Draw the rigid-body acceleration of one blow, with the published marks where they belong."""
-    figure, axes = _sheet(HALF)
+    figure, axes = figure_with_axes(HALF)
     blow = solution.blows[row]
     time, values = _window(solution, row, "pulse_acceleration", blow.width)
     size, _ = axis_unit("m/s^2", "g")
@@ -193,7 +194,7 @@ def rigid_acceleration(solution: Solution, row: int = 0) -> Figure:
 
 def overlaid_pulses(solution: Solution) -> Figure:
     """Draw the rigid-body pulses of the blows over each other: the first, the later full ones, the odd ones."""
-    figure, axes = _sheet(WHOLE)
+    figure, axes = figure_with_axes(WHOLE)
     size, _ = axis_unit("m/s^2", "g")
     first = _first_struck(solution)
     seen: set[str] = set()
@@ -219,7 +220,7 @@ def overlaid_pulses(solution: Solution) -> Figure:
 
 def whole_train(solution: Solution) -> Figure:
     """Draw the rigid-body acceleration of the whole train and mark each blow."""
-    figure, axes = _sheet(WHOLE)
+    figure, axes = figure_with_axes(WHOLE)
     data = solution.arrays
     time, values = thin(data["time"].values, data["rigid_acceleration"].values)
     (unit, _), (size, _) = axis_unit("s", "ms"), axis_unit("m/s^2", "g")
@@ -267,13 +268,6 @@ def _odd(kind: str) -> str:
 
 def _first_struck(solution: Solution) -> int:
     return next(row for row, blow in enumerate(solution.blows) if blow.kind != "missed")
-
-
-def _sheet(size: tuple[float, float]) -> tuple[Figure, Any]:
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=size, layout="constrained")
-    return figure, figure.add_subplot()
 
 
 def _window(solution: Solution, row: int, name: str, width: float) -> tuple[Array, Array]:
