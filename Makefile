@@ -29,7 +29,7 @@ help:
 	@echo "make docs-pdf  the same, then the manual as one PDF (docs/_build/strikewave-manual.pdf; needs Pango)"
 	@echo "make package  set up, then build wheel and source distribution (dist), check both, install and run the wheel alone with each of PYTHONS"
 	@echo "make pictures  set up, then draw the screens and photograph the report that README and docs show (docs/images; report and app with Chromium)"
-	@echo "make lint    set up, then style, types and import contract; whether packages fit together, and are known to be vulnerable"
+	@echo "make lint    set up, then style, types, import contract and budgets of lines and files; whether packages fit together, and are known to be vulnerable"
 	@echo "make requirements  write requirements/ anew, the packages with their SHA-256, from constraints.txt (with uv)"
 	@echo "make bench   set up with the peers ($(BENCH)), then time everything beside them (writes docs/benchmarks.md)"
 	@echo "make clean   remove the environment and caches"
@@ -76,6 +76,7 @@ lint: $(VENV)/dev
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/python scripts/budget.py
 	$(BIN)/python -m pip check
 	$(BIN)/python scripts/known_vulnerabilities.py
 

@@ -433,7 +433,7 @@ def full_critical_steps(points: Array, hexahedra: Index, mass: Array, solid: Any
     --------
     >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
     >>> from strikewave.fem.solids import Elastic
-    >>> round(float(critical_steps(cube, np.arange(8)[None], np.ones(1), Elastic(1.0, 1.0, 0.0), 0.0)[0]), 12)
+    >>> round(float(full_critical_steps(cube, np.arange(8)[None], np.ones(1), Elastic(1.0, 1.0, 0.0), 0.0)[0]), 12)
     1.0
     """
     first_shapes = shapes(points, hexahedra)

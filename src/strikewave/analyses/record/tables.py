@@ -53,7 +53,7 @@ def figure_text(name: str, unit: str, value: float, digits: int = 4) -> str:
 
     Examples
     --------
-    >>> amount("peak", "m/s^2", 49033.25), amount("width", "N", 2e-4), amount("peak", "", 3.0)
+    >>> figure_text("peak", "m/s^2", 49033.25), figure_text("width", "N", 2e-4), figure_text("peak", "", 3.0)
     ('5000 g', '200 µs', '3')
     """
     text = number(name, unit, value, digits)
@@ -161,7 +161,7 @@ def percents(share: float, digits: int = 3) -> str:
 
     Examples
     --------
-    >>> percent(0.02512), percent(float("nan"))
+    >>> percents(0.02512), percents(float("nan"))
     ('2.51 %', '–')
     """
     return f"{written(100.0 * share, digits)} %" if math.isfinite(share) else NONE
