@@ -17,6 +17,7 @@ from typing import Annotated, NamedTuple
 import typer
 
 from strikewave._version import __version__
+from strikewave.base.constants import material
 from strikewave.base.documents import head
 from strikewave.base.errors import InputError
 from strikewave.cases.files import bundled_cases, read_case_text
@@ -159,7 +160,6 @@ def speeds() -> list[Speed]:
     import numpy as np
 
     from strikewave import load_case, run_fem, solve_impact, srs
-    from strikewave.base.constants import material
     from strikewave.contact import Contact, exact
     from strikewave.waves import BONDED, End, LoadPulse, Stack, Tap, WantedError, round_bar, run_bar
 

@@ -31,9 +31,6 @@ if TYPE_CHECKING:
 Files = Annotated[
     list[str], typer.Argument(metavar="FILE", help="Measured files of any known format.", show_default=False)
 ]
-OneFile = Annotated[
-    str, typer.Argument(metavar="FILE", help="A measured file of any known format.", show_default=False)
-]
 
 
 def _of_channels(name: str, help: str) -> Any:

@@ -27,6 +27,7 @@ from strikewave.reporting.bands import BAND_HEADS, band_rows, fixed_within
 from strikewave.reporting.columns import Column
 from strikewave.reporting.layout import Line, clean, cut, keys, numerals, plain, table_lines, texts, wrapped
 from strikewave.reporting.numbers import headed, shown, shown_heads
+from strikewave.reporting.parts import written
 
 if TYPE_CHECKING:
     from strikewave.cases.stack_of_case import FittedLoss
@@ -297,8 +298,6 @@ def significant(value: float, digits: int) -> str:
     >>> significant(19685.34, 3), significant(1.5e-7, 3), significant(float("inf"), 3)
     ('19685', '1.5e-07', 'inf')
     """
-    from strikewave.reporting.parts import written
-
     return written(float(value), digits)
 
 

@@ -20,6 +20,7 @@ from strikewave.records.budget import Budget
 from strikewave.reporting.clause_words import clause_words, decision_words
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter, effect_on_half_sine
+from strikewave.signal.interpolation import resampled
 from strikewave.signal.pulse import HALF_SINE_WIDTH, Pulse, foot_to_foot, measure_pulse
 from strikewave.specifications.judged_records import (
     BY_INDICATIVE,
@@ -198,8 +199,6 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
     InputError
         If they have no time in common.
     """
-    from strikewave.signal.interpolation import resampled
-
     first = curves[0].history
     begin = max(one.history.start + shift for one, shift in zip(curves, shifts, strict=True))
     end = min(one.history.end + shift for one, shift in zip(curves, shifts, strict=True))

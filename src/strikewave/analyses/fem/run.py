@@ -14,6 +14,8 @@ from strikewave.base import citations
 from strikewave.base.compiling import compiling_shown
 from strikewave.cases.case import Case
 from strikewave.fem.device.devices import device_named
+from strikewave.fem.engine import Engine
+from strikewave.fem.hexahedron import fitting, scaled_masses
 from strikewave.fem.model import Model, NonReflecting
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.snapshots import SNAPSHOTS, snapshot_recorder
@@ -139,7 +141,6 @@ def check_model(model: Model) -> None:
     InputError
         If it could not be run.
     """
-    from strikewave.fem.engine import Engine
     from strikewave.fem.solve import check_controls
 
     with fields_of_case(model):
@@ -149,8 +150,6 @@ def check_model(model: Model) -> None:
 
 def first_step(model: Model) -> float:
     """Return the time step that a run begins with, s."""
-    from strikewave.fem.hexahedron import fitting, scaled_masses
-
     controls, rigid = model.controls, {body.part for body in model.rigid}
     with fields_of_case(model):
         _, _, critical = scaled_masses(model, [name for name in model.mesh.names if name not in rigid])

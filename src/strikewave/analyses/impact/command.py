@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from strikewave.analyses.impact import options
+from strikewave.base.quantities import AUTO
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Typed, bare_number, quantity
 from strikewave.reporting.output_options import Output
@@ -36,7 +37,6 @@ def impact(
     """
     from strikewave.analyses.impact.screen import solve_setup
     from strikewave.analyses.impact.setup import Setup, read_base, read_cap, read_loss, read_masses
-    from strikewave.base.quantities import AUTO
 
     masses = read_masses(bodies)
     base = read_base(stiffness)

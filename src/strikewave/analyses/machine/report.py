@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.analyses.machine.figures import pulses
 from strikewave.analyses.machine.figures.animation import machine_page, write_machine_gif
+from strikewave.analyses.machine.figures.geometry import strike_geometry
 from strikewave.analyses.machine.figures.pulses import summary
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.result import (
@@ -128,8 +130,6 @@ def setup(case: Case) -> Section:
 
 def _strike_words(case: Case) -> str:
     """Say how the nose of a striker of the rotary machine meets the face; nothing for another machine."""
-    from strikewave.analyses.machine.figures.geometry import strike_geometry
-
     geometry = strike_geometry(case)
     if geometry is None:
         return ""
@@ -204,8 +204,6 @@ def pulse_pictures(solution: Solution, moving: str = "") -> Section:
 
     ``moving`` is the name of the page that shows the machine in motion.
     """
-    from strikewave.analyses.machine.figures import pulses
-
     data = solution.arrays
     struck = [row for row, blow in enumerate(solution.blows) if blow.kind != "missed"]
     parts: list[Part] = []

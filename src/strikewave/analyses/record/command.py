@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.analyses.record.options import FilterOptions, RecordSpecificationOptions
+from strikewave.base.errors import InputError
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import quantity
 from strikewave.reporting.output_options import Output
@@ -72,7 +73,6 @@ def command(
     """
     from strikewave.analyses.record.screen import examine_records
     from strikewave.analyses.record.sensor_pairs import read_pair
-    from strikewave.base.errors import InputError
     from strikewave.cases.stack_of_case import stated_sensor
     from strikewave.records import Request
 

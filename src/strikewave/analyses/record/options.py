@@ -23,6 +23,7 @@ from strikewave.reporting.options import (
     quantity,
     wrong_choice,
 )
+from strikewave.signal.filters import HighPass
 from strikewave.specifications.judging import Rule
 
 if TYPE_CHECKING:
@@ -87,8 +88,6 @@ class FilterOptions(LowPassOptions):
         InputError
             If two of them exclude one another.
         """
-        from strikewave.signal.filters import HighPass
-
         high_pass = None if self.high_pass is None else HighPass(self.high_pass)
         coupling = "" if self.ac_coupling is None else self.ac_coupling
         return dataclasses.replace(request, filter=self.low_pass(), ac_coupling=coupling, high_pass=high_pass)
@@ -128,8 +127,6 @@ def filtered(
     >>> str(wanted.filter), round(wanted.ac_coupling, 6), wanted.high_pass.cutoff
     ('CFC 1000 (SAE J211)', 0.001592, 5.0)
     """
-    from strikewave.signal.filters import HighPass
-
     word = "" if ac_coupling is None else ac_coupling if isinstance(ac_coupling, str) else f"{ac_coupling} s"
     return dataclasses.replace(
         request,

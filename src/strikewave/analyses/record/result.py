@@ -47,6 +47,7 @@ from strikewave.reporting.faces import data_columns
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import shown_unit
 from strikewave.reporting.shown_result import Curve, columns_of_mappings, history_curve, html_place
+from strikewave.sensors.trial import SensorChannel, sensor_sources
 from strikewave.signal.filters import Filter
 from strikewave.specifications.judged_records import RecordsVerdict
 from strikewave.specifications.judging import FAIL, NOT_JUDGED
@@ -165,8 +166,6 @@ class RecordResult(AskedResult):
         InputError
             If the records hold no acceleration.
         """
-        from strikewave.sensors.trial import SensorChannel, sensor_sources
-
         found = try_records(self.readings, self.filter, stated, field)
         notices = (*self.notices, *found.notices)
         citations = tuple(

@@ -19,6 +19,7 @@ from strikewave.reporting.layout import numerals
 from strikewave.reporting.numbers import one_in
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, drawing, run_and_write
+from strikewave.reporting.style import save, titled
 from strikewave.reporting.terminal import table, tell
 
 MOST_SHOWN = 4
@@ -80,7 +81,6 @@ class SrsCommand(Command[SpectrumResult]):
         from strikewave.analyses.record.figures.spectra import response_figure, rolling_figure, tripartite
         from strikewave.analyses.record.report import spectrum_picture
         from strikewave.analyses.record.spectrum_report import spectrum_report
-        from strikewave.reporting.style import save, titled
 
         pictures = {"summary.svg": spectrum_picture(result), "tripartite.svg": tripartite(result.velocity)}
         if result.shocks:

@@ -8,6 +8,7 @@ import string
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from strikewave.analyses.fem.figures.pictures import mesh_picture, view_of
 from strikewave.analyses.fem.report import fields_section
 from strikewave.analyses.wave.report import field_of_solution
 from strikewave.base.shock_quantities import ACCELERATION, IMPULSE, LENGTH, MICROSECONDS, STRESS
@@ -518,8 +519,6 @@ how such a peak can come about, closer agreement than that is chance. {_left_out
 
 def _model_pictures(solution: FemSolution | None) -> Iterator[Picture]:
     """Yield the mesh of a model, as the paper's Figures 10 and 14 show theirs, and its bodies cut open in the blow."""
-    from strikewave.analyses.fem.figures.pictures import mesh_picture, view_of
-
     if solution is None:
         return
     mesh = mesh_picture(solution.model.mesh, view_of(solution.model))

@@ -34,6 +34,7 @@ from strikewave.papers.li_ma_2019.unknowns import run_unknowns
 from strikewave.reporting.layout import keys, numerals, texts
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
+from strikewave.reporting.style import save
 from strikewave.reporting.terminal import progress_bar, say, table, tell
 from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
@@ -149,7 +150,6 @@ class ReproduceCommand(ResumableCommand[Reproduction]):
     def draw(self, result: Reproduction, folder: Path) -> list[str]:
         """Write page and pictures."""
         from strikewave.papers.li_ma_2019.report import pictures, reproduction_report
-        from strikewave.reporting.style import save
 
         names = ["report.html"]
         with drawing(folder / names[0]) as path:

@@ -25,6 +25,7 @@ from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import amount, text_of
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
+from strikewave.reporting.style import save
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
 from strikewave.studies.buffer.candidate import ALIKE, READING, RINGING, BufferGoal, distinct
 from strikewave.studies.buffer.choice import StackChoices
@@ -145,7 +146,6 @@ class BufferCommand(ResumableCommand[BufferStudy]):
 
     def draw(self, result: BufferStudy, folder: Path) -> list[str]:
         """Write the page, peak over bandwidth, histories and transmissibility."""
-        from strikewave.reporting.style import save
         from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
         from strikewave.studies.buffer.report import buffer_report
 

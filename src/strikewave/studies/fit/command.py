@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from strikewave.base.errors import InputError
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Changes, LowPassOptions, Running, case_name
 from strikewave.reporting.output_options import StudyOutput
@@ -76,7 +77,6 @@ def command(
     no files are written unless --out is given.
     """
     from strikewave.analyses.compare.sources import SourceOptions
-    from strikewave.base.errors import InputError
     from strikewave.cases.case import load_case
     from strikewave.studies.fit.fit_file import is_fit_file
     from strikewave.studies.fit.request import FitRequest

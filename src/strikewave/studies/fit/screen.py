@@ -17,11 +17,14 @@ from strikewave.reporting.faces import columns_of
 from strikewave.reporting.options import Running
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import case_folder, drawing, run_and_write
+from strikewave.reporting.style import save, titled
 from strikewave.reporting.terminal import print_rows, progress_bar, report_table, tell
 from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.fit.checking import PredictedFigure
+from strikewave.studies.fit.corner import corner_figure
+from strikewave.studies.fit.figures import fit_figure
 from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.report import (
     POSTERIOR_TITLE,
@@ -140,10 +143,6 @@ class FitCommand(ResumableCommand[FitStudy]):
 
     def draw(self, result: FitStudy, folder: Path) -> list[str]:
         """Write page and picture."""
-        from strikewave.reporting.style import save, titled
-        from strikewave.studies.fit.corner import corner_figure
-        from strikewave.studies.fit.figures import fit_figure
-
         with drawing(folder / "fit.svg") as path:
             save(fit_figure(result), path)
         with drawing(folder / "report.html") as path:

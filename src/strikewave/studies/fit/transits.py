@@ -6,8 +6,10 @@ import re
 from collections.abc import Sequence
 
 from strikewave.cases.case import Case
+from strikewave.cases.stack_of_case import build_stack
 from strikewave.studies.fit.free_fields import changed_case
 from strikewave.studies.simulation import Simulation
+from strikewave.waves.spectral import is_linear
 from strikewave.waves.transit import WaveSetup, wave_setup
 
 OF_TRANSIT = re.compile(r"stack\.layer\.(.+)\.(length|density|modulus)")
@@ -27,8 +29,6 @@ def smooth_case(case: Case, paths: Sequence[str]) -> Case:
     if case.command != "wave" or case.solver.method != "auto" or not any(map(OF_TRANSIT.fullmatch, paths)):
         return case
     from strikewave.analyses.wave.build import build_load
-    from strikewave.cases.stack_of_case import build_stack
-    from strikewave.waves.spectral import is_linear
 
     stack = build_stack(case)
     return changed_case(case, ["solver.method=spectral"]) if is_linear(stack, build_load(case, stack)) else case

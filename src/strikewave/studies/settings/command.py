@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 import typer
 
 from strikewave.analyses.record.options import complete_specification
+from strikewave.base.constants import material
 from strikewave.base.errors import InputError
 from strikewave.reporting.options import Changes, Running, complete_case, quantity
 from strikewave.reporting.output_options import StudyOutput
@@ -179,7 +180,6 @@ def command(
     --json, no files are written unless --out is given. The exit code is 3 where no candidate meets the goal and
     keeps all limits.
     """
-    from strikewave.base.constants import material
     from strikewave.cases.case import load_case
     from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.settings.candidate import blow_goal

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar, Literal
 
 from strikewave.analyses.machine.kind import DROP_HEIGHT, Drawing, LaunchedKind, PartEntry, Release
+from strikewave.base.errors import checked
 from strikewave.base.quantities import DropHeight, MaybePositiveForce, MaybeShare, MaybeSpringRate
 
 if TYPE_CHECKING:
@@ -40,7 +41,6 @@ class Drop(LaunchedKind):
 
     def release(self, case: Case, mass: float) -> Release:
         """Return a table at v = sqrt(2 g (1 - friction) h), or faster where cords pull it, downwards."""
-        from strikewave.base.errors import checked
         from strikewave.cases.contact_of_case import or_else
         from strikewave.machines.launch import corded_fall
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar, Literal
 
 from strikewave.analyses.machine.kind import DROP_HEIGHT, Drawing, LaunchedKind, PartEntry, Release
 from strikewave.base.declare import Quantity
+from strikewave.base.errors import checked
 from strikewave.base.quantities import DropHeight, Length, MaybeDamping, MaybeShare, Restitution, SpringRate
 from strikewave.base.result import Notice
 
@@ -51,7 +52,6 @@ class DualMassAmplifier(LaunchedKind):
         """Return table and second mass as shaper and cushions leave them when they meet."""
         from strikewave.analyses.machine.build import guided_fall
         from strikewave.base.constants import material
-        from strikewave.base.errors import checked
         from strikewave.cases.contact_of_case import face_contact, or_else
         from strikewave.machines.amplifier import DualMass, second_impact
 

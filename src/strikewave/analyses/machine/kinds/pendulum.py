@@ -10,12 +10,12 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.declare import Quantity
 from strikewave.base.errors import MISSING, InputError, checked
 from strikewave.base.quantities import Length, Mass, MaybeInertia, MaybeTime, SwingAngle
+from strikewave.cases.plausible import GoesWith
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from strikewave.cases.case import Case
-    from strikewave.cases.plausible import GoesWith
     from strikewave.machines import launch
 
 
@@ -68,8 +68,6 @@ class Pendulum(LaunchedKind):
 
     def goes_with(self) -> Mapping[str, GoesWith]:
         """Return how inertia, or period, goes with mass and centre: a point mass at the centre has the least."""
-        from strikewave.cases.plausible import GoesWith
-
         mass, centre = self.mass.si, self.centre.si
         swing = 2.0 * math.pi * math.sqrt(centre / STANDARD_GRAVITY)
         return {
