@@ -26,7 +26,7 @@ from kit import DATA, IMAGES, PAGE, Comparison, cells_of, keep, table, write_int
 from strikewave import FitStudy, fit, load_case
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.reporting.style import BLUE, GREEN, RED, legend_below, new_figure, quiet, save
-from strikewave.studies.fit.trying import tried
+from strikewave.studies.fit.checking import tried
 
 Blows = dict[tuple[float, float], list[tuple[float, float]]]
 """Peak (g) and width (ms) of each blow by height and thickness (inch)."""

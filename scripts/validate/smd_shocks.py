@@ -28,7 +28,7 @@ from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cases.case import Case, parse_case
 from strikewave.reporting.style import BLUE, GREEN, RED, legend_below, new_figure, quiet, save
-from strikewave.studies.fit.trying import TriedChoice, tried
+from strikewave.studies.fit.checking import TriedChoice, tried
 
 CASE = Path(__file__).parent / "cases" / "smd-drop.toml"
 FITTED = 3

@@ -45,7 +45,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.records.measuring import find_pulses as find_pulses
     from strikewave.records.readers import read_record as read_record
     from strikewave.signal.srs import srs as srs
-    from strikewave.studies.buffer.question import buffer as buffer
+    from strikewave.studies.buffer.study import buffer as buffer
     from strikewave.studies.design.study import DesignStudy as DesignStudy
     from strikewave.studies.design.study import design as design
     from strikewave.studies.fit.result import FitStudy as FitStudy
@@ -75,7 +75,7 @@ _HOMES = {
     "StrikewaveError": "base.errors",
     "SweepStudy": "studies.sweep.study",
     "WaveSolution": "analyses.wave.result",
-    "buffer": "studies.buffer.question",
+    "buffer": "studies.buffer.study",
     "compare": "analyses.compare.run",
     "design": "studies.design.study",
     "drop_table": "studies.settings.drop_table.study",

@@ -18,7 +18,7 @@ from strikewave.studies.engine.evaluation import RunOutcome, attempts
 from strikewave.studies.engine.pools import ProcessPool, ThreadPool
 from strikewave.studies.engine.runner import carry_out
 from strikewave.studies.engine.store import CHUNK, INDEX, KEPT_INDEX, RunStore, begin_from
-from strikewave.studies.fit import batches
+from strikewave.studies.fit import estimation
 
 BALL = "iso-16063-22-dropball"
 FEW = "--set", "feed.blows=2", "--set", "machine.speed.tolerance=1 %"
@@ -66,7 +66,7 @@ def test_a_finished_study_that_is_asked_again_makes_no_run(strikewave, monkeypat
     assert not (tmp_path / ".o.runs").exists()
     with monkeypatch.context() as patch:
         patch.setattr(runner, "begin", lambda *_: pytest.fail("a finished run was made again"))
-        patch.setattr(batches, "_made", lambda *_: pytest.fail("a finished run of a fit was made again"))
+        patch.setattr(estimation, "_made", lambda *_: pytest.fail("a finished run of a fit was made again"))
         ended, again, err = strikewave(*words)
     assert ended in (0, None), err
     assert "finished runs of o; --fresh makes them anew" in err
@@ -92,9 +92,9 @@ def test_results_of_a_fit_are_read_by_the_content_of_what_is_asked():
     with RunStore(None) as store:
         for _ in range(2):
             MADE.clear()
-            with batches.keeping_in(store):
+            with estimation.keeping_in(store):
                 asked = [functools.partial(scaled, one.copy()) for one in factors]
-                found.append([batches.each_or_none(one, places) for one in asked])
+                found.append([estimation.each_or_none(one, places) for one in asked])
             assert len(MADE) == (6 if len(found) == 1 else 0)
     assert found[0][2] == found[1][2] == [None, None]
     for made, read in zip(found[0][:2], found[1][:2], strict=True):
@@ -103,9 +103,11 @@ def test_results_of_a_fit_are_read_by_the_content_of_what_is_asked():
 
 def test_what_a_lambda_holds_is_not_seen_so_that_it_is_asked_each_time():
     MADE.clear()
-    with RunStore(None) as store, batches.keeping_in(store):
+    with RunStore(None) as store, estimation.keeping_in(store):
         for factor in (2.0, 3.0):
-            found = batches.each_or_none(lambda place, factor=factor: scaled(np.array([factor]), place), [np.ones(1)])
+            found = estimation.each_or_none(
+                lambda place, factor=factor: scaled(np.array([factor]), place), [np.ones(1)]
+            )
             assert found == [np.array([factor])]
     assert len(MADE) == 2
 

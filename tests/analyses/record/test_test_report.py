@@ -16,8 +16,7 @@ from PIL import Image
 from pypdf import PdfReader
 
 import strikewave as sw
-from strikewave.analyses.record.sentences import tag_of_records
-from strikewave.analyses.record.test_report import (
+from strikewave.analyses.record.laboratory_report import (
     DOUBT,
     MOST_LINES,
     MOST_LISTED,
@@ -25,6 +24,7 @@ from strikewave.analyses.record.test_report import (
     drawn_shocks,
     report_of_test,
 )
+from strikewave.analyses.record.sentences import tag_of_records
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.stated_test import NO_TEST, ReportTables, StatedTest, example_file, load_test
 from strikewave.cases.tables.common import PerformedTest

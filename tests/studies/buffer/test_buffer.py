@@ -21,9 +21,17 @@ from strikewave.sensors import Recorder, Sensor
 from strikewave.sensors.trial import SensorChannel
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.signal.srs import srs
-from strikewave.studies.buffer.candidate import RINGING, BufferGoal, assess, carries, look_closer, ranked, withstands
-from strikewave.studies.buffer.choice import StackChoices, stacks
-from strikewave.studies.buffer.moduli import confined, confinement
+from strikewave.studies.buffer.candidate import (
+    RINGING,
+    BufferGoal,
+    StackChoices,
+    assess,
+    carries,
+    look_closer,
+    ranked,
+    stacks,
+    withstands,
+)
 from strikewave.studies.buffer.mounting_site import (
     BaseMotion,
     Blows,
@@ -32,6 +40,8 @@ from strikewave.studies.buffer.mounting_site import (
     blows_of,
     case_with,
     choose_sensor,
+    confined,
+    confinement,
     mounting_site_of,
     reading_of,
     usual_materials,

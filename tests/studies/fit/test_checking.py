@@ -20,7 +20,7 @@ from strikewave.studies.fit.checking import (
     check,
     names_of,
 )
-from strikewave.studies.fit.excess import Excess
+from strikewave.studies.fit.covariance import Excess
 from strikewave.studies.fit.free_fields import free_fields
 from strikewave.studies.fit.problem import Experiment, Problem
 from strikewave.studies.fit.solving import solve

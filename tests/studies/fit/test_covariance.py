@@ -13,14 +13,15 @@ from strikewave.studies.fit.covariance import (
     NONE,
     Estimate,
     ResidualBlock,
+    autocorrelation,
     by_noise,
     by_what_is_left,
     design_effect,
     estimate,
+    independent_count,
     larger,
     scatter_of_shots,
 )
-from strikewave.studies.fit.noise import autocorrelation, independent_count
 
 TIME = np.linspace(-1.0, 1.0, 100)
 NOISE = 0.005

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from strikewave.studies.fit.covariance import Estimate, ResidualBlock, estimate
+from strikewave.studies.fit.covariance import Estimate, ResidualBlock, autocorrelation, estimate, independent_count
 from strikewave.studies.fit.estimation import ACCURACY, FINAL_STEP, Search, is_quadratic, profile
-from strikewave.studies.fit.noise import autocorrelation, independent_count
 
 TIME = np.linspace(-1.0, 1.0, 160)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from strikewave.studies.fit.excess import ALONE, Excess, excess_of
+from strikewave.studies.fit.covariance import KNOWN_ELSEWHERE, Excess, excess_of
 
 
 def test_of_as_many_repeats_each_it_is_the_analysis_of_variance():
@@ -31,7 +31,7 @@ def test_a_value_that_is_known_from_elsewhere_is_held_to_its_uncertainty():
     """Three numbers that agree 100 uncertainties beside what is known of their value: these are off, not that."""
     measured = np.array([100.0, 101.0, 99.0, 0.0])
     place = measured.sum() / 4.0
-    found = excess_of(place - measured, [0, 1, 2, ALONE], 1)
+    found = excess_of(place - measured, [0, 1, 2, KNOWN_ELSEWHERE], 1)
     assert found.of_another > 50.0
     assert found.freedom == 3.0
 
@@ -87,14 +87,14 @@ def test_with_as_many_values_as_settings_none_is_off():
     """No degree of freedom is left, but that of a value known from elsewhere."""
     off = np.array([50.0, -50.0])
     assert excess_of(off, [0, 1], 2) == Excess()
-    assert excess_of(np.array([50.0]), [ALONE], 0) == Excess()
+    assert excess_of(np.array([50.0]), [KNOWN_ELSEWHERE], 0) == Excess()
     assert excess_of(off, [0, 1], 1).freedom == 1.0
     assert excess_of(off, [0, 1], 1).of_another == pytest.approx(np.sqrt(5000.0), rel=1e-9)
 
 
 def test_what_is_known_from_elsewhere_alone_off_ends_the_search_for_the_excess():
     """It is off by 10 and leaves 100 of two degrees whatever the excess of the numbers: that is (100 + 2)/2 at most."""
-    found = excess_of(np.array([10.0, 1.0, -1.0]), [ALONE, 0, 1], 1)
+    found = excess_of(np.array([10.0, 1.0, -1.0]), [KNOWN_ELSEWHERE, 0, 1], 1)
     assert found.between**2 == pytest.approx(102.0 / 2.0, rel=1e-12)
 
 

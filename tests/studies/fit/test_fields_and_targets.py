@@ -12,7 +12,8 @@ from strikewave.base.quantities import Range, Value
 from strikewave.cases.plausible import PLAUSIBLE
 from strikewave.studies.fit import free_fields as free_fields_module
 from strikewave.studies.fit import targets as targets_module
-from strikewave.studies.fit.free_fields import FreeField, case_at, free_fields
+from strikewave.studies.fit.checking import read_tries
+from strikewave.studies.fit.free_fields import FreeField, _stair, case_at, free_fields, smooth_case, stairs
 from strikewave.studies.fit.measured import MeasuredNumber
 from strikewave.studies.fit.targets import (
     Target,
@@ -25,8 +26,6 @@ from strikewave.studies.fit.targets import (
     read_targets,
     target_words,
 )
-from strikewave.studies.fit.transits import _stair, smooth_case, stairs
-from strikewave.studies.fit.trying import read_tries
 
 DROP, PAPER, BAR = load_case("jesd22-b111-b"), load_case("li-ma-2019"), load_case("li-ma-2019-fig13-bar")
 

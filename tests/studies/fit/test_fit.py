@@ -14,9 +14,8 @@ from strikewave.cases.case import parse_case
 from strikewave.cases.written_case import dump_case
 from strikewave.signal.interpolation import resampled
 from strikewave.studies.fit.estimation import Search
-from strikewave.studies.fit.fast_run import FastRun
 from strikewave.studies.fit.free_fields import free_fields
-from strikewave.studies.fit.problem import Problem, more_than_noise
+from strikewave.studies.fit.problem import FastRun, Problem, more_than_noise
 from strikewave.studies.fit.study import fit
 from strikewave.studies.fit.targets import parse_target, read_targets
 from strikewave.studies.simulation import Simulation, quick_case

@@ -13,8 +13,8 @@ from strikewave.analyses.compare.curve import ComparedCurve
 from strikewave.base.errors import InputError
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.pulse import FOOT, Pulse
+from strikewave.studies.fit.covariance import autocorrelation
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse, _finer, _window, measured_pulse
-from strikewave.studies.fit.noise import autocorrelation
 
 SAMPLES = 100
 """Of a half wave."""

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from strikewave.base.result import Verdicts
 from strikewave.reporting.style import HALF, WHOLE
-from strikewave.studies.fit import corner, figures
+from strikewave.studies.fit import figures
 from strikewave.studies.fit.estimation import ProfileEnds
 from strikewave.studies.fit.free_fields import free_fields
 from strikewave.studies.fit.measured import LaidPulse
@@ -167,7 +167,7 @@ def test_of_a_pair_600_draws_and_the_densest_68_and_95_percent_are_shown(count, 
     x = rng.standard_normal(count)
     y = 10.0 + 3.0 * rng.standard_normal(count) + 2.0 * x
     axes = Recorder()
-    corner._draw_pair(axes, x, y)
+    figures._draw_pair(axes, x, y)
     (((across, up, density), how),) = axes.asked["contour"]
     for middles, values in ((across, x), (up, y)):
         low, high = np.quantile(values, [0.002, 0.998])
@@ -192,13 +192,13 @@ def test_of_a_pair_600_draws_and_the_densest_68_and_95_percent_are_shown(count, 
 def test_a_corner_has_a_panel_of_each_value_and_pair_of_five_values_at_most(monkeypatch, count):
     """Histograms on the diagonal; the pair of row and column below it; named at the left and at the bottom."""
     asked = []
-    monkeypatch.setattr(corner, "_draw_value", lambda axes, draws, fitted: asked.append((draws, fitted)))
-    monkeypatch.setattr(corner, "_draw_pair", lambda axes, x, y: asked.append((x, y)))
+    monkeypatch.setattr(figures, "_draw_value", lambda axes, draws, fitted: asked.append((draws, fitted)))
+    monkeypatch.setattr(figures, "_draw_pair", lambda axes, x, y: asked.append((x, y)))
     paths = [FORCE, HEIGHT, LOSS, "striker.mass", "object.mass", "contact.reference_depth"][:count]
     fields = free_fields(CASE, paths)
     parameters = [FittedParameter(one, one.si(0.3 + 0.05 * k), 1.0, 0.0, 1.0) for k, one in enumerate(fields)]
     draws = np.linspace(0.2, 0.8, 7)[:, None] * np.linspace(0.5, 1.0, count)
-    figure = corner.corner_figure(SimpleNamespace(parameters=parameters, posterior=Posterior(draws, 9, 1.0, 0.5, 1)))
+    figure = figures.corner_figure(SimpleNamespace(parameters=parameters, posterior=Posterior(draws, 9, 1.0, 0.5, 1)))
     size = min(count, 5)
     assert figure.get_size_inches() == pytest.approx([WHOLE[0], {5: 9.0, 3: 8.2}[size]])
     shown = [[one.field.axis.shown(one.field.si(at)) for at in draws[:, k]] for k, one in enumerate(parameters)]
@@ -213,9 +213,9 @@ def test_a_corner_has_a_panel_of_each_value_and_pair_of_five_values_at_most(monk
             first, second = asked.pop(0)
             assert first == pytest.approx(shown[column])
             assert second == pytest.approx(fitted[row] if row == column else shown[row])
-            assert axes.get_xlim() == pytest.approx(corner._range(np.array(shown[column])))
+            assert axes.get_xlim() == pytest.approx(figures._range(np.array(shown[column])))
             if row != column:
-                assert axes.get_ylim() == pytest.approx(corner._range(np.array(shown[row])))
+                assert axes.get_ylim() == pytest.approx(figures._range(np.array(shown[row])))
                 ((x, y),) = [line.get_xydata()[0] for line in axes.lines]
                 assert (x, y) == pytest.approx((fitted[column], fitted[row]))
                 assert axes.lines[0].get_markersize() == 10
@@ -234,6 +234,6 @@ def test_a_corner_has_a_panel_of_each_value_and_pair_of_five_values_at_most(monk
 
 def test_few_draws_have_contours_too():
     axes = Recorder()
-    corner._draw_pair(axes, np.arange(5.0), np.array([0.0, 3.0, 1.0, 4.0, 2.0]))
+    figures._draw_pair(axes, np.arange(5.0), np.array([0.0, 3.0, 1.0, 4.0, 2.0]))
     ((_, how),) = axes.asked["contour"]
     assert 0.0 < how["levels"][0] < 0.01

@@ -8,12 +8,12 @@ import pytest
 
 from strikewave import load_case
 from strikewave.base.result import Verdicts
-from strikewave.studies.fit import corner, figures
-from strikewave.studies.fit.contradictions import speed_notices
+from strikewave.studies.fit import figures
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.posterior import Posterior, predictive_bands
 from strikewave.studies.fit.problem import Experiment
 from strikewave.studies.fit.report import fit_report, fit_words, residual_rows
+from strikewave.studies.fit.study import speed_notices
 
 from .closed_runs import CASE, FORCE, HEIGHT, LOSS, number, problem, pulse
 
@@ -122,7 +122,7 @@ def test_a_corner_shows_shares_of_the_draws_and_the_fitted_values(studied):
     draws = 0.5 + 0.02 * np.random.default_rng(5).standard_normal((2000, 2))
     posterior = Posterior(draws, 100, 1.0, 0.5, 3200)
     drawn = replace(study, posterior=posterior)
-    figure = corner.corner_figure(drawn)
+    figure = figures.corner_figure(drawn)
     assert figure.get_size_inches() == pytest.approx([9.8, 6.0])
     first, _, pair, second = figure.axes
     assert [one.get_visible() for one in figure.axes] == [True, False, True, True]

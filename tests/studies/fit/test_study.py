@@ -11,17 +11,15 @@ from strikewave import load_case
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
-from strikewave.studies.fit import batches, screen, study
-from strikewave.studies.fit.batches import KeptResults, _read, _text
+from strikewave.studies.fit import estimation, screen, study
+from strikewave.studies.fit.checking import TriedChoice
 from strikewave.studies.fit.covariance import Estimate
-from strikewave.studies.fit.estimation import ProfileEnds
-from strikewave.studies.fit.fast_run import FastRun, runs_fast
+from strikewave.studies.fit.estimation import KeptResults, ProfileEnds, _read, _text
 from strikewave.studies.fit.fit_file import FitFile, FreeTable, RecordTable, is_fit_file
-from strikewave.studies.fit.fitted_case import FittedTo, fitted_case
 from strikewave.studies.fit.free_fields import FreeField, free_fields
-from strikewave.studies.fit.request import FitRequest
-from strikewave.studies.fit.targets import Target, published_targets
-from strikewave.studies.fit.trying import TriedChoice
+from strikewave.studies.fit.problem import FastRun, runs_fast
+from strikewave.studies.fit.study import FittedTo, fitted_case
+from strikewave.studies.fit.targets import FitRequest, Target, published_targets
 
 from .closed_runs import CASE, FORCE, HEIGHT, LOSS
 
@@ -312,17 +310,17 @@ def test_results_are_kept_and_read_by_what_made_them(monkeypatch):
     assert [one if one is None else one.tolist() for one in found] == [[3.0, 7.0], [4.0, 7.0], [2.0, 7.0], None]
     assert [one.tolist() for one in again.each_or_none(halved, [4.0])] == [[2.0, 7.0]]
     assert calls == [8.0]
-    monkeypatch.setattr(batches, "MOST_KEPT", 2 * len(_text(np.zeros(2))))
+    monkeypatch.setattr(estimation, "MOST_KEPT", 2 * len(_text(np.zeros(2))))
     small = KeptResults(Store())
     for k, count in ((1.0, [1]), (2.0, [1, 1]), (3.0, [1, 1])):
         small.each_or_none(halved, [k])
         assert small._store.kept == count
-    with batches.keeping_in(Store()):
+    with estimation.keeping_in(Store()):
         calls.clear()
-        assert batches.result_of(halved, 4.0).tolist() == batches.result_of(halved, 4.0).tolist() == [2.0, 7.0]
+        assert estimation.result_of(halved, 4.0).tolist() == estimation.result_of(halved, 4.0).tolist() == [2.0, 7.0]
         assert calls == [4.0]
         with pytest.raises(ValueError, match="cannot be run"):
-            batches.result_of(halved, 99.0)
+            estimation.result_of(halved, 99.0)
 
 
 def test_results_are_written_to_the_bit_or_not_at_all():
@@ -336,9 +334,11 @@ def test_results_are_written_to_the_bit_or_not_at_all():
 
 def test_one_run_is_made_here_and_several_where_the_pool_is(monkeypatch):
     asked = []
-    monkeypatch.setattr(batches, "on_threads", lambda function, items: asked.append(len(items)) or [None] * len(items))
-    assert batches.each_or_none(halved, [4.0])[0].tolist() == [2.0, 7.0]
-    assert batches.each_or_none(halved, [4.0, 6.0]) == [None, None]
+    monkeypatch.setattr(
+        estimation, "on_threads", lambda function, items: asked.append(len(items)) or [None] * len(items)
+    )
+    assert estimation.each_or_none(halved, [4.0])[0].tolist() == [2.0, 7.0]
+    assert estimation.each_or_none(halved, [4.0, 6.0]) == [None, None]
     assert asked == [2]
 
 

@@ -11,16 +11,15 @@ from strikewave.base.result import Verdicts
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.studies.fit import report, screen
-from strikewave.studies.fit.checking import Checks, PredictedFigure
-from strikewave.studies.fit.excess import Excess
+from strikewave.studies.fit.checking import Checks, PredictedFigure, TriedChoice
+from strikewave.studies.fit.covariance import Excess
 from strikewave.studies.fit.free_fields import free_fields
 from strikewave.studies.fit.notices import fit_notices, held_notices, posterior_notices
 from strikewave.studies.fit.posterior import Posterior
 from strikewave.studies.fit.problem import Misfit
 from strikewave.studies.fit.report import check_words, correlation_table, fit_words, residual_rows
 from strikewave.studies.fit.result import FittedParameter, MisfitOfRun, combination_words, separating_words
-from strikewave.studies.fit.separating import SeparatingNumber
-from strikewave.studies.fit.trying import TriedChoice
+from strikewave.studies.fit.solving import SeparatingNumber
 
 from .closed_runs import CASE, FORCE, HEIGHT, LOSS, number
 

@@ -20,13 +20,13 @@ from strikewave.analyses.record.chapters import (
 from strikewave.analyses.record.figures import records, spectra
 from strikewave.analyses.record.figures.records import trend
 from strikewave.analyses.record.figures.spectra import record_summary, several_figure, srs_figure
+from strikewave.analyses.record.laboratory_report import report_of_test, write_report_of_test
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.rows import advised_filter, shown_response
 from strikewave.analyses.record.sentences import counted, doubted_peaks, peak_range, record_words, tag_of_records
 from strikewave.analyses.record.spectrum import SpectrumResult
 from strikewave.analyses.record.spectrum_report import spectrum_report
 from strikewave.analyses.record.tables import Names, between, called, figure_text, percents, short_names
-from strikewave.analyses.record.test_report import report_of_test, write_report_of_test
 from strikewave.analyses.record.verdict_chapter import verdict_section
 from strikewave.records.campaign import Campaign
 from strikewave.records.reading import ChannelReading, FileReading

@@ -91,8 +91,8 @@ def command(
     case or a layered bar at the sensor's tap, or a record. With --json, no files are written unless --out is given.
     """
     from strikewave.studies.buffer.candidate import BufferGoal
-    from strikewave.studies.buffer.question import choices_of
     from strikewave.studies.buffer.screen import BufferCommand, rank_buffers, source_of_case, source_of_record
+    from strikewave.studies.buffer.study import choices_of
     from strikewave.studies.engine.runner import pool_of
 
     goal = BufferGoal(limit, rank)
@@ -112,7 +112,7 @@ def command(
 
 def _given(mass: Value | None, diameter: Value | None, model: str | None) -> dict[str, Any]:
     """Return what was typed of the sensor."""
-    from strikewave.studies.buffer.question import chosen
+    from strikewave.studies.buffer.study import chosen
 
     sensor: dict[str, Any] = {} if model is None else {"model": model}
     if mass is not None:

@@ -15,8 +15,7 @@ from strikewave.contact import AnyContact
 from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
 from strikewave.sensors.trial import channel_notices, sensor_pulse
 from strikewave.studies.buffer.candidate import SHOWN_PERIODS, BufferCandidate, carries, slowest_shown, true_peak
-from strikewave.studies.buffer.moduli import confined, spread
-from strikewave.studies.buffer.mounting_site import reading_of
+from strikewave.studies.buffer.mounting_site import confined, reading_of, spread
 
 if TYPE_CHECKING:
     from strikewave.studies.buffer.result import BufferStudy

@@ -26,8 +26,15 @@ from strikewave.sensors import Reading
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.sensors.trial import SensorChannel, sensor_sources
 from strikewave.studies.buffer.candidate import CUT_OFF, READING, BufferCandidate, BufferGoal, carries
-from strikewave.studies.buffer.moduli import spread
-from strikewave.studies.buffer.mounting_site import BaseMotion, Blows, MountingSite, case_with, reading_of, table_with
+from strikewave.studies.buffer.mounting_site import (
+    BaseMotion,
+    Blows,
+    MountingSite,
+    case_with,
+    reading_of,
+    spread,
+    table_with,
+)
 
 MARKED = "*: Pareto-optimal in peak and bandwidth"
 """What the mark of a place says."""

@@ -27,8 +27,7 @@ from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import drawing, run_and_write
 from strikewave.reporting.style import save
 from strikewave.reporting.terminal import print_rows, progress_bar, tell
-from strikewave.studies.buffer.candidate import ALIKE, READING, RINGING, BufferGoal, distinct
-from strikewave.studies.buffer.choice import StackChoices
+from strikewave.studies.buffer.candidate import ALIKE, READING, RINGING, BufferGoal, StackChoices, distinct
 from strikewave.studies.buffer.mounting_site import (
     SURFACE,
     BaseMotion,
@@ -146,8 +145,12 @@ class BufferCommand(ResumableCommand[BufferStudy]):
 
     def draw(self, result: BufferStudy, folder: Path) -> list[str]:
         """Write the page, peak over bandwidth, histories and transmissibility."""
-        from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
-        from strikewave.studies.buffer.report import buffer_report
+        from strikewave.studies.buffer.report import (
+            buffer_histories,
+            buffer_report,
+            buffer_transmissibility,
+            peak_bandwidth,
+        )
 
         with drawing(folder / "peak-bandwidth.svg") as path:
             save(peak_bandwidth(result), path)

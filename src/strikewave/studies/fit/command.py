@@ -79,9 +79,9 @@ def command(
     from strikewave.analyses.compare.sources import SourceOptions
     from strikewave.cases.case import load_case
     from strikewave.studies.fit.fit_file import is_fit_file
-    from strikewave.studies.fit.request import FitRequest
     from strikewave.studies.fit.screen import run_fit, run_fit_file
     from strikewave.studies.fit.study import fit_pool
+    from strikewave.studies.fit.targets import FitRequest
 
     reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band=False)
     asked = FitRequest(tuple(to or ()), tuple(free or ()), tries, tuple(check_on or ()), reading, bayes)

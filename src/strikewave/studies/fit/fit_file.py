@@ -22,8 +22,7 @@ from strikewave.cases.paths import Form
 from strikewave.cases.tables.common import CaseTable, Line
 from strikewave.reporting.measured_files import MeasurementOptions
 from strikewave.reporting.options import low_pass_of, read_share
-from strikewave.studies.fit.request import FitRequest
-from strikewave.studies.fit.targets import Target
+from strikewave.studies.fit.targets import FitRequest, Target
 from strikewave.studies.study_file import (
     Quantity,
     Settings,

@@ -1,4 +1,4 @@
-"""The fields of a case that a fit may change: their bounds, and the scale on which they are searched."""
+"""The fields of a case that a fit may change: bounds, scales of the search, and steps of waves through layers."""
 
 from __future__ import annotations
 
@@ -14,11 +14,15 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Provenance, Range, Value
 from strikewave.cases.case import Case, parse_case
 from strikewave.cases.plausible import PLAUSIBLE
+from strikewave.cases.stack_of_case import build_stack
 from strikewave.cases.written_case import dump_case
 from strikewave.studies.axes import Axis, units_of
 from strikewave.studies.engine.variables import read_ends
+from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.draws import allowed_at, range_of
 from strikewave.uncertainty.known import field_of
+from strikewave.waves.spectral import is_linear
+from strikewave.waves.transit import WaveSetup, wave_setup
 
 Array = NDArray[np.float64]
 
@@ -212,3 +216,62 @@ def case_at(case: Case, fields: Sequence[FreeField], place: Array) -> Case:
 def changed_case(case: Case, changes: Sequence[str]) -> Case:
     """Return a case with some of its fields changed, each ``path=value``."""
     return parse_case(dump_case(case), case.name, changes) if changes else case
+
+
+OF_TRANSIT = re.compile(r"stack\.layer\.(.+)\.(length|density|modulus)")
+"""Fields that change a transit, and the layer that each is of."""
+
+
+def smooth_case(case: Case, paths: Sequence[str]) -> Case:
+    """Return a case whose run follows these fields smoothly, where there is one: a linear bar by the spectral solver.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> bar = load_case("li-ma-2019-fig13-bar")
+    >>> smooth_case(bar, ["stack.layer.upper.length"]).solver.method, smooth_case(bar, ["load.peak"]).solver.method
+    ('spectral', 'auto')
+    """
+    if case.command != "wave" or case.solver.method != "auto" or not any(map(OF_TRANSIT.fullmatch, paths)):
+        return case
+    from strikewave.analyses.wave.build import build_load
+
+    stack = build_stack(case)
+    return changed_case(case, ["solver.method=spectral"]) if is_linear(stack, build_load(case, stack)) else case
+
+
+def stairs(case: Case, paths: Sequence[str]) -> list[float]:
+    """Return by how much each field moves, as a share, until the run of a case feels it; 0 where it does smoothly.
+
+    With a step that is stated, that is one step of the transit of its layer; else what the chosen one misses of it.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> bar = load_case("li-ma-2019-fig13-bar", ["solver.method=delay lines", "solver.step=50 ns"])
+    >>> [round(share, 4) for share in stairs(bar, ["stack.layer.upper.length", "load.peak"])]
+    [0.0104, 0.0]
+    """
+    found = [OF_TRANSIT.fullmatch(path) for path in paths]
+    waves = _waves(case) if any(found) else None
+    return [0.0 if one is None or waves is None else _stair(case, waves, one[1], one[2]) for one in found]
+
+
+def _stair(case: Case, waves: WaveSetup, name: str, field: str) -> float:
+    """Return by how much a field of a layer moves until delay lines feel it, as a share."""
+    layer = next(one for one in waves.layers if one.name == name)
+    if not layer.steps:  # by its spectrum
+        return 0.0
+    share = 1.0 / layer.steps if case.solver.step else 2.0 * waves.mismatch
+    return share * (1.0 if field == "length" else 2.0)  # the transit goes with their square root
+
+
+def _waves(case: Case) -> WaveSetup | None:
+    """Return how the stack of a case is followed; None where it has none."""
+    if case.command == "wave":
+        waves: WaveSetup = Simulation(case).bar.waves
+        return waves
+    from strikewave.analyses.machine.build import build_machine
+
+    layered = build_machine(case).layered if case.command == "run" else None
+    return wave_setup(layered.stack, layered.grid) if layered is not None else None

@@ -23,8 +23,7 @@ from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 from strikewave.signal.interpolation import REACH, resampled
 from strikewave.signal.pulse import FOOT, RISE_LOW, crossing
-from strikewave.studies.fit.covariance import NONE
-from strikewave.studies.fit.noise import autocorrelation
+from strikewave.studies.fit.covariance import NONE, autocorrelation
 from strikewave.studies.simulation import Simulation
 
 Array = NDArray[np.float64]
@@ -66,7 +65,7 @@ class MeasuredNumber:
     of_field : bool
         Whether it is of a free field.
     left : float
-        What its uncertainty is raised by: see `strikewave.studies.fit.excess.Excess.weight`.
+        What its uncertainty is raised by: see `strikewave.studies.fit.covariance.Excess.weight`.
     """
 
     name: str

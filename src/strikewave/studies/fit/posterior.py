@@ -20,10 +20,9 @@ from strikewave.base import declare
 from strikewave.base.declare import NOT_MEASURED
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.shock_quantities import RATIO
-from strikewave.studies.fit.batches import each_or_none
 from strikewave.studies.fit.checking import DRAWS, drawn_places
 from strikewave.studies.fit.covariance import NORMAL, Estimate
-from strikewave.studies.fit.estimation import Residuals
+from strikewave.studies.fit.estimation import Residuals, each_or_none
 from strikewave.studies.fit.measured import MeasuredPulse
 from strikewave.studies.fit.problem import Problem
 from strikewave.studies.fit.solving import Solved

@@ -10,13 +10,18 @@ from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Cell, Link, Part, Picture, Section, Table, written
-from strikewave.studies.fit.checking import Checks, PredictedFigure, PulseAgreement
-from strikewave.studies.fit.corner import corner_figure
-from strikewave.studies.fit.figures import MOST_DRAWN, fit_figure, overlay, profile_figures, values_figure
+from strikewave.studies.fit.checking import Checks, PredictedFigure, PulseAgreement, TriedChoice
+from strikewave.studies.fit.figures import (
+    MOST_DRAWN,
+    corner_figure,
+    fit_figure,
+    overlay,
+    profile_figures,
+    values_figure,
+)
 from strikewave.studies.fit.notices import MET
 from strikewave.studies.fit.posterior import SEED, WALKERS, Posterior
 from strikewave.studies.fit.result import FitStudy, FittedParameter, MisfitOfRun, PosteriorValue, combination_words
-from strikewave.studies.fit.trying import TriedChoice
 
 POSTERIOR_TITLE = "Posterior beside least squares"
 

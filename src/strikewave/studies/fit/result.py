@@ -21,16 +21,14 @@ from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import Tag
 from strikewave.reporting.shown_result import Curve, history_curve
-from strikewave.studies.fit.checking import OF_NUMBER, Checks
+from strikewave.studies.fit.checking import OF_NUMBER, Checks, TriedChoice
+from strikewave.studies.fit.covariance import Excess
 from strikewave.studies.fit.estimation import ProfileEnds
-from strikewave.studies.fit.excess import Excess
 from strikewave.studies.fit.free_fields import FreeField
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.posterior import Posterior
 from strikewave.studies.fit.problem import NO_MORE_UNIT, Misfit
-from strikewave.studies.fit.separating import SeparatingNumber
-from strikewave.studies.fit.solving import Solved
-from strikewave.studies.fit.trying import TriedChoice
+from strikewave.studies.fit.solving import SeparatingNumber, Solved
 
 Array = NDArray[np.float64]
 

@@ -22,9 +22,8 @@ from strikewave.reporting.terminal import print_rows, progress_bar, report_table
 from strikewave.studies.command import ResumableCommand
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.fit.checking import PredictedFigure
-from strikewave.studies.fit.corner import corner_figure
-from strikewave.studies.fit.figures import fit_figure
+from strikewave.studies.fit.checking import PredictedFigure, TriedChoice
+from strikewave.studies.fit.figures import corner_figure, fit_figure
 from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.report import (
     POSTERIOR_TITLE,
@@ -34,11 +33,9 @@ from strikewave.studies.fit.report import (
     posterior_words,
     residual_rows,
 )
-from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.result import FitStudy, FittedParameter, MisfitOfRun, PosteriorValue
 from strikewave.studies.fit.study import requested
-from strikewave.studies.fit.targets import parse_targets
-from strikewave.studies.fit.trying import TriedChoice
+from strikewave.studies.fit.targets import FitRequest, parse_targets
 
 MOST_ROWS = 20
 """Residuals that the screen lists: more fill it."""

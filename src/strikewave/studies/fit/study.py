@@ -1,12 +1,13 @@
-"""A case fitted to measurements: read, search, and what came of it."""
+"""A case fitted to measurements: read, search, what contradicts every value, and the case that came of it."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,37 +15,35 @@ from numpy.typing import NDArray
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.compiling import compiling_shown
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.base.result import Verdicts
+from strikewave.base.quantities import Value
+from strikewave.base.result import Notice, Verdicts
 from strikewave.base.texts import first_few
-from strikewave.cases.case import Case
+from strikewave.cases.case import NONE, Case, FitTable
 from strikewave.reporting.measured_files import digests_of
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import pool_of
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.fit.batches import keeping_in, running_on
-from strikewave.studies.fit.checking import check
-from strikewave.studies.fit.contradictions import speed_notices
-from strikewave.studies.fit.estimation import is_quadratic, profile
+from strikewave.studies.fit.checking import TriedChoice, check, read_tries, tried
+from strikewave.studies.fit.covariance import Estimate
+from strikewave.studies.fit.estimation import is_quadratic, keeping_in, profile, running_on
 from strikewave.studies.fit.fit_file import load_fit
-from strikewave.studies.fit.fitted_case import FittedTo, fitted_case
 from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fields
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.notices import NOT_SAMPLED, fit_notices, held_notices, posterior_notices
 from strikewave.studies.fit.posterior import MOST_BANDS, check_sampler, predictive_bands, sample
 from strikewave.studies.fit.problem import Problem
-from strikewave.studies.fit.request import FitRequest
 from strikewave.studies.fit.result import FitStudy, FittedParameter
-from strikewave.studies.fit.separating import separating
-from strikewave.studies.fit.solving import Solved, solve
+from strikewave.studies.fit.solving import Solved, separating, solve
 from strikewave.studies.fit.targets import (
+    FitRequest,
     ReadTargets,
     Target,
     parse_targets,
     published_targets,
     read_targets,
 )
-from strikewave.studies.fit.trying import TriedChoice, read_tries, tried
 from strikewave.studies.simulation import Simulation
+from strikewave.uncertainty.draws import FELT
 
 Array = NDArray[np.float64]
 
@@ -292,3 +291,133 @@ def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
     low, high = (place - reach, place + reach) if followed is None else followed[:2]
     ends = field.si(max(low, 0.0)), field.si(min(high, 1.0))
     return FittedParameter(field, value, field.error(value, error), *ends, followed, stair, float(found.reach[k]))
+
+
+READ_WELL = 0.97
+"""Share of the least velocity change that a record may lack: a shock accelerometer reads to some 3 %."""
+
+
+def speed_notices(problem: Problem, runs: Sequence[Simulation]) -> Iterator[Notice]:
+    """Warn of records whose velocity change is below that of a blow without rebound.
+
+    Two bodies that are free and stay together leave the object with ``v M/(M + m)`` of the speed v at which they meet,
+    M the mass of the striker or base and m that of the object; whatever is given back adds to it.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is fitted to.
+    runs : sequence of Simulation
+        Of each experiment, at the fitted values.
+    """
+    for experiment, run in zip(problem.experiments, runs, strict=True):
+        least = _least_change(run) if run.case.command == "run" and run.case.launched() else None
+        if least is None:
+            continue
+        arrival, change = least
+        for one in experiment.measured:
+            if not isinstance(one, MeasuredPulse) or one.unit != "m/s^2":
+                continue
+            measured = abs(float(np.trapezoid(one.values, one.time)))
+            if measured < READ_WELL * change:
+                height = getattr(run.case.machine, "height", None)
+                field = "the speed at which the machine arrives" if height is None else "machine.height"
+                stated = "" if height is None else f", from machine.height = {height.si:.4g}\xa0m"
+                message = (
+                    f"the velocity change of {one.called}, {measured:.3g}\xa0m/s, is below the {change:.3g}\xa0m/s "
+                    f"that even a blow without rebound gives at {arrival:.3g}\xa0m/s{stated}: no restitution and no "
+                    f"pad explains it; correct {field}, or free it"
+                )
+                yield Notice("slower-than-arrival", message, measured, change)
+
+
+def _least_change(run: Simulation) -> tuple[float, float] | None:
+    """Return the speed at which two free bodies meet in a run, and the least velocity change, m/s; None of others."""
+    machine = run.observed.machine
+    striker = machine.strikers.first
+    blow = next((one for one in run.observed.blows if one.kind != "missed"), None)
+    if blow is None or machine.launch.arm is not None or striker.mount_stiffness > 0.0:
+        return None
+    return blow.approach_speed, blow.approach_speed * striker.mass / (striker.mass + machine.struck.mass)
+
+
+ERROR_DIGITS, CORRELATION_DIGITS = 4, 6
+"""Digits of a standard error and of a correlation: more than any of them has."""
+
+
+class FittedTo(NamedTuple):
+    """What values were fitted to, in words; the files by their SHA-256; fields that differ between the experiments."""
+
+    words: str
+    records: Mapping[str, str]
+    aside: Sequence[str] = ()
+    sensors: bool = False
+
+
+def fitted_case(case: Case, fields: Sequence[FreeField], found: Estimate, to: FittedTo) -> Case:
+    """Return a case with fitted values, and how well they are known; what is not determined is assumed.
+
+    Parameters
+    ----------
+    case : Case
+        What was fitted.
+    fields : sequence of FreeField
+        The free fields.
+    found : Estimate
+        Where they ended.
+    to : FittedTo
+        What they were fitted to.
+    """
+    values, errors = dict[str, Value](), dict[str, str | float]()
+    determined = [k for k, error in enumerate(found.errors) if np.isfinite(error) and error > 0.0]
+    for k, (field, place) in enumerate(zip(fields, found.place, strict=True)):
+        typed = field.with_si(field.si(float(place))).typed
+        si = field.allowed.read(typed).si
+        if k in determined:
+            size = float(f"{field.error(si, float(found.errors[k])):.{ERROR_DIGITS}g}")
+            errors[field.path] = field.axis.typed(size)
+            note = f"standard error {errors[field.path]}, fitted to {to.words}"
+            values[field.path] = Value(si=si, typed=typed, provenance="fitted", note=note)
+        elif np.isfinite(found.errors[k]):
+            values[field.path] = Value(si=si, typed=typed, provenance="fitted", note=f"fitted to {to.words}")
+        else:
+            values[field.path] = Value(si=si, typed=typed, note=f"a fit to {to.words} does not determine it alone")
+    changed = case.with_values(values, keep_tolerances=False)
+    fitted = [path for path, value in values.items() if value.provenance == "fitted"]
+    if not fitted:
+        return changed
+    shares = found.covariance[np.ix_(determined, determined)]
+    deviations = np.sqrt(np.diag(shares))
+    rows = np.round(shares / np.outer(deviations, deviations), CORRELATION_DIGITS).tolist() if determined else []
+    table = FitTable(
+        fields=tuple(fitted),
+        to=to.words,
+        under=_under(changed, fitted, to),
+        standard_error=errors,
+        correlation=tuple(map(tuple, rows)) if len(determined) > 1 else (),
+        records=dict(to.records),
+    )
+    kept = []
+    for fit in changed.fit:
+        left = tuple(path for path in fit.fields if path not in values)
+        whole = left == fit.fields
+        if left:
+            update = {"fields": left, "standard_error": {}, "correlation": ()}
+            kept.append(fit if whole else fit.model_copy(update=update))
+    return changed.model_copy(update={"fit": (*kept, table)})
+
+
+def _under(case: Case, fitted: Sequence[str], to: FittedTo) -> dict[str, str | int | float]:
+    """Return the fields that a fit holds under, as typed: those that an earlier one named, else all that are felt."""
+    before = next((fit for fit in case.fit if set(fitted) <= set(fit.fields)), None)
+    entries, values = case.entries(), case.values()
+    paths = list[str]()
+    if before is not None:
+        for path in before.under:  # a table that was left out then may be there now
+            below = [] if path in entries else [entry for entry in entries if entry.startswith(f"{path}.")]
+            paths += below or [path]
+    else:
+        tables = (*FELT, "load", *(("sensor",) if to.sensors else ()))
+        paths = [path for path in entries if path.partition(".")[0] in tables]
+    paths = [path for path in dict.fromkeys([*paths, *fitted]) if path not in to.aside]
+    return {path: values[path].typed if path in values else entries.get(path, NONE) for path in paths}

@@ -1,13 +1,8 @@
-"""What a case is fitted to, as it is typed: records and numbers, each with the settings at which it was measured.
-
-``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number, and
-so is ``striker.mass=0.459 kg``: what is known of a free field from elsewhere. Behind ``±`` or ``+-`` stands the
-standard uncertainty of a number, or by which share the amplitude of such records scatters from shot to shot. Settings
-follow after semicolons: ``shot.csv; machine.speed=500 rpm``. ``@FILE`` stands for the lines of a text file.
-"""
+"""What a case is fitted to, as it is typed: records and numbers with their settings, and what is asked of a fit."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 from collections.abc import Sequence
@@ -22,10 +17,9 @@ from strikewave.base.result import Notice
 from strikewave.cases.case import Case
 from strikewave.cases.files import bundled_cases
 from strikewave.reporting.options import read_share
-from strikewave.studies.fit.free_fields import FreeField, changed_case
+from strikewave.studies.fit.free_fields import FreeField, changed_case, smooth_case
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse, measured_pulse
 from strikewave.studies.fit.problem import Experiment
-from strikewave.studies.fit.transits import smooth_case
 from strikewave.studies.simulation import Simulation, checked_number, number_units, quick_case
 from strikewave.studies.study_file import stated_at
 from strikewave.uncertainty.draws import range_of
@@ -294,3 +288,36 @@ def _blows(numbers: Sequence[MeasuredNumber], blows: Sequence[int]) -> int:
     if any(not one.name.startswith("first.") for one in numbers if not one.of_field):
         return 0
     return max([*blows, 1])
+
+
+@dataclass(frozen=True)
+class FitRequest:
+    """What is asked of a fit.
+
+    Attributes
+    ----------
+    to, check_on : tuple of (str or Target)
+        Records and numbers that are fitted to, and that are kept out, as typed or taken apart.
+    free : tuple of str
+        Free fields, ``path`` or ``path=low..high``.
+    tries : str
+        Choices that are fitted each.
+    reading : SourceOptions
+        How records are read.
+    bayes : bool
+        Whether the posterior is sampled.
+    file : str
+        The file that states all this; empty where it was typed.
+    """
+
+    to: tuple[str | Target, ...] = ()
+    free: tuple[str, ...] = ()
+    tries: str = ""
+    check_on: tuple[str | Target, ...] = ()
+    reading: SourceOptions = field(default_factory=SourceOptions)
+    bayes: bool = False
+    file: str = ""
+
+    def stated(self, table: str) -> contextlib.AbstractContextManager[None]:
+        """Return the context in which an error names a table of the file, if there is one."""
+        return stated_at(f"{self.file}: {table}" if self.file else "")
