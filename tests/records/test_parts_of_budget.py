@@ -352,7 +352,7 @@ def test_figures_are_summed_by_the_law_or_by_trials():
     )
     propagated = Propagated(Kept.figures, np.array([[-3.0, 2.0, 0.0], [4.0, 0.0, 0.0]]))
     found = measured_uncertainty._summed(Kept, inputs, propagated, None)
-    peak, width, velocity = (found.figures[name] for name in measured_uncertainty.FIGURES)
+    peak, width, velocity = (found.figures[name] for name in measured_uncertainty.BUDGETED)
     assert (peak.value, width.value, velocity.value) == (-10.0, 3.0, -8.0)
     assert (peak.standard, peak.expanded, peak.coverage) == (5.0, 10.0, 2.0)
     assert list(peak.contributions) == [line("record", 4.0, 0.64), line("o", 3.0, 0.36)]

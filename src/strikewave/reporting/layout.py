@@ -157,6 +157,7 @@ def table_lines(
 
     Examples
     --------
+    >>> from strikewave.base.declare import KEY, MORE
     >>> columns = [*numerals("#", priority=KEY), *numerals("rigid peak (g)"), *numerals("impulse (N s)", priority=MORE)]
     >>> print("\n".join(line.text for line in table_lines("Blows", columns, [["1", "4151.3", "4.32"]], 12)))
     Blows
