@@ -37,8 +37,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.base.result import Band as Band
     from strikewave.base.result import Result as Result
     from strikewave.cases.case import Case as Case
+    from strikewave.cases.case import dump_case as dump_case
     from strikewave.cases.case import load_case as load_case
-    from strikewave.cases.written_case import dump_case as dump_case
     from strikewave.contact.identification import identify as identify
     from strikewave.contact.impact import solve_impact as solve_impact
     from strikewave.contact.law import Contact as Contact
@@ -79,7 +79,7 @@ _HOMES = {
     "compare": "analyses.compare.run",
     "design": "studies.design.study",
     "drop_table": "studies.settings.drop_table.study",
-    "dump_case": "cases.written_case",
+    "dump_case": "cases.case",
     "find_pulses": "records.measuring",
     "fit": "studies.fit.study",
     "identify": "contact.identification",

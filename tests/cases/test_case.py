@@ -1,5 +1,6 @@
 """Case files: round trips, provenance, and bad input, one line each."""
 
+import html
 import tomllib
 from importlib import resources
 
@@ -11,9 +12,8 @@ from strikewave.analyses.by_tables import check_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.quantities import PROVENANCES
-from strikewave.cases.case import FORM, load_case, parse_case
+from strikewave.cases.case import FORM, document_of, dump_case, load_case, parse_case
 from strikewave.cases.files import bundled_cases
-from strikewave.cases.written_case import document_of, dump_case
 
 
 @pytest.mark.parametrize("name", bundled_cases())
@@ -21,6 +21,20 @@ def test_every_published_case_reads_writes_and_builds(name):
     case = load_case(name)
     assert parse_case(dump_case(case)) == case
     check_case(case)
+
+
+@pytest.mark.parametrize("name", bundled_cases())
+def test_a_case_shows_itself_in_one_line_and_in_a_notebook_as_its_file(name):
+    case = load_case(name)
+    assert repr(case).startswith(f"<Case {name}: {case.title}; ")
+    assert len(repr(case)) < 250
+    assert html.unescape(case._repr_html_()).count(dump_case(case)) == 1
+
+
+def test_the_html_of_a_case_holds_no_mark_of_the_file():
+    case = parse_case(dump_case(load_case("en-166-ball")).replace('title = "', 'title = "<script>'))
+    assert "<script>" in case.title
+    assert "<script>" not in case._repr_html_()
 
 
 def test_a_written_case_has_the_same_numbers_to_the_last_bit(published):

@@ -5,9 +5,8 @@ import re
 
 import pytest
 
-from strikewave.cases.case import FORM, load_case, own_case
+from strikewave.cases.case import FORM, comment_lines, dump_case, explanations, load_case, own_case
 from strikewave.cases.files import bundled_cases
-from strikewave.cases.written_case import comment_lines, dump_case, explanations
 
 HEAD = ("schema", "name", "title", "source")
 

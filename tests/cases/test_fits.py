@@ -9,9 +9,8 @@ import pytest
 from strikewave.analyses.machine.run import observe
 from strikewave.base.errors import InputErrors
 from strikewave.base.quantities import Value
-from strikewave.cases.case import comparisons, load_case, origin_notices, own_case, parse_case
+from strikewave.cases.case import comparisons, dump_case, load_case, origin_notices, own_case, parse_case
 from strikewave.cases.files import bundled_cases
-from strikewave.cases.written_case import dump_case
 from strikewave.uncertainty.known import known_inputs
 
 FITTED = ["machine.engagement", "object.frame_stiffness"]

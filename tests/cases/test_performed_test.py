@@ -8,10 +8,9 @@ import pytest
 
 from strikewave.analyses.hopkinson.build import example_setup, parse_setup, with_test
 from strikewave.base.errors import InputError
-from strikewave.cases.case import load_case, parse_case
+from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.cases.stated_test import load_test
 from strikewave.cases.tables.common import EXAMPLE, LONGEST_LINE, LONGEST_NOTES, PerformedTest
-from strikewave.cases.written_case import dump_case
 from strikewave.reporting.chapters import Summary, result_page
 
 STATED = {

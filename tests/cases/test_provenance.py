@@ -2,9 +2,8 @@
 
 import pytest
 
-from strikewave.cases.case import load_case, own_case, parse_case
+from strikewave.cases.case import dump_case, load_case, own_case, parse_case
 from strikewave.cases.files import bundled_cases
-from strikewave.cases.written_case import dump_case
 
 ORIGIN = "li-ma-2019"
 MASS = (

@@ -18,9 +18,8 @@ from strikewave.base.errors import InputError
 from strikewave.base.quantities import Range
 from strikewave.base.result import BandMethod
 from strikewave.base.units import DIMENSIONS, ENDLESS, parse_quantity, parse_typed, take_apart, typed_number
-from strikewave.cases.case import FORM, load_case, parse_case
+from strikewave.cases.case import FORM, dump_case, load_case, parse_case
 from strikewave.cases.files import bundled_cases
-from strikewave.cases.written_case import dump_case
 from strikewave.records.calibration import Calibration, known_unit
 from strikewave.reporting.bands import moved_rows
 from strikewave.reporting.measured_files import read_time_unit

@@ -9,8 +9,7 @@ from strikewave import load_case, run_case
 from strikewave.analyses.by_tables import check_case
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError
-from strikewave.cases.case import parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import dump_case, parse_case
 from strikewave.contact import solve_impact
 from strikewave.contact.cushions import Pad, crush, cushion_material, elastomer
 from strikewave.machines import blows, run_machine

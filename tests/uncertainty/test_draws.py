@@ -8,8 +8,7 @@ from scipy.stats import loguniform, norm, truncnorm, uniform
 
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Range, ToleranceBand, Value
-from strikewave.cases.case import load_case, parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.uncertainty.draws import (
     UncertainInput,
     allowed_at,

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from strikewave.base.quantities import ToleranceBand, Value
-from strikewave.cases.case import FitTable, load_case, parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import FitTable, dump_case, load_case, parse_case
 from strikewave.uncertainty.draws import STATED
 from strikewave.uncertainty.known import (
     FITTED_BASIS,

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputErrors
 from strikewave.base.quantities import Range, Value
-from strikewave.cases.case import load_case, parse_case
+from strikewave.cases.case import document_of, dump_case, load_case, parse_case
 from strikewave.cases.files import bundled_cases
-from strikewave.cases.written_case import document_of, dump_case
 
 MASS = Range("kg", 0.0, 1e6, open_low=True)
 

@@ -21,11 +21,10 @@ from strikewave.base.output_folder import write_atomically
 from strikewave.base.quantities import PROVENANCES, StatedValue, Value
 from strikewave.base.result import Notice
 from strikewave.base.texts import command_line, file_word
-from strikewave.cases.case import Case, load_case, own_case, parse_case
+from strikewave.cases.case import Case, comment_lines, document_of, dump_case, load_case, own_case, parse_case
 from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.stated_test import example_file
 from strikewave.cases.tables.common import EXAMPLE as TEST_EXAMPLE
-from strikewave.cases.written_case import comment_lines, document_of, dump_case
 from strikewave.reporting.layout import keys, texts
 from strikewave.reporting.numbers import showing
 from strikewave.reporting.options import CaseName, Changes, case_name, complete_case

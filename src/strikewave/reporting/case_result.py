@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from strikewave.base import declare
 from strikewave.base.result import Source
-from strikewave.cases.case import Case, StaleFit
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, StaleFit, dump_case
 from strikewave.reporting.shown_result import ShownResult
 
 

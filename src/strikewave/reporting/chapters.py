@@ -33,10 +33,9 @@ from strikewave.base.result import (
     failed_words,
 )
 from strikewave.base.texts import command_line, file_word, percent
-from strikewave.cases.case import Case, load_case
+from strikewave.cases.case import Case, dump_case, load_case
 from strikewave.cases.files import bundled_cases
 from strikewave.cases.paths import row_name
-from strikewave.cases.written_case import dump_case
 from strikewave.reporting.bands import banded_words
 from strikewave.reporting.layout import tokens
 from strikewave.reporting.numbers import NO_BREAK, headed, in_shown_units, listed, shown

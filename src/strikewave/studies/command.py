@@ -14,8 +14,7 @@ from typing import Any, ClassVar, NoReturn, TypeVar
 from strikewave.base.documents import head, plain
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.processes import exit_code
-from strikewave.cases.case import Case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.measured_files import asked
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, drawing, run_and_write

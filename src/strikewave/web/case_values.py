@@ -15,10 +15,9 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Range
 from strikewave.base.result import Result
 from strikewave.base.units import DIMENSIONS, parse_quantity
-from strikewave.cases.case import FORM, Case, load_case, parse_case
+from strikewave.cases.case import FORM, Case, document_of, dump_case, explanations, load_case, parse_case
 from strikewave.cases.files import bundled_cases
 from strikewave.cases.tables.fem import FilePart
-from strikewave.cases.written_case import document_of, dump_case, explanations
 from strikewave.reporting.numbers import round_step
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.uncertainty.draws import range_of

@@ -76,7 +76,7 @@ def test_what_cannot_be_said_is_refused_by_its_field(strikewave, tmp_path, words
 
 def test_names_of_files_are_those_that_every_code_takes(strikewave, tmp_path):
     from strikewave import load_case
-    from strikewave.cases.written_case import dump_case
+    from strikewave.cases.case import dump_case
 
     renamed = load_case("taylor-bar-fem").model_copy(update={"name": "mein fünfter", "title": "Stoß µ"})
     (tmp_path / "mine.toml").write_text(dump_case(renamed), "utf-8")

@@ -10,9 +10,8 @@ from strikewave.analyses.fem.build import LARGEST, build_model, built_parts, est
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.screen import say_faceted
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.cases.case import load_case, parse_case
+from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.cases.files import bundled_cases
-from strikewave.cases.written_case import dump_case
 from strikewave.fem.mesh import volumes
 from strikewave.fem.model import Driven, Fixed, Guided, NonReflecting, Pressure, Symmetry
 from strikewave.fem.quality import quality_report

@@ -13,8 +13,7 @@ from strikewave.analyses.machine.result import answer_columns
 from strikewave.analyses.machine.screen import show
 from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.errors import InputError
-from strikewave.cases.case import parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import dump_case, parse_case
 from strikewave.contact import automatic_pressure, contact_modulus
 
 from ...contact.jackson_green import jackson_green

@@ -13,11 +13,10 @@ from strikewave.analyses.machine.kind import LaunchedKind, MachineKind, kind_of
 from strikewave.analyses.machine.result import load_solution
 from strikewave.base.citations import SOURCES
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.cases.case import Case, load_case, parse_case
+from strikewave.cases.case import Case, dump_case, load_case, parse_case
 from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.paths import Form
 from strikewave.cases.tables.machine_kinds import KINDS
-from strikewave.cases.written_case import dump_case
 
 CASES = {
     "falling-ball": "iso-16063-22-dropball",

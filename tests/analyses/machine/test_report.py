@@ -21,8 +21,7 @@ from strikewave.base.declare import declarations
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.result import FAILED, Notice
 from strikewave.base.units import in_unit
-from strikewave.cases.case import parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import dump_case, parse_case
 from strikewave.machines import Blow
 from strikewave.reporting.chapters import inline_svg
 from strikewave.reporting.numbers import in_shown_units

@@ -272,7 +272,7 @@ def write_case(folder, text):
 
 def test_a_load_file_lies_beside_its_case_and_the_case_runs_again_elsewhere(tmp_path, monkeypatch):
     from strikewave import load_case, run_wave
-    from strikewave.cases.written_case import dump_case
+    from strikewave.cases.case import dump_case
 
     place = write_case(tmp_path, "time [us], force [kN]\n0,0\n10,5\n20,0\n")
     (tmp_path / "other").mkdir()

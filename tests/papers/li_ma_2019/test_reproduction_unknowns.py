@@ -13,8 +13,7 @@ from strikewave import load_case
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.run import run_case
 from strikewave.base.constants import STANDARD_GRAVITY
-from strikewave.cases.case import parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import dump_case, parse_case
 from strikewave.papers.li_ma_2019 import unknowns
 from strikewave.papers.li_ma_2019.answers import number_rows
 from strikewave.papers.li_ma_2019.figures import gasket_figure, joint_figure

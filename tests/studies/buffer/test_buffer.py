@@ -13,9 +13,8 @@ from strikewave.analyses.wave.run import run_wave
 from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
-from strikewave.cases.case import parse_case
+from strikewave.cases.case import dump_case, parse_case
 from strikewave.cases.tables.stack import SensorTable
-from strikewave.cases.written_case import dump_case
 from strikewave.contact.cushions import Pad, carried, elastomer, retardation_of, retarded
 from strikewave.sensors import Recorder, Sensor
 from strikewave.sensors.trial import SensorChannel

@@ -10,8 +10,7 @@ from strikewave import load_case, run_case
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.quantities import Value
-from strikewave.cases.case import parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import dump_case, parse_case
 from strikewave.signal.interpolation import resampled
 from strikewave.studies.fit.estimation import Search
 from strikewave.studies.fit.free_fields import free_fields

@@ -12,8 +12,7 @@ from scipy import stats
 from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import InputError, IntegrationError
 from strikewave.base.quantities import Range
-from strikewave.cases.case import load_case, parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.machines import blows, run_machine
 from strikewave.machines.fast_run import fast_train
 from strikewave.studies.engine.pools import ProcessPool

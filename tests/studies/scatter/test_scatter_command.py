@@ -10,8 +10,7 @@ import pytest
 
 from strikewave import load_case
 from strikewave.base.errors import StrikewaveError
-from strikewave.cases.case import parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import dump_case, parse_case
 from strikewave.studies.scatter.figures import scatter_picture
 from strikewave.studies.scatter.runs import run_result
 from strikewave.studies.scatter.study import ScatterPlan, scatter

@@ -15,9 +15,8 @@ from strikewave.base.constants import STANDARD_GRAVITY as G
 from strikewave.base.constants import material
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.base.quantities import Value
-from strikewave.cases.case import load_case, parse_case
+from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.cases.files import read_case_text
-from strikewave.cases.written_case import dump_case
 from strikewave.machines import blows, run_machine
 from strikewave.studies.settings.candidate import BlowGoal, limits_of, observe_blows, supply, yield_load
 from strikewave.studies.settings.estimate import (

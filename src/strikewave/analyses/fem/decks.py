@@ -14,8 +14,7 @@ from strikewave.analyses.fem.sectors import sectors
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN
 from strikewave.base.result import Source
-from strikewave.cases.case import Case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.exchange.deck import Heading
 from strikewave.exchange.ls_dyna.deck import ls_dyna_deck
 from strikewave.exchange.radioss import radioss_deck

@@ -32,8 +32,7 @@ from strikewave.base.processes import exit_code
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import ENERGY, MASS, MICROSECONDS, STEP
 from strikewave.base.texts import command_line, percent
-from strikewave.cases.case import Case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.fem.device.devices import Device, device_named
 from strikewave.fem.mesh import Mesh
 from strikewave.fem.model import Model

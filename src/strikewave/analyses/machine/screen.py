@@ -19,9 +19,8 @@ from strikewave.analyses.machine.result import (
     summary_words,
 )
 from strikewave.analyses.machine.run import band_compiled_beside, band_runs_beside, run_case, with_bands
-from strikewave.cases.case import Case
+from strikewave.cases.case import Case, dump_case
 from strikewave.cases.stack_of_case import build_channels, fitted_losses
-from strikewave.cases.written_case import dump_case
 from strikewave.reporting.faces import columns_of, text_of
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write

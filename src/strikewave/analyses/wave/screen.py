@@ -13,8 +13,7 @@ from strikewave.analyses.wave.run import WaveSolution, run_wave, with_bands
 from strikewave.base.compiling import compiling_shown
 from strikewave.base.errors import MISSING, InputError
 from strikewave.base.shock_quantities import MICROSECONDS
-from strikewave.cases.case import Case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.faces import amount, face_columns, face_rows
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write

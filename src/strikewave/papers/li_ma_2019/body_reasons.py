@@ -14,9 +14,8 @@ from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_model
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
-from strikewave.cases.case import Case, parse_case
+from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.cases.tables.fem import FramePart, HalfCylinder, MeshTable
-from strikewave.cases.written_case import dump_case
 from strikewave.contact import slow_force
 from strikewave.fem.model import Driven, Fixed, Model, Point, TimeCurve
 from strikewave.papers.li_ma_2019.bodies import (

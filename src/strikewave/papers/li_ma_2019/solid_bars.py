@@ -10,9 +10,8 @@ import numpy as np
 from strikewave.analyses.fem.build import build_model, solid_of, vector
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_model
-from strikewave.cases.case import Case
+from strikewave.cases.case import Case, document_of
 from strikewave.cases.tables.fem import FramePart, HalfCylinder
-from strikewave.cases.written_case import document_of
 from strikewave.contact import AnyContact, Chain, ChainContact, Geometry, contact_modulus, simulate, stiffness_of
 from strikewave.fem.model import Model
 from strikewave.fem.run import interval_means

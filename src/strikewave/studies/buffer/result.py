@@ -15,8 +15,7 @@ from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
 from strikewave.base.quantities import Value
 from strikewave.base.result import Source
 from strikewave.base.shock_quantities import BANDWIDTH, MASS, RATIO
-from strikewave.cases.case import Case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.measured_files import UNKNOWN

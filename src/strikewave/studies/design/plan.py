@@ -19,10 +19,9 @@ from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.texts import first_few
 from strikewave.base.units import in_unit
-from strikewave.cases.case import Case, load_case
+from strikewave.cases.case import Case, dump_case, load_case
 from strikewave.cases.paths import Form
 from strikewave.cases.tables.common import CaseTable
-from strikewave.cases.written_case import dump_case
 from strikewave.studies.axes import case_at
 from strikewave.studies.design.goals import (
     EXAMPLES,

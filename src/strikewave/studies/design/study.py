@@ -19,8 +19,7 @@ from strikewave.base.compiling import compiling_shown
 from strikewave.base.declare import KEY, MAIN, NO_UNIT
 from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Verdicts
 from strikewave.base.texts import percent
-from strikewave.cases.case import Case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.studies.design.goals import Goal, shares_of
 from strikewave.studies.design.plan import OPTUNA, DesignPlan, plan_of

@@ -15,8 +15,7 @@ from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Range, Value
 from strikewave.base.texts import first_few
 from strikewave.base.units import DIMENSIONS, range_ends, take_apart, with_last_unit
-from strikewave.cases.case import Case, parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.reporting.columns import Column, Values
 from strikewave.reporting.numbers import with_unit
 from strikewave.studies.axes import Axis, range_axis, units_of

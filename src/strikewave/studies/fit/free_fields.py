@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Provenance, Range, Value
-from strikewave.cases.case import Case, parse_case
+from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.cases.plausible import PLAUSIBLE
 from strikewave.cases.stack_of_case import build_stack
-from strikewave.cases.written_case import dump_case
 from strikewave.studies.axes import Axis, units_of
 from strikewave.studies.engine.variables import read_ends
 from strikewave.studies.simulation import Simulation

@@ -14,8 +14,7 @@ from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quantity
 from strikewave.base.shock_quantities import RATIO, SHARE, usual_unit
 from strikewave.base.texts import percent
-from strikewave.cases.case import Case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import listed

@@ -10,8 +10,7 @@ from typing import ClassVar
 
 from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.base.result import Source
-from strikewave.cases.case import Case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.options import Running

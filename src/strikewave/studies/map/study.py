@@ -20,8 +20,7 @@ from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_PASSED, RUN_STATUSES, Notice
 from strikewave.base.shock_quantities import VARIATION
-from strikewave.cases.case import Case, parse_case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table

@@ -22,8 +22,7 @@ from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, NOT_MEASURED, Quan
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Verdicts
 from strikewave.base.shock_quantities import ACCELERATION, OF_FIGURE, VARIATION
-from strikewave.cases.case import Case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.records.campaign import statistic
 from strikewave.reporting.columns import Column, csv_table
 from strikewave.reporting.faces import amount

@@ -26,8 +26,7 @@ from strikewave.base.result import RUN_BROKEN, RUN_FAILED, Notice, Source, Verdi
 from strikewave.base.shock_quantities import usual_unit
 from strikewave.base.texts import percent
 from strikewave.base.units import in_unit
-from strikewave.cases.case import FORM, Case
-from strikewave.cases.written_case import dump_case
+from strikewave.cases.case import FORM, Case, dump_case
 from strikewave.machines import MachineRun
 from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import columns_of

@@ -15,11 +15,10 @@ from strikewave.base.documents import read_toml
 from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.texts import first_few
-from strikewave.cases.case import SCHEMA, Case, load_case
+from strikewave.cases.case import SCHEMA, Case, dump_case, load_case
 from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.paths import Form
 from strikewave.cases.tables.common import CaseTable
-from strikewave.cases.written_case import dump_case
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.case_evaluation import (
     CaseEvaluation,

@@ -18,10 +18,9 @@ from strikewave.base.declare import MAIN, NOT_MEASURED
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.shock_quantities import LENGTH, VELOCITY
 from strikewave.base.units import typed_number
-from strikewave.cases.case import Case
+from strikewave.cases.case import Case, document_of
 from strikewave.cases.contact_parts import PROPERTIES
 from strikewave.cases.tables.contact import CUSHION, POWER
-from strikewave.cases.written_case import document_of
 from strikewave.contact.cushions import Cushion, Pad, cushion_law, cushion_laws, cushion_material, cushion_materials
 from strikewave.contact.law import HardeningContact, indentation_under
 

@@ -28,9 +28,8 @@ from strikewave.base.quantities import Value
 from strikewave.base.result import BALANCE_LIMIT, Notice
 from strikewave.base.shock_quantities import LENGTH, RATIO, VELOCITY
 from strikewave.base.units import si_value
-from strikewave.cases.case import FORM, Case, load_case
+from strikewave.cases.case import FORM, Case, document_of, load_case
 from strikewave.cases.contact_of_case import cushion_of_contact, or_else
-from strikewave.cases.written_case import document_of
 from strikewave.contact.cushions import Cushion
 from strikewave.machines import Blow, blows, run_machine
 from strikewave.machines.launch import drop_for_half_sine
