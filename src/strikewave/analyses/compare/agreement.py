@@ -51,11 +51,11 @@ class PairOfFigures:
     Attributes
     ----------
     name : str
-        What it is called.
+        Name of the figure.
     units : (str, str)
         SI unit of the figure, and the unit in which it is shown as a rule.
     budgeted : (bool, bool)
-        Whether the uncertainty is that of a budget: it is shown then.
+        True if the uncertainty is that of a budget: it is shown then.
     """
 
     a: float = declare.number(NOT_MEASURED, "of the reference")
@@ -110,7 +110,7 @@ class CurveAgreement:
     Attributes
     ----------
     shift : Shift
-        What was added to the times of B.
+        Time that was added to the times of B.
     interval : (float, float)
         Begin and end of the interval in which they are judged, s.
     pulse_a, pulse_b : Pulse

@@ -52,9 +52,10 @@ FEWEST = 8
 FIGURES = {"peak": "peak", "width": "width", "integral": "area"}
 """Figures of a pulse that are compared, and what `Pulse` calls them."""
 QUANTITIES = {"m/s^2": "acceleration", "N": "force", "m/s": "velocity", "m": "displacement", "Pa": "stress"}
-"""What a unit is of."""
+"""Name of the quantity by its SI unit."""
 OF_FILES = Quantity.of_data("the files' own numbers")
-"""What both histories are of: see `strikewave.analyses.compare.result.CompareResult.given_units`."""
+"""Quantity of histories in the numbers of their files, see
+`strikewave.analyses.compare.result.CompareResult.given_units`."""
 OF_NOISE = OF_FILES._replace(label="noise (standard deviation)", digits=3)
 
 
@@ -73,7 +74,7 @@ class ComparedCurve:
     deviation : ndarray or None
         Standard deviation of a campaign at each sample.
     band : mapping of str to Band
-        What a simulation says of its peak, width and velocity change when inputs move within what is known of them.
+        Bands of its peak, width and velocity change in a simulation whose inputs move within what is known of them.
     measured : Pulse or None
         Its largest pulse as `strikewave record` measures it, noise taken into account; of a campaign the means. None
         for what has no noise.
@@ -81,13 +82,13 @@ class ComparedCurve:
         Standard uncertainty of its peak, width and velocity change (or impulse) from noise; of a campaign, that of the
         mean from their scatter.
     budgeted : bool
-        Whether the uncertainties are those of a budget.
+        True if the uncertainties are those of a budget.
     troubles : mapping of str to str
         Why a figure is not to be trusted: by peak, width and velocity_change.
     notices : tuple of Notice
-        What the user should know of it.
+        Notices to the user about it.
     verdict : str
-        What the checks of a simulation came to, `strikewave.base.result.Verdict.text`; empty of what is none.
+        Outcome of the checks of a simulation, `strikewave.base.result.Verdict.text`; empty for a measured history.
     """
 
     name: str = declare.word("what it is called: a is the reference, b what is held against it", column=MAIN)
@@ -251,13 +252,13 @@ class SpecificationVerdict:
     Attributes
     ----------
     limits : PulseLimits
-        What that asks of a shock.
+        Limits that it sets for a shock.
     found : ShockVerdict
         Clauses and place of the band.
     budget : Budget or None
         By which it was found.
     measured : bool
-        Whether the history was: of a simulation no uncertainty is known.
+        True if the history was measured: of a simulation no uncertainty is known.
     """
 
     specification: Specification = declare.part(Specification, "what it is judged by", inline=True)

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SHADES = ("#DCE9F2", "#B9D5E8")
-"""Of the wide and the narrow corridor."""
+"""Colours of the wide and the narrow corridor."""
 LONGEST = 60
 """Letters of a name in a legend."""
 MARGIN = 0.15

@@ -37,9 +37,10 @@ METRICS = {
     "shift": ("s", "shift that aligns the two, either way"),
     "inside": ("%", "share of the time within the corridor of a campaign"),
 }
-"""What a limit can be of: its unit ("1": a score of at most 1), and what it is. Differences count as sizes."""
+"""Metrics that a limit can be set for: unit ("1": a score of at most 1) and meaning. Differences count as sizes."""
 EXAMPLES = {"%": 'a share with its sign, such as "5 %"', "dB": 'a level with its unit, such as "3 dB"'}
-"""What the number of a limit may be, by unit: what a bare 5 is, of a difference or of a spectrum, would be a guess."""
+"""Examples of the number of a limit, by unit: the unit of a bare 5, of a difference or of a spectrum, would be a
+guess."""
 _LIMIT = re.compile(r"\s*([\w.\-]+)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
 

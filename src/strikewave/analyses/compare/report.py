@@ -144,7 +144,7 @@ def _specification(judged: SpecificationVerdict) -> Section:
 
 
 picture, page = summary_figure, compare_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
 
 
 def draw_result(result: CompareResult, folder: Path) -> list[str]:

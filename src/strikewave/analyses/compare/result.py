@@ -49,7 +49,7 @@ LONGEST_IN_US, LONGEST_IN_MS = 1e-2, 10.0
 LONGEST_INTERVAL_IN_US = 2e-3
 """Intervals, s, up to which they are shown in µs, and in ms beyond."""
 DECIMALS, MOST_DECIMALS = 4, 6
-"""Of a shift: without an uncertainty, and at most."""
+"""Decimals of a shift: without an uncertainty, and at most."""
 NAMES = {"peak": "peak", "width": "pulse width at 10 %", "velocity_change": "velocity change", "impulse": "impulse"}
 TOGETHER = "of-both"
 RMS = SHARE._replace(label=METRICS["rms"][1])
@@ -182,9 +182,9 @@ class CompareResult(AskedResult):
     factor : float
         Standard deviations of a campaign that its corridor is wide to either side.
     specified : SpecificationVerdict or None
-        What a specification comes to, where B is one.
+        Verdict of the specification, where B is one.
     budget : Budget or None
-        Of the uncertainties of what was measured.
+        Budget of the uncertainties of the measured histories.
     """
 
     command: ClassVar[str] = "compare"

@@ -54,7 +54,7 @@ SAME_RING, SAME_SWING = 0.1, 0.25
 for both to be one motion: a run with assumed masses and stiffnesses is no better, and a mount rings elsewhere."""
 
 Compared = str | Path | Result | tuple[Result, str]
-"""What Python takes: a name, or a solution of run, wave or fem, alone or with the name of its part."""
+"""Argument in Python: a name, or a solution of run, wave or fem, alone or with the name of its part."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -111,7 +111,7 @@ def compare(
     rate : str or float, optional
         Sampling rate of files without a time column.
     band : bool, optional
-        Whether the bands of a case that is run are found.
+        True to find the bands of a case that is run.
     decision : str, optional
         By which A is judged by a specification: ``simple``, or ``guarded`` by the expanded uncertainty.
     uncertainty : str, float or Path, optional

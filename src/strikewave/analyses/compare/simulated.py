@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 _READING = re.compile(r"(?:what sensor|reading of the sensor) (.*?)(?: reads)?", re.DOTALL)
 _AXIS = re.compile(r"\.[xyz]$")
 _OF_PULSE = {"peak": "peak", "width": "width", "velocity_change": "area"}
-"""What `Pulse` calls the figures of bands."""
+"""Names in `Pulse` of the figures of bands."""
 MOST_NAMED = 12
 """Parts that a line names."""
 _FEM = {"mean_acceleration": "acceleration", "mean_force": "force"}
@@ -46,7 +46,7 @@ class SimulatedPart(NamedTuple):
     part : str
         Sensor, tap, body or contact; ``rigid`` for the struck object as one body.
     quantity : str
-        What it is of, such as ``acceleration``.
+        Name of the quantity, such as ``acceleration``.
     unit : str
         SI.
     time, values : ndarray
@@ -54,9 +54,9 @@ class SimulatedPart(NamedTuple):
     blow : int
         Its number; 0 where it is not of one blow.
     band : mapping of str to Band
-        Of its peak, width and velocity change.
+        Bands of its peak, width and velocity change.
     zero : float
-        What a sensor there reads as zero: its baseline is taken before the first blow.
+        Reading of a sensor there that counts as zero: its baseline is taken before the first blow.
     """
 
     part: str
@@ -79,13 +79,13 @@ def simulated_curve(option: str, place: str, part: str, blow: int, unit: str, ba
     place : str
         Built-in case, case file, or NetCDF file of a result.
     part : str
-        Which history: PART or PART.QUANTITY; empty for the usual one.
+        History to take, PART or PART.QUANTITY; empty for the usual one.
     blow : int
         Number of the blow; 0 for the first that struck.
     unit : str
         SI unit that is preferred; empty for an acceleration.
     band : bool
-        Whether the bands of a run are found.
+        True to find the bands of a run.
 
     Raises
     ------

@@ -533,7 +533,7 @@ ROUNDING = 1e-9
 LARGEST_FINE_CORE = 0.5
 """Share of a radius that a core takes at most, as `strikewave.fem.sections.CORE`."""
 SHARE = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
-"""Of a body that a sector holds."""
+"""Share of a body that a sector holds."""
 LENGTHS = ("width", "depth", "height", "length", "diameter", "outer_diameter", "radius")
 """Fields of a shape that give its size: its elements cannot be larger."""
 
@@ -722,7 +722,7 @@ _MAKERS: dict[type, Callable[[Any], Mesh]] = {
     HalfSpace: _half_space,
     Ball: _ball,
 }
-"""What makes the mesh of each shape."""
+"""Function that makes the mesh of each shape."""
 
 
 def _count(length: float, sizes: Grading) -> int:

@@ -46,7 +46,7 @@ class DeckResult(ShownResult):
     Attributes
     ----------
     case : Case
-        What the model was built from.
+        Case that the model was built from.
     system : UnitSystem
         Units of the deck.
     pieces : sequence of iterator of str

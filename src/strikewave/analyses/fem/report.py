@@ -88,7 +88,7 @@ def fem_report(solution: FemSolution) -> str:
     Parameters
     ----------
     solution : FemSolution
-        What ran and what it gave; without frames the page has a note of it.
+        Solution of the model; without frames the page has a note of it.
     """
     tables = [_contact_table(solution), face_table(solution, "bodies", caption="Parts, each as one rigid body")]
     sections = [
@@ -495,7 +495,7 @@ def blows_section(solution: FemSolution) -> Section:
 
 
 page = fem_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+"""Page of a result in Python, found as `picture` is by `strikewave.reporting.shown_result`."""
 
 
 def picture(solution: FemSolution) -> Figure:

@@ -98,11 +98,11 @@ def run_model(case: Case, model: Model, options: RunOptions | None = None, snaps
     Parameters
     ----------
     case : Case
-        What the model was built from.
+        Case that the model was built from.
     model : Model
-        Of the case.
+        Model of the case.
     options : RunOptions, optional
-        What the run does besides its histories; the number of frames is that of the case.
+        Options of the run beyond its histories; the number of frames is that of the case.
     snapshots : int
         Instants over the run that are kept for pictures, and as many again while anything touches.
     """

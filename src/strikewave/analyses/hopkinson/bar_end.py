@@ -107,7 +107,7 @@ class SensorComparison:
     motion : EndMotion
         The reference: velocity and acceleration of the sensor, force on the end.
     reading : ndarray
-        Of the sensor, in its unit, without baseline and delay.
+        Reading of the sensor, in its unit, without baseline and delay.
     both_waves : ndarray
         Velocity of the end by incident and reflected wave, m/s; NaN once the far end's echo comes to the gauge.
     joint : ndarray
@@ -209,7 +209,7 @@ def compare_at_end(
     strain : GaugeTrace
         At the gauge; it must hold the incident and the reflected pulse.
     reading : GaugeTrace
-        Of the sensor, on a clock with the same zero.
+        Reading of the sensor, on a clock with the same zero.
     bench : Bench
         Bar, what stands on its end, theory of dispersion.
     wanted : float, optional

@@ -254,11 +254,11 @@ def sign_notices(kind: StatedKind, traces: Sequence[tuple[Quiet, str]], in_strai
     Parameters
     ----------
     kind : StatedKind
-        What set-up and files say.
+        Sign of tension that set-up and files state.
     traces : sequence of (Quiet, str)
         Each trace, turned so that its first pulse is positive, with the name of its gauge.
     in_strain : bool
-        Whether the files hold strain, whose sign is not that of a wiring.
+        True if the files hold strain, whose sign is not that of a wiring.
     """
     for trace, name in traces:
         if kind.tension_sign and trace.polarity == kind.tension_sign:

@@ -415,7 +415,7 @@ page: dict[type, Callable[[Any], str]] = {
     SensorSolution: sensor_report,
     EchoSolution: echo_report,
 }
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+"""Pages of the results in Python, found as `picture` is by `strikewave.reporting.shown_result`."""
 
 
 def draw_result(solution: HopkinsonSolution | SensorSolution | EchoSolution, folder: Path) -> list[str]:

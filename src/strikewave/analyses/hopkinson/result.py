@@ -200,7 +200,7 @@ class HopkinsonSolution(Outcome):
     striker : StrikerBar or None
         Where one is stated.
     constants : dict
-        Which of density, modulus and speed of each bar is derived.
+        Density, modulus and speed of each bar, one of them derived.
     """
 
     data_file: ClassVar[str] = "reduction.nc"
@@ -406,7 +406,7 @@ class ReadSensitivity:
     Attributes
     ----------
     name : str
-        What it is called: sensitivity, or reading over reference where both are accelerations.
+        Name of the value: sensitivity, or reading over reference where both are accelerations.
     """
 
     name: str

@@ -91,7 +91,7 @@ def impact_sheet(impacts: Sequence[Impact], labels: Sequence[str], title: str) -
     labels : sequence of str
         One a blow.
     title : str
-        What to write above.
+        Title above the picture.
     """
     from matplotlib.figure import Figure
 

@@ -32,7 +32,7 @@ class Given:
     known : dict
         Speed, stiffness, exponent, restitution, SI.
     masses : dict
-        What was typed of the masses, by option.
+        Typed masses, by option.
     window : (float or None, Typed or None)
         From when to when the blow is fitted.
     """
@@ -160,7 +160,7 @@ class IdentifyResult(measured.AskedResult):
     reading : ChannelReading
         The channel, examined.
     found : Identified
-        What was identified.
+        Identified values.
     """
 
     command: ClassVar[str] = "identify"

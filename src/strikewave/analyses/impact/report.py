@@ -141,4 +141,4 @@ picture: dict[type, Callable[[Any], Figure]] = {
     LawsResult: laws_picture,
 }
 page: dict[type, Callable[[Any], str]] = {ImpactResult: impact_report, IdentifyResult: identified_report}
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+"""Pages of the results in Python, found as `picture` is by `strikewave.reporting.shown_result`."""

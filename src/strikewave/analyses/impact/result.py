@@ -202,7 +202,7 @@ class ImpactResult(measured.AskedResult):
     Attributes
     ----------
     setup : Setup
-        What was asked for.
+        Requested set-up.
     blows : list of Impact
         One blow after another on the same spot.
     answers : ImpactAnswers

@@ -79,17 +79,17 @@ def machine_bands(
     Parameters
     ----------
     case : Case
-        What ran.
+        Case that was run.
     found : sequence of Blow
         Its blows.
     readings : sequence of (BlowReading or None)
-        What its sensors showed of them.
+        Sensor readings of the blows.
     progress : callable, optional
         Called with the share done, 0 to 1.
     threads : int, optional
         As many as processors, where it is left out.
     runs : FastRuns, optional
-        What `fast_runs` returned for the case, where it is at hand.
+        Result of `fast_runs` for the case, where it is at hand.
     """
     figures = figures_of(found)
     if not figures:
@@ -288,9 +288,9 @@ class QuickLook:
     since, force, acceleration : ndarray
         Time after first touch, contact force and rigid-body acceleration of the first blow that struck.
     fast : bool
-        Whether the table is of the fast engine; otherwise all of it is a full run of the bodies.
+        True if the table is from the fast engine; otherwise all of it is from a full run of the bodies.
     bodies_only : bool
-        Whether the object is a stack whose waves are left out here.
+        True if the object is a stack whose waves are left out here.
     """
 
     blows: Sequence[TrainBlow | Blow]
@@ -312,7 +312,7 @@ def quick_look(case: Case) -> QuickLook:
     Parameters
     ----------
     case : Case
-        Of a machine.
+        Case of a machine.
 
     Raises
     ------

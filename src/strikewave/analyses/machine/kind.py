@@ -54,7 +54,7 @@ class MachineKind(MachineTable):
     Attributes
     ----------
     description : str
-        What it is and does, in two or three sentences.
+        Description of the machine and its function, in two or three sentences.
     chain : tuple of str
         Its bodies and links in the order in which a blow runs through them.
     settings : mapping of str to Quantity
@@ -62,7 +62,7 @@ class MachineKind(MachineTable):
     sources : tuple of str
         Keys of `strikewave.base.citations`: what its way to first touch follows.
     reference_law : str
-        What is set beside the blows as the contact on a rigid object; see `rigid_contact`.
+        Contact on a rigid object that the blows are compared with; see `rigid_contact`.
     """
 
     description: ClassVar[str]
@@ -86,7 +86,7 @@ class Release(NamedTuple):
     Attributes
     ----------
     energy : float
-        What weight or gas gave the moving parts on the way, less friction, J.
+        Energy that weight or gas gave the moving parts on the way, less friction, J.
     travel : float
         Time from the release (of a gun: the muzzle, so 0) to first touch, s.
     striker, object : float
@@ -96,13 +96,13 @@ class Release(NamedTuple):
     pendulum : RigidPendulum or None
         The arm that carries the striker.
     gain : float or None
-        Of a machine that makes its object faster than it fell: the speed of the object over that of the fall.
+        Speed of the object over that of its fall, for a machine that makes it faster than it fell.
     line : Collisions or None
         The collisions on the way, and after it.
     bodies : tuple of str
         Names of the bodies that collide, from the bottom.
     notices : tuple of Notice
-        What a user should know of it.
+        Notices to the user about it.
     """
 
     energy: float
@@ -128,10 +128,10 @@ class LaunchedKind(LaunchedTable, MachineKind):
     Attributes
     ----------
     falls : {"nothing", "striker", "object", "both"}
-        What gravity moves along the blow while it is followed. A striker falls with the blow; an object falls against
-        it, on what strikes it; both fall alike, against the blow.
+        Bodies that gravity moves along the blow while it is followed. A striker falls with the blow; an object falls
+        against it, on what strikes it; both fall alike, against the blow.
     mount : {"none", "optional", "needed"}
-        Whether the striker is held by a mount: one that flies is not.
+        Need of a mount that holds the striker: one that flies has none.
     """
 
     falls: ClassVar[Literal["nothing", "striker", "object", "both"]] = "nothing"

@@ -64,11 +64,11 @@ def notices(case: Case, blows: Sequence[Blow], answers: ContactAnswers | None) -
     Parameters
     ----------
     case : Case
-        What ran.
+        Case that was run.
     blows : sequence of Blow
         Its blows.
     answers : ContactAnswers or None
-        Of the contact of the first one that struck.
+        Answers about the contact of the first blow that struck.
     """
     struck = [blow for blow in blows if blow.kind != "missed"]
     listed = [*origin_notices(case), *material_notices(case), *law_notices(case)]
@@ -401,7 +401,7 @@ def feed_notices(run: MachineRun, blows: Sequence[Blow]) -> Iterator[Notice]:
     Parameters
     ----------
     run : MachineRun
-        Of a machine with a drive.
+        Run of a machine with a drive.
     blows : sequence of Blow
         Its blows, in order of time.
     """

@@ -94,7 +94,7 @@ def contact_answers(case: Case, first: Blow) -> ContactAnswers:
     Parameters
     ----------
     case : Case
-        What ran.
+        Case that was run.
     first : Blow
         Its first blow that struck.
 

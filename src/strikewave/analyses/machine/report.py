@@ -61,7 +61,7 @@ def report(solution: Solution, sections: Sequence[Section] = (), moving: str = "
     Parameters
     ----------
     solution : Solution
-        What ran and what it gave; what is empty is said in words.
+        Solution of the machine; empty parts are reported in words.
     sections : sequence of Section, optional
         Further sections, shown after the pulses in this order.
     moving : str, optional
@@ -410,7 +410,7 @@ def sensor_section(solution: Solution) -> list[Section]:
 
 
 picture, page = summary, report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
 
 
 def draw_result(solution: Solution, folder: Path, animate: bool = False) -> list[str]:

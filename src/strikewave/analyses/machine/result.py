@@ -267,13 +267,13 @@ class Solution(CaseResult):
     reference : RigidReference
         The printed law on a rigid object.
     readings : tuple of (BlowReading or None)
-        What taps and sensors show, one a blow; None where it missed.
+        Readings of taps and sensors, one a blow; None where it missed.
     phases : tuple of (str, float)
         Name and time (s) from the valve signal.
     sampled : LabelledArrays
         Histories and the table of blows, with units; `histories` and `data` are the xarray Dataset of them.
     collisions : tuple of LineCollision
-        Of the bodies of an amplifier, that of striker and object among them, by restitution alone.
+        Collisions of the bodies of an amplifier, that of striker and object among them, by restitution alone.
     """
 
     command: ClassVar[str] = "run"
@@ -570,7 +570,7 @@ def _waves(row: dict[str, Any] | None) -> WaveSetup | None:
 
 
 OF_A_BLOW = ("rigid_peak", "width", "velocity_change")
-"""What has a band of each blow."""
+"""Results of each blow that have a band."""
 SENSOR = "sensor.{}.peak"
 """Name of the peak of a sensor."""
 

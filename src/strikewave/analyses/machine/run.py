@@ -54,11 +54,11 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
     Parameters
     ----------
     case : Case
-        What to run.
+        Case to run.
     progress : callable, optional
         Called with the share done, 0 to 1; of the bands it begins again.
     band : bool, optional
-        Whether the band of each result is found; see `strikewave.analyses.machine.band`.
+        True to find the band of each result; see `strikewave.analyses.machine.band`.
 
     Returns
     -------

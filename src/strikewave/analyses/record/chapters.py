@@ -426,7 +426,7 @@ def motion_section(found: Sequence[RecordMotion]) -> Section:
 LEFT_OUT_FIRST = ("leads", "common peak", "differential peak", "alike up to")
 """Columns that a narrow screen leaves out."""
 ANSWERS = {"yes": "yes", "no": "no", "cannot-tell": "undetermined"}
-"""Whether two sensors move as one rigid body, in words."""
+"""Answers to whether two sensors move as one rigid body, in words."""
 
 MOVE = {
     "yes": "{both} move as one rigid body",

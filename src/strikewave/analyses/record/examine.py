@@ -95,7 +95,7 @@ def record(
     time_unit : str, optional
         Unit of that column, such as ``"ms"``; that of the file, or s, by default.
     measurement : int, optional
-        Which of the measurements of a file to take, from 1; each as a record of its own by default.
+        Number of the measurement of a file to take, from 1; each as a record of its own by default.
     drop_height : str or float, optional
         Free fall before the blow: with a unit, or in m; not checked by default.
     filter : str, float or Filter, optional
@@ -106,9 +106,9 @@ def record(
     high_pass : str or float, optional
         Cutoff of a zero-phase high-pass, with a unit or in Hz.
     motion : bool, optional
-        Whether velocity and displacement are given, with their drift: ``.motions`` of the result.
+        True to give velocity and displacement, with their drift: ``.motions`` of the result.
     repeats_in_columns : bool, optional
-        Whether the columns of a file are repeats of one test, not channels.
+        True if the columns of a file are repeats of one test, not channels.
     base : str or int, optional
         Name or number of the driving channel: the others are measured as responses to its blow.
     pair : sequence of str or int, optional
@@ -125,7 +125,7 @@ def record(
         Expanded uncertainty (k = 2) of the acceleration, such as ``"5 %"``, or a TOML file with an uncertainty budget;
         only that of noise and baseline by default. ``.uncertainties`` of each channel.
     strict : bool, optional
-        Whether no verdict is stated by limits that are from memory.
+        True to state no verdict by limits that are from memory.
     direction : str or sequence of str, optional
         Direction of the shocks, such as ``"+x"`` or ``"up*.csv=-z"``.
     cross_axis : sequence of str or int, optional
@@ -206,11 +206,11 @@ def examined(
     files : sequence of str
         Paths, in the order of the test.
     wanted, options : Request, Options
-        What is wanted of them, and how they are read.
+        Results wanted of the records, and options by which they are read.
     origin : Source
         Where the result comes from.
     repeats_in_columns : bool, optional
-        Whether the channels of a file are repeats of one test.
+        True if the channels of a file are repeats of one test.
     fail_on : str, optional
         Status that counts as a failed check; empty for none.
 
@@ -263,17 +263,17 @@ def completed(
     Parameters
     ----------
     result : RecordResult
-        What they say.
+        Result of the records.
     motion : bool
-        Whether velocity and displacement are given.
+        True to give velocity and displacement.
     pair : tuple of str
         Two channels that are compared as sensors on one object; empty for none.
     sensor : (StatedSensor, str) or None
         On what the blows are tried, and what an error calls it.
     judged : (Specification, Asked) or None
-        What the blows are judged by, and how.
+        Specification that the blows are judged by, and how it is applied.
     performed : StatedTest or None, optional
-        What is stated of the test.
+        Statements about the test.
     budget : Budget or None, optional
         By which the uncertainties of the blows are found.
 

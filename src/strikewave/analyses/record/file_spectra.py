@@ -61,9 +61,9 @@ MOST_WINDOWS = 20_000
 """Windows of rolling spectra, of all channels together, at most. Chosen: more than the pixels of any screen, and a few
 GB in JSON."""
 CITED = ("smallwood-1981", "iso-18431-4")
-"""What a spectrum follows."""
+"""Sources that a spectrum follows."""
 CITED_OF_SEVERAL = (*CITED, "piersol-2009", "nist-handbook")
-"""What several spectra and their limit follow."""
+"""Sources that several spectra and their limit follow."""
 SAME_STEP = 1e-9
 """Relative difference of steps that are one."""
 SAME_START = 0.05
@@ -428,13 +428,13 @@ def shock_spectra(
     end : str or float, optional
         End of the shock in the time of the files, with a unit or in s; the end of the last blow by default.
     resultant : bool, optional
-        Whether the vector sum of 2 or 3 perpendicular channels of a file is given.
+        True to give the vector sum of 2 or 3 perpendicular channels of a file.
     rolling : str, float or (float, float), optional
         Window, or window and hop, of spectra that slide over the records: ``"20 ms,5 ms"``, or in s.
     initial : str, optional
         How the records begin: ``rest``, ``shifted`` or ``steady``.
     rms : bool, optional
-        Whether root mean squares of the responses are given.
+        True to give root mean squares of the responses.
     response : str or float, optional
         Natural frequency of an oscillator whose response is given, with a unit or in Hz.
     spec, decision, uncertainty, strict

@@ -142,7 +142,7 @@ def spectrum_picture(result: SpectrumResult) -> Figure:
 
 picture: dict[type, Callable[[Any], Figure]] = {RecordResult: record_picture, SpectrumResult: spectrum_picture}
 page: dict[type, Callable[[Any], str]] = {RecordResult: record_report, SpectrumResult: spectrum_report}
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+"""Pages of the results in Python, found as `picture` is by `strikewave.reporting.shown_result`."""
 test_page: dict[type, Callable[[Any], str]] = {RecordResult: report_of_test}
 """The same for a test report."""
 

@@ -101,7 +101,7 @@ class RecordResult(AskedResult):
     fail_on : str
         Status, ``suspect`` or ``bad``, that makes the command exit with 3 where a file has it, or a worse one.
     motion : bool
-        Whether velocity and displacement are given.
+        True if velocity and displacement are given.
     verdict : RecordsVerdict or None
         By a specification, where one was asked for.
     sensor : SensorTrials or None
@@ -109,7 +109,7 @@ class RecordResult(AskedResult):
     pair : tuple of str
         Two channels that are compared as sensors on one object; empty for none.
     performed : StatedTest or None
-        What is stated of the test, where a file states it.
+        Statements about the test, where a file states it.
     budget : Budget or None
         By which the uncertainties of the blows were found.
     """

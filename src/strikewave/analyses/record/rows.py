@@ -377,9 +377,9 @@ class RecordMotion(NamedTuple):
     Attributes
     ----------
     file, channel : str
-        Of what.
+        File and channel of the record.
     time : ndarray
-        Of the samples, s.
+        Times of the samples, s.
     motion : IntegratedMotion
         Velocity and displacement, with the standard deviations of their drift.
     """

@@ -568,17 +568,17 @@ def examine_records(
     files : sequence of str
         Paths, or patterns.
     wanted, options : Request, Options
-        What is wanted of them, and how they are read.
+        Results wanted of the records, and options by which they are read.
     output : Output
         Where the result goes.
     in_columns : bool
-        Whether the channels of a file are repeats of one test.
+        True if the channels of a file are repeats of one test.
     fail_on : str
         Status that makes the exit code 3; empty for none.
     motion : bool
-        Whether velocity and displacement are given.
+        True to give velocity and displacement.
     specification : Specification or None
-        What the blows are judged by.
+        Specification that the blows are judged by.
     asked : callable or None
         How they are, for what is stated of the test.
     pair : tuple of str

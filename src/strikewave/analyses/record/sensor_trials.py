@@ -38,7 +38,7 @@ LACKS = {
     "resonance": "how much a blow makes it ring, and what that leaves of peak and width, is not known; add "
     'resonance = "80 kHz", or that of its data sheet (quality too, if it is damped)',
 }
-"""What a file may leave out, why no blow then is known to fit, and what to add."""
+"""Data that a file may leave out, with why no blow then is known to fit, and what to add."""
 OF_RESONANCE = 0.25
 """Highest low-pass that is advised, over the resonance: a motion so slow is magnified by 7 %, noise there no more."""
 

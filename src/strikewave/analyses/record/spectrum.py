@@ -87,7 +87,8 @@ KINDS = {
 """Kinds of spectrum, with their units for an acceleration."""
 ACCELERATION = "m/s^2"
 NO_ACCELERATION = f" for a record in {ACCELERATION}"
-"""What follows the name of a kind where the record is no acceleration: its values are in the file's own numbers."""
+"""Text that follows the name of a kind where the record is no acceleration: its values are in the file's own
+numbers."""
 AS_CHANNEL = Quantity.of_data("as the channel")
 LEFT_OUT = ("gain-differs",)
 """Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
@@ -149,7 +150,7 @@ class ChannelSpectra:
     spectra : list of Spectrum
         One a kind.
     uncertainties : sequence of SpectrumUncertainty
-        Of each kind, where a budget was stated, or a verdict asked for.
+        Uncertainties of each kind, where a budget was stated, or a verdict asked for.
     """
 
     spectra: list[Spectrum]
@@ -314,13 +315,13 @@ class SpectrumResult(measured.AskedResult):
     reading : ChannelReading
         That channel, examined.
     scope : Scope
-        Which part of the shock.
+        Part of the response that counts, and how the record is read.
     shocks : sequence of ShockSpectra
         All of several; empty for one.
     resultant : mapping
         Vector sums of all axes by kind, where asked for.
     bounded_by : str
-        Which sampling rate bounds the frequencies that several channels have in common, where they differ in it.
+        Sampling rate that bounds the frequencies that several channels have in common, where they differ in it.
     """
 
     command: ClassVar[str] = "srs"

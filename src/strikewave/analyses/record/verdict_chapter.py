@@ -13,7 +13,7 @@ from strikewave.specifications.judging import NOT_JUDGED, WORST_FIRST, Clause
 MOST_DRAWN = 12
 """Shocks that are drawn, those that fail first: each adds some 40 kB to a page that must open at once."""
 DRAWN_FIRST = 2
-"""Of these, before the tables: a row of the page, so that pulse and band are seen at once."""
+"""Shocks that are drawn before the tables: a row of the page, so that pulse and band are seen at once."""
 MOST_ROWS = 200
 """Shocks that the table lists; JSON has all."""
 

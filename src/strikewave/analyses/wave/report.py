@@ -247,7 +247,7 @@ def _setup(case: Case) -> Section:
 
 
 picture, page = wave_summary, wave_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
 
 
 def draw_result(solution: WaveSolution, folder: Path, quantity: str = "stress", animate: bool = False) -> list[str]:
@@ -278,18 +278,18 @@ Array = NDArray[np.float64]
 PANELS = ("stress", "velocity")
 """Quantities that the page shows, from above."""
 MOST_FRAMES, GIF_FRAMES = 400, 100
-"""Of a page: 40 a second at speed 1, as smooth as a film; of a GIF: ten seconds."""
+"""Frames of a page at most, 40 a second at speed 1, as smooth as a film; frames of a GIF, ten seconds."""
 MOST_VALUES = 200_000
 """Values of each panel that a page holds at most: 2.7 bytes each, as 16-bit integers in base 64."""
 PANEL_HEIGHT = 190.0
-"""Of a panel of the page, pixels: two of them and the controls fill a screen of 768 lines."""
+"""Height of a panel of the page, pixels: two of them and the controls fill a screen of 768 lines."""
 PLOT_MARGIN = 1.09
 """Axes reach so far beyond the peak: what is written at the top of a panel stays clear of the curve."""
 LINE_COLOUR = "#1a1f24"
 FILLS = (f"{BLUE}4d", f"{RED}4d")
 """Above and below zero: as in the figures, 30 % opaque."""
 _DPI = 80
-"""Of a GIF, dots an inch (chosen: 640 x 432 pixels, which a slide shows)."""
+"""Resolution of a GIF, dots an inch (chosen: 640 x 432 pixels, which a slide shows)."""
 GIF_MARGIN = 1.2
 """Axes of a GIF reach so far beyond the peak: the names of layers stand above the curve."""
 ANIMATION_NOTE = (
@@ -304,9 +304,9 @@ def wave_page(field: WaveField, title: str, name: str = "") -> str:
     Parameters
     ----------
     field : WaveField
-        What is shown, with velocities.
+        Field that is shown, with velocities.
     title, name : str
-        Of the page, and of the case; plain text.
+        Title of the page, and name of the case; plain text.
 
     Examples
     --------
@@ -396,7 +396,7 @@ def write_wave_gif(field: WaveField, title: str, path: Path, progress: Callable[
     Parameters
     ----------
     field : WaveField
-        What is shown, with velocities.
+        Field that is shown, with velocities.
     title : str
         Above it; plain text.
     path : Path

@@ -180,13 +180,13 @@ class WaveSolution(CaseResult):
     channels : tuple of SensorChannel
         The sensors.
     readings : tuple of Reading
-        What their recorders kept; a sensor gets the acceleration before any filter.
+        Recorded readings of the sensors; a sensor gets the acceleration before any filter.
     accuracy : (float, float)
         Error bounds of velocity and of acceleration (before any filter) over their largest values at the taps.
     layer_stress : tuple of float
         Largest magnitude of the stress in each layer, Pa.
     quoted : bool
-        Whether one-dimensional theory allows peak accelerations to be quoted.
+        True if one-dimensional theory allows peak accelerations to be quoted.
     """
 
     command: ClassVar[str] = "wave"

@@ -40,7 +40,7 @@ REST_PERIODS = 2.0
 """Periods of the bandwidth for which nothing moves before the load: the filter runs both ways, and two periods before a
 step its response is 0.1 % of the step (measured)."""
 MOST_REST = 4
-"""Of such samples at most, over those of the run: a very low bandwidth would else fill the memory."""
+"""Samples of rest at most, over those of the run: a very low bandwidth would else fill the memory."""
 
 
 @compiling_shown()
@@ -237,7 +237,7 @@ def with_bands(
     Parameters
     ----------
     solution : WaveSolution
-        What a bar did.
+        Solution of a layered bar.
     progress : callable, optional
         Called with the share done, 0 to 1.
     threads : int, optional

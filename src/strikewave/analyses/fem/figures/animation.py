@@ -56,18 +56,19 @@ SNAPSHOTS = 60
 """Instants over the run, and as many again while anything touches, that are kept for an animation (chosen: a few more
 than are shown, `TOUCHING` and `APART`)."""
 TOUCHING, APART = 52, 20
-"""Of these, how many are shown at most while bodies touch and while they are apart: a page plays 72 pictures in ten
+"""Instants shown at most while bodies touch and while they are apart: a page plays 72 pictures in ten
 seconds, most of them of the contact."""
 LARGEST_PAGE = 850_000
 """Bytes of all pictures in a page at most: in base 64 they are 1.13 MB, so that a page fits into a mail."""
 QUALITIES = (82, 65, 45, 25)
-"""Of the pictures, as WebP and JPEG count, 0 to 100; the first with which they are small enough is taken (chosen: from
-no difference that is seen to coarse blocks)."""
+"""Quality of the pictures as WebP and JPEG count it, 0 to 100; the first with which they are small enough is taken
+(chosen: from no difference that is seen to coarse blocks)."""
 COARSE = 2.0
 """How many times larger than in still pictures the pieces are that faces are painted in: a frame has about half the
 pixels across of a still picture."""
 LARGEST_SIDES = (860, 640)
-"""Of a picture, pixels (chosen: sharp beside the histories on a screen 1200 wide, and below `LARGEST_PAGE`)."""
+"""Largest sides of a picture, pixels (chosen: sharp beside the histories on a screen 1200 wide, and below
+`LARGEST_PAGE`)."""
 MOST_CURVES = 3
 """Curves of a panel (chosen: their legends, one below the other, fit above it)."""
 WIDE = 0.5
@@ -75,11 +76,11 @@ WIDE = 0.5
 GIF_PICTURES = 60
 """Pictures of a GIF: six seconds at ten a second."""
 _DPI = 90
-"""Of a GIF, dots an inch (chosen: 790 pixels wide, as a slide shows)."""
+"""Resolution of a GIF, dots an inch (chosen: 790 pixels wide, as a slide shows)."""
 PANEL_HEIGHT = 98.0
-"""Of a panel of histories, pixels: two of them with their legends are as high as the bodies beside them."""
+"""Height of a panel of histories, pixels: two of them with their legends are as high as the bodies beside them."""
 SCALE_COLOURS = 65
-"""Of the colour scale: more than can be told apart."""
+"""Colours of the colour scale: more than can be told apart."""
 NOTE = (
     "The bodies are cut open; sectors are mirrored to the half. Each element has the colour of its one value; "
     "displacements are to scale. The animation plays slower while bodies touch, as pictures are closer in time there. "
@@ -107,11 +108,11 @@ class Movie:
     images : sequence of image
         All of one size.
     shown : CutQuantity
-        What their colours say.
+        Quantity that their colours show.
     scale : ScalarMappable
         How.
     width : float
-        Of what a picture shows, m.
+        Width of the view in a picture, m.
     extend : str
         At which ends values lie beyond the scale, as matplotlib calls it.
     traces : sequence of PanelHistories
@@ -222,9 +223,9 @@ def fem_page(movie: Movie, title: str, name: str = "") -> str:
     Parameters
     ----------
     movie : Movie
-        What is shown.
+        Pictures of the bodies over time.
     title, name : str
-        Of the page, and of the case; plain text.
+        Title of the page, and name of the case; plain text.
     """
     return animation_page(fem_animation(movie), title, name)
 
@@ -300,7 +301,7 @@ def write_fem_gif(movie: Movie, title: str, path: Path, progress: Callable[[floa
     Parameters
     ----------
     movie : Movie
-        What is shown.
+        Pictures of the bodies over time.
     title : str
         Above it; plain text.
     path : Path

@@ -60,9 +60,9 @@ class Seen(NamedTuple):
     Attributes
     ----------
     frame : array (3, 3)
-        What is right, up and toward the eye, unit vectors.
+        Unit vectors to the right, up and toward the eye.
     window : (left, right, low, high)
-        What is shown, mm.
+        Limits of the view, mm.
     lined : float
         Share of the larger side of the window from which on a face has mesh lines.
     coarse : float
@@ -141,7 +141,7 @@ def cut_figure(skin: Skin, stills: Sequence[Snapshot], quantity: str = "von_mise
     Parameters
     ----------
     skin : Skin
-        What can be seen.
+        Visible faces of the bodies.
     stills : sequence of Snapshot
         At least one.
     quantity : str
@@ -218,7 +218,7 @@ def draw_body(axes: Any, skin: Skin, still: Snapshot, seen: Seen, colours: Array
     seen : Seen
     colours : array (faces, 3)
     bar : bool
-        Whether a length in mm stands below.
+        True to draw a scale bar with its length in mm below.
     """
     frame, window, smallest, coarse = seen
     moved = skin.moved(still.displacement) @ frame.T
@@ -324,13 +324,13 @@ def pressed_most(
     Parameters
     ----------
     skin : Skin
-        What can be seen.
+        Visible faces of the bodies.
     stills : sequence of Snapshot
         The instants that there are.
     at : float
         When the force of the contact is largest, s.
     own : array (faces,) of bool
-        Which faces lie on its sides.
+        True for the faces on the sides of the contact.
     """
     for still in sorted(stills, key=lambda each: abs(each.time - at)):
         pressure = np.where(own, pressures(skin, still), 0.0)

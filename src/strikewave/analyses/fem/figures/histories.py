@@ -74,7 +74,7 @@ def summary_sheet(run: FemRun, title: str) -> Figure:
     Parameters
     ----------
     run : FemRun
-        What happened.
+        Run that is drawn.
     title : str
         Stands above.
     """
@@ -340,9 +340,11 @@ MARGIN_OF_BLOWS = 0.1
 """Share of the contact time that is shown before and after it (chosen: start and end are seen, the pulse fills the
 picture)."""
 MOST_BLOW_LABELS = 5
-"""Of more blows only the first two and the last one are in the legend (chosen: it stays in the upper right corner)."""
+"""Blows that are all in the legend, at most; of more, only the first two and the last one are (chosen: it stays in the
+upper right corner)."""
 MOST_BLOW_TICKS = 10
-"""Of more blows not each is a tick (chosen: numbers of three digits stay apart in a third of the width of a page)."""
+"""Blows that each have a tick, at most (chosen: numbers of three digits stay apart in a third of the width of a
+page)."""
 
 
 def blows_figure(runs: Sequence[FemRun]) -> Figure:

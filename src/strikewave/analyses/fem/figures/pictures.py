@@ -53,7 +53,7 @@ class Camera:
     toward : vector
         From the parts to the eye.
     up : vector
-        What is up in the picture.
+        Direction that is up in the picture.
     cut : (point, normal), optional
         Elements whose middle lies beyond this plane, on the side that the normal points to, are left out.
     warp : float
@@ -400,7 +400,8 @@ def _strokes(cells: Array) -> Array:
 SMALLEST_LINED, SMALLEST_MESHED = 0.012, 0.006
 """Faces smaller than this share of the picture's width have no mesh lines: in pictures of fields, of the mesh."""
 PART_COLOURS = (BLUE, ORANGE, GREEN, RED, "#CC79A7", "#56B4E9", GREY, "#F0E442")
-"""Of parts in their order: the eight colours of Okabe and Ito, with grey for black, which would hide mesh lines."""
+"""Colours of parts in their order: the eight colours of Okabe and Ito, with grey for black, which would hide mesh
+lines."""
 
 
 def body_picture(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quantity: str = "von_mises") -> Figure:
@@ -409,7 +410,7 @@ def body_picture(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quan
     Parameters
     ----------
     mesh : Mesh
-        What was run.
+        Mesh of the run.
     frame : FieldFrame
         The instant.
     view : Camera, optional

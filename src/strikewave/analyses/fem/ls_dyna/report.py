@@ -175,7 +175,7 @@ def field_table(comparison: RunComparison) -> Table:
 
 
 page = ls_dyna_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+"""Page of a result in Python, found as `picture` is by `strikewave.reporting.shown_result`."""
 
 
 def picture(result: LsDynaResult) -> Figure:

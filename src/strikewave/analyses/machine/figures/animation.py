@@ -55,13 +55,14 @@ Array = NDArray[np.float64]
 BEFORE_BLOW, IN_BLOW, AFTER_BLOW = 20, 36, 44
 """Frames of a GIF: until the first blow, in slow motion through it, and from there to the end."""
 SLOW = (0.2e-3, 0.8e-3)
-"""What the slow motion shows: before and after first touch, s."""
+"""Time in slow motion before and after first touch, s."""
 _DPI = 80
 _SIZE = (8.4, 6.2)
 PANEL_HEIGHT = 57.0
-"""Of a panel of the page, pixels: three of them stand under the pictures on a screen of 768 lines."""
+"""Height of a panel of the page, pixels: three of them stand under the pictures on a screen of 768 lines."""
 CIRCLE_CORNERS = 241
-"""Of the polygon that stands for the path: it leaves the circle by less than a pixel, however large it is shown."""
+"""Corners of the polygon that stands for the path: it leaves the circle by less than a pixel, however large it is
+shown."""
 LEAST_SPEED_SPAN = 0.01
 """Share of the turntable's speed that its panel spans at least, so that rounding does not fill it."""
 RPM = np.pi / 30.0
@@ -242,7 +243,7 @@ def write_machine_gif(solution: Solution, path: Path, progress: Callable[[float]
     Parameters
     ----------
     solution : Solution
-        Of a rotary machine.
+        Solution of a rotary machine.
     path : Path
         Where it is written.
     progress : callable, optional
@@ -335,7 +336,7 @@ def frame_words(motion: MachineMotion, time: float, slowed: float) -> str:
 
 
 BEFORE, AFTER = 1e-3, 2e-3
-"""What is shown about a blow: before and after its first touch, s."""
+"""Time shown before and after first touch of a blow, s."""
 MOST_DETAILED = 20
 """Blows that can be looked at closely; of more the first, the odd ones and an even choice of the rest."""
 WHOLE_PLACES, BLOW_PLACES = 1200, 100
@@ -375,11 +376,11 @@ class MachineMotion:
     Attributes
     ----------
     made : Outlines
-        What is drawn.
+        Outlines of the parts that are drawn.
     time : ndarray
         Times at which places are kept, s after the valve signal.
     angle, speed : ndarray
-        Of the turntable, rad and rad/s.
+        Angle and speed of the turntable, rad and rad/s.
     nose, assembly, carriage : ndarray
         Places, m; see `Pose`.
     force, acceleration : TimeHistory

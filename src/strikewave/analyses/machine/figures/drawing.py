@@ -38,7 +38,7 @@ from strikewave.reporting.style import BLUE, GREY, RED, shortened
 Array = NDArray[np.float64]
 
 SIZE = (4.9, 3.3)
-"""Of each drawing, inches."""
+"""Size of each drawing, inches."""
 WHOLE, CLOSE = (0.05, 0.05, 4.8, 3.2), (0.05, 0.05, 4.8, 3.05)
 """Left, bottom, width and height of the views, inches."""
 INK = "#1a1f24"
@@ -337,7 +337,7 @@ def scale_words(case: Case, made: Outlines) -> list[str]:
 FIELD = 10.0
 """Width of the field in which symbols stand."""
 HEIGHT = 4.0
-"""Of a schematic, inches: its field is 8.2 high."""
+"""Height of a schematic, inches: its field is 8.2 high."""
 Point = tuple[float, float]
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 GROUND, DISC, NOSE, ASSEMBLY, CARRIAGE = "ground", "disc", "nose", "assembly", "carriage"
-"""What a part moves with."""
+"""Bodies that a drawn part can move with."""
 LARGEST_NOSE, LONGEST_STROKE = 0.2, 2.0
 """Largest radius of a nose and longest stroke that are drawn to scale, in path radii."""
 STACK_LENGTHS, STACK_HEIGHTS = (0.3, 0.8), (0.1, 0.5)
@@ -38,18 +38,18 @@ class StrikeGeometry:
     Attributes
     ----------
     radius : float
-        Of the path of the noses' centres.
+        Radius of the path of the noses' centres.
     strikers : int
         How many, at equal angles.
     engagement : float
         How far the face at rest stands inside the reach of a nose at the strike position.
     nose_radius : float
-        Of a nose.
+        Radius of a nose.
     blow_angle : float
         Between the outward radius at the strike position and the direction of the blow: 0 for a cam, pi/2 for a
         tangential strike.
     face_width : float or None
-        Of the face, in the plane of the turntable; None where the case sets no limit.
+        Width of the face, in the plane of the turntable; None where the case sets no limit.
     errors : tuple of (float, float)
         How far each striker stands ahead of its place, and beyond the path; none where they are all alike.
     """

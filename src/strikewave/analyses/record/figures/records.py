@@ -100,7 +100,7 @@ _NAMES = {
     "1": ("strain", "integral", "s"),
     "": ("file's own numbers", "integral", "unit·s"),
 }
-"""What a channel of an SI unit and its integral are called, and the SI unit of the integral."""
+"""Names of a channel of an SI unit and of its integral, and SI unit of the integral."""
 
 
 def shown(unit: str) -> ChannelStyle:
@@ -121,7 +121,7 @@ def history(reading: ChannelReading) -> Figure:
     Parameters
     ----------
     reading : ChannelReading
-        Of any status; where nothing can be drawn, a line says why.
+        Reading of any status; where nothing can be drawn, a line says why.
     """
     figure = new_figure()
     if reading.pulses and drawable(reading):
@@ -566,7 +566,7 @@ OF_CHANNEL = {
     "rms": "RMS",
     "amplitude": "amplitude",
 }
-"""What figures in the unit of their channel are called."""
+"""Names of the figures in the unit of their channel."""
 PURE = {"ratio": (1.0, "peak over base", ""), "damping": (0.01, "damping ratio", "%")}
 """How figures without a unit are shown: size, name and unit."""
 

@@ -60,7 +60,7 @@ _COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 KINDS = ("absolute", "pseudo-velocity")
 """Kinds of spectra that a report shows of a record."""
 _RESPONSES: WeakKeyDictionary[ChannelReading, dict[str, Spectrum]] = WeakKeyDictionary()
-"""Of readings in use, by kind: page and picture show the same, and those of a long record take seconds."""
+"""Spectra of readings in use, by kind: page and picture show the same, and those of a long record take seconds."""
 
 
 class RecordPart(NamedTuple):
@@ -202,7 +202,7 @@ def srs_figure(
     *spectra : Spectrum
         Of one kind.
     labels : sequence of str, optional
-        What to call each of several.
+        Name of each of several spectra.
     unit : str, optional
         SI unit of the record; empty where it is not known.
     expanded : ndarray or None, optional
@@ -275,7 +275,7 @@ def tripartite(pseudo: Spectrum) -> Figure:
     Parameters
     ----------
     pseudo : Spectrum
-        Of the kind ``pseudo-velocity``.
+        Spectrum of the kind ``pseudo-velocity``.
 
     Raises
     ------
@@ -381,9 +381,9 @@ def record_summary(files: Sequence[FileReading], campaign: Campaign | None, titl
     files : sequence of FileReading
         In the order of the test; the first channel of each is drawn.
     campaign : Campaign or None
-        Of that channel.
+        Campaign of that channel.
     title : str, optional
-        What to write above.
+        Title above the picture.
     """
     from matplotlib.figure import Figure
 

@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 
 HALF_SINE = "half-sine"
 WAYS = (*BASES, HALF_SINE)
-"""What a motion is made of."""
+"""Components that a motion can be made of."""
 WAVELETS_AN_OCTAVE = 6.0
 """Wavelets an octave at most: where they stand nearer they drown one another, and the iteration ends 2 to 3 dB off."""
 SOURCES = {
@@ -59,7 +59,7 @@ times those of the widest spectrum of pyroshock, 10 Hz to 10 kHz."""
 LEAD = 0.1
 """Share of a motion that the file holds of rest before it: where a record begins, `strikewave srs` looks for rest."""
 RAISED = 0.01
-"""What a half-sine is raised beyond the share at or above nominal, dB: more than rounding and sampling take."""
+"""Level that a half-sine is raised beyond the share at or above nominal, dB: more than rounding and sampling take."""
 HALF_SINE_SAMPLES = 200
 """Samples of a half-sine at least: its peak then lies 3e-5 above the samples at most."""
 UPPER_SHARE = 1.0 / 6.0
@@ -126,13 +126,13 @@ def synthesize(
     Parameters
     ----------
     specification : Specification or str
-        Of a spectrum, with breakpoints; or its name or file.
+        Specification of a spectrum, with breakpoints; or its name or file.
     by : str, optional
         ``damped-sines``, ``wavelets`` or ``half-sine``.
     rate : str or float, optional
         Samples a second, such as ``"200 kHz"``; 20 a period of the highest natural frequency by default.
     origin : Source, optional
-        What asked for it.
+        Command or call that asked for it.
 
     Returns
     -------
