@@ -154,7 +154,7 @@ def _drop_output() -> None:
 
 
 LIMITS = {*FULL, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EROFS, errno.EIO}
-"""What the system may refuse anywhere, and no input is to blame for: room, numbers of open files, a disk."""
+"""Limits of the system that may be met anywhere, with no input to blame: room, numbers of open files, a disk."""
 
 
 def _limit_line(error: Exception) -> str | None:

@@ -74,7 +74,7 @@ WIDEST = 28
 KEPT_HYPHEN = "\u2011"
 """A hyphen that no line ends at."""
 SETTINGS: dict[str, Any] = {"help_option_names": ["-h", "--help"]}
-"""Of every command."""
+"""Settings of every command."""
 
 
 class CommandEntry(NamedTuple):

@@ -135,7 +135,7 @@ class Speed(NamedTuple):
     Attributes
     ----------
     work : str
-        What is counted.
+        Unit of work that is counted.
     rate : float
         How many a second, on one core.
     """

@@ -25,7 +25,7 @@ from strikewave.reporting.style import printable
 
 Array = NDArray[np.float64]
 Document = dict[str, object]
-"""What becomes JSON."""
+"""Content of a JSON document."""
 
 PLAYING_SECONDS = 10.0
 """How long a view plays at speed 1, s (chosen: a slide's worth of patience; a reader can take 1/8 to 8 of it)."""
@@ -34,9 +34,9 @@ SPEEDS = ((0.125, "⅛"), (0.25, "¼"), (0.5, "½"), (1, "1"), (2, "2"), (4, "4"
 SLIDER_STEPS = 2000
 """Steps of the time slider where motion is smooth: one for each pixel of a wide screen."""
 FULL_SCALE = 32767
-"""Of a 16-bit integer: the peak of a field."""
+"""Full scale of a 16-bit integer: the peak of a field."""
 MOST_DECIMALS = 6
-"""Of a time: picoseconds, where the unit is the microsecond."""
+"""Decimals of a time: picoseconds, where the unit is the microsecond."""
 
 
 class Clock(NamedTuple):
@@ -87,10 +87,10 @@ class Shape(NamedTuple):
     fill, edge : str
         Colours; an empty one draws nothing.
     width : float
-        Of the edge, pixels.
+        Width of the edge, pixels.
     closed : bool
     dashes : sequence of float
-        Of the edge, pixels.
+        Lengths of the dashes of the edge, pixels.
     turn : str
         Track of the angle by which it turns about the origin, rad.
     ends : two of (float, str)
@@ -203,18 +203,18 @@ class Panel:
     Attributes
     ----------
     name, unit : str
-        Of the values.
+        Name and unit of the values.
     curves : sequence of PlayedCurve or FieldCurve
     per : float
         Size of the unit in that of the values.
     label : str
-        What stands above; empty: name and unit.
+        Label above the panel; empty: name and unit.
     limits : (float, float) or None
-        Of the axis; None: what the view holds.
+        Limits of the axis; None: the range of the values in view.
     zero : bool
-        Whether the axis shows zero, where it has no limits.
+        True if the axis shows zero, where it has no limits.
     least : float
-        What it spans at least.
+        Span of the axis at least.
     decimals : int or None
         With which values are written; None: three digits.
     """
@@ -348,16 +348,16 @@ class Animation:
     beside : int
         How many of these share the first line of a wide screen.
     smooth : bool
-        Whether there is motion between the times of a view; else each of them is one frame.
+        True if there is motion between the times of a view; else each of them is one frame.
     tracks : mapping of str to array (samples,)
-        What moves shapes, over the track ``time``, s.
+        Values that move shapes, over the track ``time``, s.
     shapes : sequence of Shape
     pictures : sequence of str
         A picture of every frame that fills the scenes, as an address that holds it (data:).
     readouts : sequence of Readout
     events : sequence of Event
     no_event : str
-        What is written before the first event; empty: no events are written.
+        Text before the first event; empty: no events are written.
     places : PlaceAxis or None
     """
 
@@ -402,9 +402,9 @@ def animation_page(animation: Animation, title: str, name: str = "") -> str:
     Parameters
     ----------
     animation : Animation
-        What it plays.
+        Animation that the page plays.
     title, name : str
-        Of the page, and of the case; plain text.
+        Title of the page, and name of the case; plain text.
 
     Examples
     --------
@@ -487,7 +487,8 @@ FRAMES_PER_SECOND = 10
 PALETTE_FRAMES = 4
 """Frames from which the palette is taken: evenly over the film, as what moves changes colours little."""
 COLOURS, EXACT_COLOURS = 256, 16
-"""Of the one palette of all frames, as many as a GIF can hold; the commonest of them, such as white, are exact."""
+"""Colours of the one palette of all frames, as many as a GIF can hold; the commonest of them, such as white, are
+exact."""
 APART = 10.4
 """Distance of other colours from exact ones: Pillow looks up the colour nearest to the corner of a cube of side 4,
 which is up to 5.2 from the colour that is meant."""
@@ -511,7 +512,7 @@ def write_gif(
     show : callable
         Brings the figure to a frame.
     frames : sequence
-        What ``show`` takes; at least one.
+        Arguments of ``show``, one a frame; at least one.
     progress : callable, optional
         Called with the share that is done, 0 to 1.
     """

@@ -252,7 +252,7 @@ def band_rows(result: Result, values: Mapping[str, float], whole: bool = True) -
     values : mapping of str to float
         The results themselves, SI, by the names of the bands.
     whole : bool
-        Whether names of results and fields are whole, not shortened for a narrow table.
+        True if names of results and fields are whole, not shortened for a narrow table.
     """
     method = result.band_method
     short = {} if whole or method is None else short_fields(one.field for one in method.inputs)

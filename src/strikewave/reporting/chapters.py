@@ -58,23 +58,23 @@ class Head:
     Attributes
     ----------
     title : str
-        Of the page.
+        Title of the page.
     kicker : str
-        What kind of report it is.
+        Kind of report.
     subject, name : str
-        What was run or read, such as ``Case``, and what it is called.
+        Kind of input that was run or read, such as ``Case``, and its name.
     digest : str
         SHA-256 of it; empty where there is none.
     status : Tag
         How it went.
     summary : sequence of str
-        What happened, in paragraphs.
+        Summary of the result, in paragraphs.
     numbers : sequence of (str, str)
         Key numbers: label and value with its unit; what stands in brackets behind it, such as its band, is set smaller.
     foot : str
-        What the foot of the page says.
+        Text at the foot of the page.
     test : mapping of str to str
-        What is stated of the test, by the keys of the table [test].
+        Statements about the test, by the keys of the table [test].
     """
 
     title: str
@@ -205,11 +205,11 @@ def inline_svg(figure: Figure, name: str, label: str = "") -> str:
     Parameters
     ----------
     figure : matplotlib.figure.Figure
-        What to draw.
+        Figure to draw.
     name : str
         Unique in the page; clip paths and markers of several pictures would share their names otherwise.
     label : str, optional
-        What the picture shows, for those who cannot see it.
+        Text in place of the picture, for those who cannot see it.
 
     Examples
     --------
@@ -496,9 +496,9 @@ class Summary(NamedTuple):
     Attributes
     ----------
     kicker : str
-        What kind of report it is.
+        Kind of report.
     words : str
-        What happened.
+        Summary of the result.
     numbers : sequence of (str, str)
         Key numbers: label and value with its unit, and in brackets behind it its band.
     status : Tag or None
@@ -575,7 +575,7 @@ def plain_page(
     Parameters
     ----------
     result : Result
-        What came of a command.
+        Result of a command.
     numbers : sequence of (str, str)
         Label and value of its key numbers.
     figure : Figure or None

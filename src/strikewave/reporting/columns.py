@@ -36,7 +36,7 @@ class Column(NamedTuple):
     Attributes
     ----------
     name : str
-        What it holds.
+        Name of the values.
     values : sequence or array
         Numbers in SI, texts or tags; None and NaN where there is nothing.
     si : str
@@ -47,7 +47,7 @@ class Column(NamedTuple):
         Unit in which screens, pages and notebooks show it as a rule, empty of words; None where notebooks leave it
         out.
     label : str
-        What these call it; its name if empty.
+        Label on the screen and the page; the name if empty.
     digits : int
         Significant digits that these show.
     decimals : int, optional
@@ -55,7 +55,7 @@ class Column(NamedTuple):
     priority : int
         `KEY`, `MAIN` or `MORE` of `strikewave.base.declare`: what a narrow screen leaves out first.
     words : bool
-        Whether its cells are words, which stand to the left on the screen and may take several lines there.
+        True if its cells are words, which stand to the left on the screen and may take several lines there.
 
     Examples
     --------

@@ -32,7 +32,7 @@ MOST_LISTED = 5
 """Values of a history that a cell lists, such as the openings of a joint: a row stays one line; documents have all."""
 PERCENT = "%"
 LEAST_WORDS = f"< {100.0 * LEAST_SHARE:.0e}".replace("e-0", "e-")
-"""What stands for a share below `LEAST_SHARE`, in per cent: rounding of the runs makes it."""
+"""Text in place of a share below `LEAST_SHARE`, in per cent: rounding of the runs makes it."""
 BOUNDS = "95 % bounds"
 """Head of a column of bounds."""
 Path = tuple[str, ...]
@@ -94,9 +94,9 @@ def columns_of(
     kind : type
         Class of the rows.
     rows : sequence
-        Of that class; a dash stands for what is missing.
+        Rows of that class; a dash stands for what is missing.
     table : str, optional
-        Which of the tables of such rows, where there are several.
+        Name of the table of such rows, where there are several.
     bands : mapping, optional
         Bands of whole columns: they leave all cells of one as many decimals.
     least : int, optional

@@ -25,7 +25,7 @@ PLAIN = {
     **{"µ": "u", "μ": "u", "²": "^2", "³": "^3", "±": "+/-", "×": "x", "·": ".", "°": " deg", "Δ": "d", "χ": "chi"},
     **{"–": "-", "—": "-", "−": "-", "…": "...", "─": "-", "≤": "<=", "≥": ">=", "ε": "e", "’": "'"},
 }
-"""What stands for a character where only ASCII can be shown."""
+"""Replacement of a character where only ASCII can be shown."""
 _NUMBER = r"[(\[<>~=+−-]*\d(?:[\d.,:]*\d)?(?:[eE][+-]?\d+)?"
 _GLUED = re.compile(rf"(?<!\S)({_NUMBER}) (?=[%°µA-Za-z])|(?<=\S) (?=± )|(?<=±) |(?:(?<=N)|(?<=lbf)) (?=mm?\b|s\b)")
 """Spaces that no line may end at: between a number and its unit, about ±, within a unit such as N s."""
@@ -144,7 +144,7 @@ def table_lines(
     Parameters
     ----------
     title : str
-        What it shows; none if empty.
+        Title of the table; none if empty.
     columns : sequence of Column
         Its columns; head, priority and whether they are words matter here. Of those beyond `MAIN`, the first that does
         not fit and all that matter no more are left out, and named below.
@@ -153,7 +153,7 @@ def table_lines(
     width : float
         Characters of a line; may be infinite.
     wide : bool
-        Whether no column is left out: one that does not fit stands in a further piece of the table, below.
+        True if no column is left out: one that does not fit stands in a further piece of the table, below.
 
     Examples
     --------

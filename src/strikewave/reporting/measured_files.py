@@ -207,7 +207,7 @@ PARAMETERS = {
     "--kind": "kinds",
     "--to": "high",
 }
-"""What Python calls an option that it does not call as the command line does."""
+"""Names in Python of the options that have another name there than on the command line."""
 
 
 @contextlib.contextmanager
@@ -381,11 +381,11 @@ def examined_channel(
     file : str
         A measured file.
     stated : dict
-        What was typed of the calibration; see `MeasurementOptions.calibration`.
+        Typed calibration; see `MeasurementOptions.calibration`.
     options : Options
-        What the user says of the file; its first channel is taken unless one is named.
+        Options that the user states for the file; its first channel is taken unless one is named.
     figure : str
-        What is wanted of the channel, one of `strikewave.records.health_notice.FIGURES`: what harms it is named.
+        Figure wanted of the channel, one of `strikewave.records.health_notice.FIGURES`: defects that harm it are named.
     what : str
         The same in words, such as "the spectrum".
     filters : Request, optional

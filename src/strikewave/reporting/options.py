@@ -96,9 +96,9 @@ def quantity(
     help : str
         Help text, which names the default.
     signed, infinite : bool
-        Whether zero and values below it, or ``inf``, are allowed.
+        True if zero and values below it, or ``inf``, are allowed.
     bare : bool
-        Whether a number without a unit is taken as SI; refused where another unit is usual, such as g.
+        True if a number without a unit is taken as SI; refused where another unit is usual, such as g.
     panel : str or None
         Section of the help; the usual one where None.
     """
@@ -359,7 +359,7 @@ class Running(Shared):
     store : Path or None
         Folder that keeps finished runs; None for one beside the result, till that is written.
     fresh : bool
-        Whether finished runs of a stopped study are made again.
+        True if finished runs of a stopped study are made again.
     """
 
     store: KeptRuns = None

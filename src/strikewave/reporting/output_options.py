@@ -116,13 +116,13 @@ class Shown:
     Attributes
     ----------
     json : bool
-        Whether one JSON document goes to stdout, and nothing else.
+        True if one JSON document goes to stdout, and nothing else.
     wide : bool
-        Whether tables have all their columns.
+        True if tables have all their columns.
     verbose : bool
-        Whether warnings are shown whole.
+        True if warnings are shown whole.
     quiet : bool
-        Whether nothing but the result is shown.
+        True if nothing but the result is shown.
     """
 
     panel: ClassVar[str] = "Output"
@@ -154,7 +154,7 @@ class Output(Shown):
     out : Path or None
         The folder asked for; with ``json``, files are written only there.
     force : bool
-        Whether it may replace the result of something else.
+        True if it may replace the result of something else.
     test : Path or None
         The file that says what was tested.
     show : ShownUnits or None
@@ -162,7 +162,7 @@ class Output(Shown):
     pdf : str or None
         Paper of the report as PDF, A4 or letter; None for no PDF.
     xlsx : bool
-        Whether tables and histories are written as one workbook too.
+        True if tables and histories are also written as one workbook.
     """
 
     out: Out = None

@@ -52,7 +52,7 @@ class Table:
     Attributes
     ----------
     caption : str
-        What the table shows.
+        Caption of the table.
     columns : sequence of str
         Heads, with units.
     rows : sequence of sequences
@@ -99,11 +99,11 @@ class Picture:
     Attributes
     ----------
     figure : matplotlib.figure.Figure
-        What to draw; one at most 5.5 inches wide shares its line with the next one.
+        Figure to draw; one at most 5.5 inches wide shares its line with the next one.
     caption : str
-        What the picture shows, below it.
+        Caption below the picture.
     label : str
-        What a reader hears who cannot see it; the caption if empty.
+        Text for a reader who cannot see it; the caption if empty.
     """
 
     figure: Figure
@@ -170,12 +170,12 @@ class Section:
     text : str
         Paragraphs, with an empty line between them; they stand before the parts.
     parts : sequence of Table, Picture, Photo, SignatureLines, Flow, Code or Link
-        What follows, in this order.
+        Parts of the section, in this order.
     folded : str
         Words that open the parts where they begin folded away, as those of inputs do; empty where they are in view.
         Print shows them all.
     alone : bool
-        Whether the page up to here stands for itself: print begins a new one after it.
+        True if the page up to here stands for itself: print begins a new one after it.
 
     Examples
     --------

@@ -26,11 +26,11 @@ _SHEETS = {"A4": (210.0, 297.0), "letter": (215.9, 279.4)}
 _SIDE = 13.0
 """Margin at the left and at the right, mm, as in style.css."""
 _CELL_PADDING = 2.3
-"""Of a cell, both sides and the line, mm."""
+"""Padding of a cell, both sides and the line, mm."""
 _LARGEST, _SMALLEST_UPRIGHT, _SMALLEST = 7.6, 5.8, 4.4
 """Letters of a table, points: as in style.css; below the second it gets a sheet across; below the third words break."""
 _LONGEST_WORD = 16.0
-"""Of words in a column of words, ems: longer ones, such as hashes, may break."""
+"""Length of words in a column of words, ems: longer ones, such as hashes, may break."""
 _TALLEST = 0.7
 """Height of a picture, in heights of a sheet, at most."""
 _LONGEST_UNIT = 12

@@ -37,7 +37,7 @@ R = TypeVar("R", bound=Result)
 NOT_DRAWN = "not-drawn"
 """Code of the notice of a page or picture that could not be drawn."""
 _failed: ContextVar[list[str] | None] = ContextVar("failed", default=None)
-"""What could not be drawn while a command writes its result, in words; None where none does."""
+"""Pictures and pages that could not be drawn while a command writes its result, in words; None where none does."""
 
 
 class Command(ABC, Generic[R]):
@@ -48,9 +48,9 @@ class Command(ABC, Generic[R]):
     """
 
     indent: ClassVar[int | None] = 2
-    """Of the JSON document; None where it holds long histories."""
+    """Indent of the JSON document; None where it holds long histories."""
     of_test: ClassVar[bool] = True
-    """Whether it may be of a test that was made, so that ``--test`` can say of which."""
+    """True if it may be of a test that was made, so that ``--test`` can name the test."""
 
     @abstractmethod
     def solve(self) -> R:
@@ -92,7 +92,7 @@ def run_and_write(command: Command[R], output: Output, usual: str | None, identi
     Parameters
     ----------
     command : Command
-        What is done.
+        Command to run.
     output : Output
         Where the result goes.
     usual : str or None

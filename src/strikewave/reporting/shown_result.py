@@ -37,13 +37,14 @@ MOST_ROWS = 12
 MOST_NUMBERS = 4
 """Highlights in the one line of a result: more would not be read."""
 WIDTH, HEIGHT, MARGIN = 420, 150, 34
-"""Of the curve in a notebook, pixels: half as wide as a page of one, and letters of 11 pixels below and above it."""
+"""Size and margin of the curve in a notebook, pixels: half as wide as a page of one, and letters of 11 pixels below and
+above it."""
 COLUMNS = 210
 """Columns into which the samples of the curve are gathered, two pixels each."""
 
 
 OWN_PAGE, HEAD_OF_PAGE = b'<meta name="generator" content="strikewave', 2000
-"""What is in the head of each page that strikewave writes, and within how many bytes."""
+"""Text in the head of each page that strikewave writes, and the bytes within which it stands."""
 
 
 def html_place(path: Path | str, usual: str) -> Path:
@@ -134,19 +135,19 @@ class ShownResult(Result):
     drawing: ClassVar[str] = "report"
     """The module beside the result with its picture and page; empty where nothing is drawn."""
     table_name: ClassVar[str] = "table"
-    """What its main table is called in a workbook."""
+    """Name of its main table in a workbook."""
 
     main_rows: ClassVar[str] = ""
     """The declared field with the rows of that table."""
 
     main_table: ClassVar[str] = ""
-    """Which of the tables of these rows it is, where they have several."""
+    """Name of the table of these rows that it is, where they have several."""
 
     written: ClassVar[tuple[str, ...]] = ()
     """Names of its columns for Python and files, where these are not all."""
 
     is_history: ClassVar[bool] = False
-    """Whether its main table is a history, of which a notebook shows rows spread over it, not the first ones."""
+    """True if its main table is a history, of which a notebook shows rows spread over it, not the first ones."""
 
     def __init_subclass__(cls, **rest: Any) -> None:
         super().__init_subclass__(**rest)

@@ -47,13 +47,13 @@ def mark_runs(axes: Any, x: Any, y: Any, verdicts: Verdicts, noun: str = "run", 
     axes : Axes
         Where the points are drawn.
     x, y : ndarray
-        Of the points, one a run; a point without a number is not marked.
+        Coordinates of the points, one a run; a point without a number is not marked.
     verdicts : Verdicts
-        Of the runs.
+        Verdicts of the runs.
     noun : str, optional
-        What a run is called in the legend.
+        Name of a run in the legend.
     size : float, optional
-        Of the marks, points.
+        Size of the marks, points.
     """
     if not verdicts.texts:
         return
@@ -180,7 +180,7 @@ Array = NDArray[np.float64]
 
 COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 DASHES = ("-", "--", "-.", ":")
-"""Of curves in their order; five colours and four dashes tell twenty curves apart."""
+"""Dashes of curves in their order; five colours and four dashes tell twenty curves apart."""
 MOST_PULSES = 40
 """Pulses drawn over each other; of more blows the first, the odd ones and an even choice of the rest are drawn (chosen:
 more only darken the band that they fill)."""
@@ -276,15 +276,15 @@ def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: boo
     Parameters
     ----------
     title : str
-        What they show.
+        Title of the picture.
     curves : sequence of Trace
         Each with its label; the colours and dashes of a reader who sees no colours.
     unit : str
         Usual unit of the axis, one of `TRACED`: "g", "kN", "MPa", "m/s".
     since : str
-        What the time axis shows; its usual unit is the microsecond.
+        Label of the time axis; its usual unit is the microsecond.
     wide : bool, optional
-        Whether it fills the width of a page.
+        True if it fills the width of a page.
 
     Examples
     --------

@@ -71,7 +71,7 @@ QUANTITIES = {
     "force": FieldQuantity("N", "kN", "force", "RdBu", "compression", "largest compression", "largest tension"),
     "velocity": FieldQuantity("m/s", "m/s", "velocity", "PuOr", "along the blow", "fastest along", "fastest back"),
 }
-"""What the pictures of a field can show, by name."""
+"""Quantities that the pictures of a field can show, by name."""
 
 _FEWEST_ROWS = 120
 """Times of a field that is cut short (chosen: no cell of an x-t diagram is then wider than 6 pixels)."""
@@ -80,8 +80,8 @@ _MOST_NAMES = 22
 _NAME_STEP = 0.045
 """Distance of names beside a diagram, share of its height: `_MOST_NAMES` fill it."""
 _MOST_SHADED = 200
-"""Of more layers neither faces nor shades are drawn, and curves are not cut there: a layer would be two pixels high,
-and its lines would hide the waves."""
+"""Layers up to which faces and shades are drawn, and curves cut there: of more, a layer would be two pixels high, and
+its lines would hide the waves."""
 _OPEN = 1e-9
 """Share of the largest force below which a joint that can open counts as open: the solver gives exactly minus the
 preload there, but for rounding."""
@@ -104,7 +104,7 @@ impedances below which the darkest grey is not reached, so that nearly equal lay
 SNAPSHOTS = 6
 """Panels of snapshots: two rows of three fill the width of a page."""
 MOST_TRANSITS = 2000.0
-"""Of a longer field no staircase is drawn: its closed form sums over all transits of the layer."""
+"""Transits of a field up to which its staircase is drawn: its closed form sums over all transits of the layer."""
 BONDED_STYLE: tuple[Any, float] = ("-", 0.7)
 DASHED: tuple[Any, float] = ((0, (4, 2)), 0.9)
 THICK: tuple[Any, float] = ("-", 1.8)
@@ -131,7 +131,7 @@ class WaveField:
     taps : tuple of (str, Tap)
         Names and places that are marked.
     since : str
-        What the time axis shows, such as ``time``.
+        Label of the time axis, such as ``time``.
     """
 
     stack: Stack
@@ -217,7 +217,7 @@ def xt_diagram(field: WaveField, quantity: str = "stress") -> Figure:
     Parameters
     ----------
     field : WaveField
-        What is drawn.
+        Field that is drawn.
     quantity : str, optional
         One of `QUANTITIES`.
 
@@ -361,7 +361,7 @@ def snapshot_rows(field: WaveField, quantity: str = "stress", count: int = SNAPS
     Parameters
     ----------
     field : WaveField
-        What is shown.
+        Field that is shown.
     quantity : str, optional
         One of `QUANTITIES`.
     count : int, optional
@@ -533,7 +533,7 @@ def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) ->
     Parameters
     ----------
     field : WaveField
-        What happened.
+        Field that is drawn.
     layer : int
         Index of the layer, between two others.
     time, load : array
@@ -621,7 +621,7 @@ PEAK_WORDS = (
     "mass; total is what a perfect sensor at the section would read; wave is total minus rigid."
 )
 _RECORDED = {"resonance": KILOHERTZ, "range": ACCELERATION, "sampling": KILOHERTZ, "filter": KILOHERTZ}
-"""What the table of sensors says of each."""
+"""Data of each sensor in the table of sensors."""
 _ROUTES = (
     "The routes of Li & Ma 2019 take the neighbours of the specimen as endless, with the force on the loaded face as "
     "input. As printed, echoes return too early and a backward wave has the wrong sign; the corrected route repairs "

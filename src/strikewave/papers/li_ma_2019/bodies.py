@@ -195,17 +195,17 @@ class FrameBlow:
     ----------
     striker, frame : solid
     radius, striker_length, speed : float
-        Of the striker, m and m/s.
+        Radius and length of the striker, m, and its speed, m/s.
     width, depth, height : float
-        Of the frame, m.
+        Dimensions of the frame, m.
     sides, bottom, top : float
         Thicknesses of its walls, m; ``sides`` of both side walls together.
     column : tuple of Piece
         From the top wall down.
     bonded : bool
-        Whether the column is tied to the frame; else it may leave it.
+        True if the column is tied to the frame; else it may leave it.
     duration, interval : float
-        Of the run and its histories, s.
+        Duration of the run and sampling interval of its histories, s.
     """
 
     striker: AnySolid
@@ -283,7 +283,7 @@ class SimpleAnswer:
     time, force : array
         Middles of the intervals, s; contact force, N.
     peak, width, impulse : float
-        Of the force: N; from the first to the last tenth of the peak, gaps included, s; N s.
+        Peak of the force, N; time from the first to the last tenth of the peak, gaps included, s; impulse, N s.
     first_width : float
         From the first tenth of the peak until the force first falls below a tenth, s.
     pulses : int
@@ -375,9 +375,9 @@ def lumped(case: Case, law: LineLaw = LAW) -> SimpleAnswer:
     Parameters
     ----------
     case : Case
-        Of elements; see `frame_blow`.
+        Case of elements; see `frame_blow`.
     law : str
-        Of the line contact.
+        Law of the line contact.
 
     Examples
     --------
@@ -433,7 +433,7 @@ def layered(case: Case, sides: Sides = "in the layers", law: LineLaw = LAW) -> S
     Parameters
     ----------
     case : Case
-        Of elements; see `frame_blow`.
+        Case of elements; see `frame_blow`.
     sides : str
         "in the layers": each slice across the blow is a layer of all its material: the top wall over its whole width,
         side walls beside the column with their joint mass and stiffness, the bottom wall. "hung": layers are the
@@ -441,7 +441,7 @@ def layered(case: Case, sides: Sides = "in the layers", law: LineLaw = LAW) -> S
         All the rest hangs in halves, each a mass on the bending spring of a wall in its mid-plane: the wave down the
         side walls is left out. A column that is not tied may leave the strips.
     law : str
-        Of the line contact.
+        Law of the line contact.
 
     Examples
     --------

@@ -53,7 +53,7 @@ class BodyRow:
     case : str
         Name of the case.
     law : str
-        Of the line contact; empty of elements.
+        Law of the line contact; empty for elements.
     answer, elements : SimpleAnswer
     """
 
@@ -85,9 +85,9 @@ def compare(case: Case, solution: FemSolution) -> tuple[BodyRow, ...]:
     Parameters
     ----------
     case : Case
-        What the simple answers are made from; see `frame_blow`.
+        Case that the simple answers are made from; see `frame_blow`.
     solution : FemSolution
-        Of the same case; a coarser mesh or a shorter duration is taken as it is.
+        Solution of the same case; a coarser mesh or a shorter duration is taken as it is.
 
     Examples
     --------

@@ -11,7 +11,7 @@ from strikewave.reporting.options import Running, one_of
 from strikewave.reporting.output_options import StudyOutput
 
 LEFT_OUT = ("elements", "studies")
-"""What can be left out."""
+"""Parts that can be left out."""
 
 
 def command(

@@ -32,7 +32,7 @@ class BodyPulse:
     Attributes
     ----------
     name : str
-        Of the part or group.
+        Name of the part or group.
     time, acceleration : array
         s after first touch, and m/s^2 along the blow: means over the intervals of the histories.
     measure : PartMeasure

@@ -46,7 +46,7 @@ wave, and the equations are judged by it."""
 FORCE = published_number("force simulated").value
 """Contact force that the paper simulates, N."""
 STRUCK_MASS = round(FORCE / published_number("rigid peak simulated").value, 3)
-"""What that force moves, kg."""
+"""Mass that this force accelerates to the simulated peak, kg."""
 SLOWEST = published_number("wave width").value
 """The paper's longest pulse, s."""
 TOLERANCE = 1e-12
@@ -64,7 +64,7 @@ class ContactExample:
     Attributes
     ----------
     striker, struck : Material
-        Of the half-cylinder and of the plane.
+        Materials of the half-cylinder and of the plane.
     contact_length : float
         h, m (assumed).
     striker_mass, struck_mass : float
@@ -97,7 +97,7 @@ class SolvedContact:
     Attributes
     ----------
     example : ContactExample
-        What was solved, with the factor that gives exactly the restitution asked for.
+        Solved example, with the factor that gives exactly the restitution asked for.
     stiffness, exponent, damping : float
         K, N/m^n; n; C = chi K/v0, N s/m^(n + 1).
     mass : float

@@ -61,13 +61,13 @@ class PublishedMark(NamedTuple):
     Attributes
     ----------
     value : float
-        Of a peak, m/s^2.
+        Peak acceleration, m/s^2.
     origin : str
         "measured" or "LS-DYNA".
     width : float or None
-        Of the pulse, s, drawn as a bar.
+        Width of the pulse, s, drawn as a bar.
     what : str
-        What else to say of it.
+        Further remark.
     """
 
     value: float
@@ -286,7 +286,7 @@ def pulse_figure(
     Parameters
     ----------
     title : str
-        What they show.
+        Title of the picture.
     curves : sequence of Trace
         Label, s after first touch, m/s^2; none gives a picture of the marks alone.
     marks : sequence of PublishedMark
@@ -416,7 +416,7 @@ NUMBERED = 40
 TICKED = 8
 """Columns of a panel up to which each has its label; of more, every second one."""
 HATCH = "///"
-"""Of cells that contradict the paper otherwise."""
+"""Hatching of cells that contradict the paper otherwise."""
 
 
 def gasket_figure(study: GasketStudy) -> Figure:

@@ -34,7 +34,7 @@ good consistency of its simulation (peak +5 %, width +10 %)."""
 RESOLVED = 3.0
 """Elements over the half width of a contact that resolve its pressure, an ellipse: fewer make steps of it."""
 LINE = ContactExample().contact_length
-"""Of the example of (4), m; assumed."""
+"""Contact length of the example of (4), m; assumed."""
 
 QUIET, REFLECTING, ELASTIC, WAVE = "quiet", "reflecting", "elastic", "wave"
 """Runs of finite elements: Figure 11 with the paper's non-reflecting faces, without, with them and without yielding;
@@ -426,7 +426,7 @@ SAME_PEAK = 1e-3
 COSTLY = 0.05
 """Share of a peak whose loss matters: by as much measured and simulated peak of Figure 11 differ."""
 FULL_SCALE = 5e4 * STANDARD_GRAVITY
-"""Of the recorder, m/s^2: the range that the sensors of all cases are assumed to have."""
+"""Full scale of the recorder, m/s^2: the range that the sensors of all cases are assumed to have."""
 
 
 class TangentialBlow(NamedTuple):

@@ -126,9 +126,9 @@ class Dimension:
     ----------
     name : str
     paths : tuple of str
-        Of the case; the first one is that which is listed.
+        Paths in the case; the first one is listed.
     together : bool
-        Whether the others change by the length of the first, instead of by its factor.
+        True if the others change by the length of the first, instead of by its factor.
     outside : str
         Path of the outer diameter where the first is the inner one of a tube, whose wall is what changes.
     """
@@ -159,13 +159,13 @@ FRAME = (
     Dimension("top wall", _part("frame.top")),
     Dimension("bottom wall", _part("frame.bottom")),
 )
-"""What both models assume of striker and frame."""
+"""Dimensions of striker and frame that both models assume."""
 SHELL = (
     Dimension("diameter of the shell", _part("shell.outer_diameter", "shell.inner_diameter"), together=True),
     Dimension("wall of the shell", _part("shell.inner_diameter"), outside="mesh.part.shell.outer_diameter"),
     Dimension("slope beyond yield", _part("striker.solid.tangent_modulus", "frame.solid.tangent_modulus")),
 )
-"""What the model of the rigid pulse assumes besides."""
+"""Further dimensions that the model of the rigid pulse assumes."""
 SENSOR = (
     Dimension("diameter of cylinders and sensor", _part("sensor.diameter", "upper.diameter", "lower.diameter")),
     Dimension("height of the sensor", _part("sensor.length")),
@@ -174,7 +174,7 @@ SENSOR = (
         _part(*(f"{name}.solid.tangent_modulus" for name in ("striker", "frame", "upper", "lower"))),
     ),
 )
-"""What the model of the wave assumes besides."""
+"""Further dimensions that the model of the wave assumes."""
 
 
 def dimensions(case: Case) -> tuple[Dimension, ...]:

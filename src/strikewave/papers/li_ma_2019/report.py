@@ -138,7 +138,7 @@ def _command(command: str, case: str, changes: Sequence[str] = ()) -> str:
 
 
 page = reproduction_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+"""Page of a result in Python, found as `picture` is by `strikewave.reporting.shown_result`."""
 
 
 def picture(result: Reproduction) -> Figure:

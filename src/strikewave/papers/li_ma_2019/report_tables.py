@@ -52,7 +52,7 @@ _PROPERTIES = {
     "Poisson's ratio": "poissons_ratio",
     "yield strength": "yield_strength",
 }
-"""What the paper prints of a material, by the words of its published number."""
+"""Properties that the paper prints of a material, by the words of its published number."""
 _COARSER = "set by --quick"
 
 

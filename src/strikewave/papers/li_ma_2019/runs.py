@@ -54,7 +54,7 @@ class Execution:
     pool : Pool
         Who makes the others.
     threads : int
-        Of elements.
+        Threads of a run of elements.
     report : callable
         Takes how far it is.
     """
@@ -151,11 +151,11 @@ class Effort:
     Attributes
     ----------
     quick : bool
-        Whether elements are `COARSER`.
+        True if elements are `COARSER`.
     elements : bool
-        Whether the finite-element models are run at all.
+        True if the finite-element models are run at all.
     studies : bool
-        Whether they are studied further: meshes, assumed dimensions, a second blow; never where quick.
+        True if they are studied further: meshes, assumed dimensions, a second blow; never where quick.
     threads : int
         For those.
     """
@@ -173,13 +173,13 @@ class Runs:
     Attributes
     ----------
     machine, comparison, fixture, equal_blows : Solution
-        Of Figures 9 and 11, 5, 13, and of the same machine with equal blows.
+        Solutions of Figures 9 and 11, 5, 13, and of the same machine with equal blows.
     bar, passing : WaveSolution
         The sensor fixture under a front of 5 us, and a stack with multiple reflections (Figure 7).
     elements : tuple of FemSolution
-        Of Figures 11 and 15; empty where they were left out.
+        Solutions of Figures 11 and 15; empty where they were left out.
     quick : bool
-        Whether their meshes are coarse.
+        True if their meshes are coarse.
     """
 
     machine: Solution

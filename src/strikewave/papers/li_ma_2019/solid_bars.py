@@ -90,9 +90,9 @@ def solid_bar(case: Case, length: float | None = None, interval: float = INTERVA
     case : Case
         With one half-cylinder and one frame.
     length : float, optional
-        Of the bar in place of the frame's height, m.
+        Length of the bar in place of the frame's height, m.
     interval : float, optional
-        Of the histories, s.
+        Sampling interval of the histories, s.
 
     Examples
     --------

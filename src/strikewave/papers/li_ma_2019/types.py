@@ -114,7 +114,7 @@ class ElementNumbers:
     width : float or None
         Width of that pulse at 10 % of its peak, s.
     impulse : float or None
-        Of the contact force, N s.
+        Impulse of the contact force, N s.
     momentum : float or None
         Largest that the struck body gained, N s.
     slope_early, slope_late : float or None

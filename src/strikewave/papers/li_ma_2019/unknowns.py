@@ -41,8 +41,8 @@ MOST_RUNS = 8
 AFTER = 2e-4
 """When the blow itself is over, s after first touch: the published width. What a sensor reads later is ringing."""
 DENSITY, DIAMETER = "1200 kg/m^3", "15 mm"
-"""Of every gasket: polymers and elastomers lie within a third of this density, which hardly matters beside the sensor's
-mass; the diameter is that of the case. Both assumed."""
+"""Density and diameter of every gasket: polymers and elastomers lie within a third of this density, which hardly
+matters beside the sensor's mass; the diameter is that of the case. Both assumed."""
 
 
 class GasketGrid(NamedTuple):
@@ -297,7 +297,7 @@ class JointStudy:
         With the joints of the case.
     mechanisms : tuple of Mechanism
     trains : tuple of TrainScatter
-        Of the pairs of the grid.
+        Scatter of the trains of the pairs of the grid.
     """
 
     grid: JointGrid
