@@ -141,15 +141,15 @@ def case_at(
     Parameters
     ----------
     case : Case
-        What the axes are of.
+        Case that the axes belong to.
     axes : sequence of Axis
-        What is changed.
+        Axes that are changed.
     values : sequence of float
         One an axis, SI.
     note : str
-        Which study chose them: it stands beside each value.
+        Note that names the study that chose them: it stands beside each value.
     keep_tolerances : bool, optional
-        Whether the values keep the tolerances that the case has; a run needs none.
+        True if the values keep the tolerances that the case has; a run needs none.
 
     Examples
     --------

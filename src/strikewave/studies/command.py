@@ -27,7 +27,7 @@ from strikewave.studies.study import Study
 Shown = TypeVar("Shown", bound=ShownResult)
 Made = TypeVar("Made", bound=Study)
 Report = Callable[..., None]
-"""What moves a bar, by the share of the runs that is done, and words beside it."""
+"""Function that moves a progress bar, by the share of the runs that is done and words beside it."""
 
 
 @dataclass(kw_only=True)
@@ -39,12 +39,12 @@ class ResumableCommand(Command[Shown]):
     place : Path or None
         Folder that keeps finished runs for good; None for one beside the result, till that is written.
     fresh : bool
-        Whether finished runs of a stopped study are run anew.
+        True if finished runs of a stopped study are run anew.
     """
 
     indent: ClassVar[int | None] = None
     formats: ClassVar[tuple[str, ...]] = ("svg",)
-    """Of the files of its picture, by their endings."""
+    """File formats of its picture, by their endings."""
 
     place: Path | None = None
     fresh: bool = False
@@ -141,21 +141,21 @@ class StudyCommand(ResumableCommand[Made]):
     Attributes
     ----------
     case : Case
-        What is run.
+        Case that is run.
     plan : object
-        What is asked.
+        Plan of the study.
     pool : Pool
         Who runs it.
     """
 
     name: ClassVar[str]
-    """Of the command."""
+    """Name of the command."""
     bar: ClassVar[str] = "runs"
-    """What stands before the bar."""
+    """Text before the bar."""
     clocks: ClassVar[tuple[str, ...]] = ("elapsed", "left")
     """Times beside the bar; see `progress_bar`."""
     noun: ClassVar[str] = "runs"
-    """What is counted of it."""
+    """Name of the counted items."""
 
     case: Case
     plan: Any

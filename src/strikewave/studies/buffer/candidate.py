@@ -43,7 +43,7 @@ Array = NDArray[np.float64]
 READING = Quantity("m/s^2", "g", "reading", digits=5)
 OTHER_PEAK = Quantity("m/s^2", "g")
 CUT_OFF = "cut off"
-"""What a reading is called that a range ends."""
+"""Name of a reading that is cut off at the range."""
 ALIKE = 0.05
 """Stacks whose peak and bandwidth differ by less are not distinct: the moduli of a gasket are known within a factor of
 two at best, which moves both by far more."""
@@ -60,7 +60,7 @@ BANDWIDTH_DIGITS = 2
 """Significant digits to which bandwidths are compared in a ranking: those that differ by less go by the number of
 gaskets, since a thinner stack is worth more than a per cent of bandwidth."""
 RANKS = ("bandwidth", "peak", "robust")
-"""What stacks that keep the limit may be ranked by; see `ranked`."""
+"""Criteria by which stacks that keep the limit may be ranked; see `ranked`."""
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class BufferCandidate:
     stack : tuple of GasketLayer
         From the surface to the sensor.
     label : str
-        What it is called, where not by its gaskets.
+        Name of the stack, where it is not named by its gaskets.
     """
 
     stack: GasketStack

@@ -3,7 +3,7 @@
 WORST = "worst"
 """The blow that the stacks are compared at: that with the largest reading."""
 THICKNESSES = ("0.5 mm", "1 mm", "2 mm")
-"""Of the gaskets."""
+"""Thicknesses of the gaskets."""
 THICKEST = 0.1
 """Largest thickness of a gasket, m."""
 LAYERS = 3

@@ -85,11 +85,11 @@ class MountingSite:
     channel : SensorChannel
         Sensor, tap and recorder; the mounting in it does not count.
     table : SensorTable
-        What a case says of it.
+        Table of the sensor in a case.
     footprint : dict
         ``diameter`` or ``area`` of its gaskets.
     mass, area : float
-        Of the sensor, kg, and of the gaskets, m^2.
+        Mass of the sensor, kg, and area of the gaskets, m^2.
     present : ExistingBuffer or None
         The buffer that the case has now.
     """
@@ -148,7 +148,7 @@ class BaseMotion:
     touched : float
         Time of first touch after a sampling instant of the recorder, s; the first sample where ``start`` is 0.
     rigid_width : float or None
-        Of the rigid-body acceleration, where it is known, at 10 % of its peak, s.
+        Pulse width of the rigid-body acceleration, where it is known, at 10 % of its peak, s.
     recorded : RecordedPulse or None
         The blow as `strikewave record` measures it, where it was measured: above its own baseline, without noise.
     """
@@ -280,11 +280,11 @@ class Blows(NamedTuple):
     chosen : int
         Place of the one that stacks are designed for.
     warnings : tuple of Notice
-        What to know of the run that they come from.
+        Warnings of the run that they come from.
     assembly_mass : float
-        Of what the sensor sits on, kg; infinite where it is not known.
+        Mass of the assembly that the sensor sits on, kg; infinite where it is not known.
     verdict : str
-        What the checks of that run came to, `strikewave.base.result.Verdict.text`; empty of a measured blow.
+        Outcome of the checks of that run, `strikewave.base.result.Verdict.text`; empty for a measured blow.
     """
 
     motions: tuple[BaseMotion, ...]

@@ -30,7 +30,7 @@ SIZE = (9.0, 4.4)
 SHOWN = 3
 """First of the ranking that are drawn: as many as `STYLES` tells apart."""
 PERIODS = 4.0
-"""Of the slowest buffer that are shown after the blow. Chosen: enough to see whether it rings on."""
+"""Periods of the slowest buffer that are shown after the blow. Chosen: enough to see whether it rings on."""
 DARK = "#333333"
 STYLES = ((BLUE, "-"), (RED, "--"), (GREEN, "-."))
 
@@ -293,4 +293,4 @@ def _sensor_section(study: BufferStudy) -> Section:
 
 picture = peak_bandwidth
 page = buffer_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+"""Page of a result in Python, found as `picture` is by `strikewave.reporting.shown_result`."""

@@ -36,7 +36,7 @@ from strikewave.studies.buffer.mounting_site import (
 )
 
 MARKED = "*: Pareto-optimal in peak and bandwidth"
-"""What the mark of a place says."""
+"""Meaning of the mark of a place."""
 
 
 @declare.dataclass
@@ -77,7 +77,7 @@ class BufferStudy(ShownResult):
     blows : Blows
         The motion of the surface below it.
     goal : BufferGoal
-        What the reading must keep.
+        Goal that the reading must keep.
     case : Case or None
         Where sensor and blow come from.
     origin : Source or None

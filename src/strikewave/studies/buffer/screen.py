@@ -96,15 +96,15 @@ class BufferCommand(ResumableCommand[BufferStudy]):
     source : BlowSource
         Where sensor and blow come from.
     blow : str
-        Which of the blows of a case: worst, first, or a number.
+        Blow of a case: worst, first, or a number.
     choice : StackChoices
         Gaskets to choose from.
     goal : BufferGoal
-        What the reading must keep.
+        Goal that the reading must keep.
     pool : Pool
         Who runs the stacks.
     test : mapping of str to str
-        What is stated of the test, where no case holds it.
+        Statements about the test, where no case holds it.
     """
 
     source: BlowSource

@@ -121,7 +121,7 @@ def design_buffer(
     blows : Blows
         The blow, and the others of its run, which the best stack is tried on too.
     choice : StackChoices
-        What stacks may be made of.
+        Choices that stacks may be made of.
     goal : BufferGoal
         The limit, and what decides among those that keep it.
     store : RunStore, optional
@@ -228,13 +228,13 @@ def buffer(
     blow : str or int, optional
         Blow that the stacks are compared at: ``worst``, ``first`` or its number.
     materials : sequence of str, optional
-        Of the gaskets; all polymers and elastomers by default.
+        Materials of the gaskets; all polymers and elastomers by default.
     thicknesses : sequence of str, optional
-        Of the gaskets, with units; 0.5, 1 and 2 mm by default.
+        Thicknesses of the gaskets, with units; 0.5, 1 and 2 mm by default.
     layers : int, optional
         Largest number of gaskets in a stack.
     rank : str, optional
-        What ranks the stacks that keep the limit: ``bandwidth``, ``peak`` or ``robust``.
+        Criterion that ranks the stacks that keep the limit: ``bandwidth``, ``peak`` or ``robust``.
     workers : int, optional
         Processes; threads of this one where it is left out. With several, call it below
         ``if __name__ == "__main__":``.

@@ -47,11 +47,11 @@ class GaussianProcess:
     Attributes
     ----------
     places : ndarray
-        Of the runs, shape (n, d), 0 to 1.
+        Places of the runs, shape (n, d), 0 to 1.
     values : ndarray
         Shape (n,).
     lengths : ndarray
-        Of each coordinate.
+        Correlation length of each coordinate.
     """
 
     places: Array

@@ -62,7 +62,7 @@ PRESSED, PRESSED_BY = "pressed", "first.indentation"
 VON_MISES = "von_mises"
 """Name of the largest stress of a part of elements."""
 DERIVED = Quantity(NO_UNIT, "%", decimals=2, digits=0)
-"""Of a number that goals alone have: a share of a yield strength, of a range, or a least margin."""
+"""Quantity of a number that goals alone have: a share of a yield strength, of a range, or a least margin."""
 
 
 @declare.dataclass
@@ -72,7 +72,7 @@ class Goal:
     Attributes
     ----------
     is_check : bool
-        Whether it is a check of the run, which passes or does not: its margin limits no setting that passes.
+        True if it is a check of the run, which passes or does not: its margin limits no setting that passes.
     """
 
     typed: str = declare.word("as typed", key="goal")
@@ -282,7 +282,7 @@ class DesignEvaluation:
     analysis : CaseEvaluation
         The analysis; its names are those that are needed.
     names : tuple of str
-        Of all numbers, in their order.
+        Names of all numbers, in their order.
     """
 
     analysis: CaseEvaluation

@@ -46,7 +46,7 @@ from strikewave.studies.sweep.plan import varied_texts
 Array = NDArray[np.float64]
 
 NOTE = "chosen by strikewave design"
-"""What a case says of a value that a design has chosen."""
+"""Note in a case of a value that a design has chosen."""
 RUNS = 600
 """Runs of a search where no number of them is stated. Chosen: forty generations of fifteen settings of the one or two
 that most designs vary, in which the best margin settles to a hundredth."""
@@ -84,21 +84,21 @@ class DesignPlan:
     Attributes
     ----------
     case : Case
-        What is designed.
+        Case to design.
     variables : tuple of StudyVariable
-        What may be chosen; of a range, all between its ends.
+        Settings that may be chosen; of a range, all values between its ends.
     aims : tuple of Goal or Objective
-        What shall be reached.
+        Goals and objectives to reach.
     analysis : str
-        What each run is.
+        Analysis that each run is.
     runs : int
         Most runs of a search.
     seed : int
-        Of the search and of draws.
+        Random seed of the search and of draws.
     robust : int
         Draws within tolerances for each ranked setting; 0 for none.
     variation : AxisVariation
-        What makes a case of a row.
+        Variation that makes a case of a row.
     search : str
         One of `SEARCHES`.
     device : str or None
@@ -356,7 +356,7 @@ def load_design(path: str | Path, changes: Sequence[str] = (), **options: int | 
     path : str or Path
         The file; its case lies beside it, or is a built-in one.
     changes : sequence of str, optional
-        What is set in the case, after what the file sets.
+        Changes of the case, after those of the file.
     **options
         ``runs``, ``seed`` and ``robust``, which take the place of those of the file where they are not None.
 

@@ -90,7 +90,7 @@ class DesignRun:
     Attributes
     ----------
     plan : DesignPlan
-        What it is of.
+        Plan of the design.
     run : int
         Its number, from 0.
     row : tuple of float
@@ -252,7 +252,7 @@ class Sensitivity:
     Attributes
     ----------
     names : tuple of str
-        Of the numbers.
+        Names of the numbers.
     moved : ndarray
         Change of each number per `STEP` of the range of the setting, SI.
     """
@@ -447,7 +447,7 @@ def trade_off_search(runs: DesignRuns, salt: int) -> None:
     Parameters
     ----------
     runs : DesignRuns
-        What was run, and tells where to begin.
+        Finished runs, from which the search begins.
     salt : int
         Tells the random numbers of several searches apart.
     """

@@ -35,7 +35,7 @@ MOST_FRONT = 20
 TIMED = 3
 """Runs that are timed for an estimate, after one that loads what a process needs: both ends and the middle."""
 WIDTH, HEIGHT, BAR = 9.0, 3.9, 0.3
-"""Of the picture, of its upper row, and of a bar of a margin, inches."""
+"""Width of the picture, height of its upper row, and height of a bar of a margin, inches."""
 MOST_BARS = 8
 """Goals whose margins are drawn: the first ones."""
 DRAWN = (1.0, 99.0)
@@ -283,7 +283,7 @@ def _margins(axes: Any, study: DesignStudy, count: int) -> None:
 
 
 picture, page = design_picture, design_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
 
 
 class DesignEstimate(NamedTuple):

@@ -38,14 +38,14 @@ from strikewave.studies.engine.store import RunStore
 
 Array = NDArray[np.float64]
 Merit = Callable[[Array], Array]
-"""What is to be made small, of runs by their numbers."""
+"""Merit of runs by their numbers, which is to be made small."""
 
 FAR = 1e9
 """Merit of a run that failed or has not all numbers: worse than any that has them."""
 INFEASIBLE = 1e6
-"""What is added to the merit of a setting that misses a goal, so that any that meets all is better."""
+"""Penalty added to the merit of a setting that misses a goal, so that any that meets all is better."""
 BROKEN = 1e5
-"""What is added to the merit of a setting that fails a check of the run, so that any that passes is nearer."""
+"""Penalty added to the merit of a setting that fails a check of the run, so that any that passes is nearer."""
 PER_SETTING, SMALLEST = 8, 16
 """Settings of a generation for each one that is varied, and at least: the ten for each of Storn & Price 1997, as the
 power of two that fills the ranges evenly."""
@@ -72,7 +72,7 @@ TOGETHER = 4
 DRAWS = 32
 """Draws of the numbers at a place: the mean improvement is then known to a fifth, far better than the process is."""
 GENERATIONS, MEMBERS = 40, 12
-"""Of the search over the process, which costs a hundredth of a second each."""
+"""Generations and members of the search over the process, which costs a hundredth of a second each."""
 
 
 class DesignRuns:
@@ -81,7 +81,7 @@ class DesignRuns:
     Parameters
     ----------
     plan : DesignPlan
-        What is run.
+        Plan of the runs.
     store : RunStore
         Finished runs.
     pool : Pool
@@ -196,9 +196,9 @@ def search(runs: DesignRuns, merit: Merit, enough: float = -np.inf, salt: int = 
     Parameters
     ----------
     runs : DesignRuns
-        What was run; what is run is added.
+        Finished runs; new runs are added.
     merit : callable
-        What is to be made small.
+        Merit to be made small.
     enough : float, optional
         Merit at which it ends.
     salt : int, optional
@@ -264,9 +264,9 @@ def refine(runs: DesignRuns, merit: Merit, enough: float, most: int) -> None:
     Parameters
     ----------
     runs : DesignRuns
-        What was run; what is run is added.
+        Finished runs; new runs are added.
     merit : callable
-        What is to be made small.
+        Merit to be made small.
     enough : float
         Merit at which it ends.
     most : int

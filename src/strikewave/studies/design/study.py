@@ -107,7 +107,7 @@ class DesignStudy(Study):
     Attributes
     ----------
     plan : DesignPlan
-        What it is of.
+        Plan of the design.
     rows : tuple of tuple
         Settings of all runs, in their order.
     numbers : ndarray
@@ -420,7 +420,7 @@ def make_design(
     Parameters
     ----------
     plan : DesignPlan
-        What is asked.
+        Plan of the design.
     store : RunStore
         Finished runs.
     pool : Pool, optional
@@ -501,9 +501,9 @@ def design(
     Parameters
     ----------
     case : Case
-        What is designed.
+        Case to design.
     vary : sequence of str, or mapping
-        What may be chosen: ``machine.speed=400..900 rpm``, ``object.spring=10..160 kN/m log``,
+        Settings that may be chosen: ``machine.speed=400..900 rpm``, ``object.spring=10..160 kN/m log``,
         ``contact.damping=LAW, LAW``; or the values by the settings.
     goals : sequence of str
         ``first.rigid_peak = 4000 g +- 5 %``, ``cv < 3 %``, ``spec:mil-std-810h passes``, ``sensor clips never``; and
@@ -513,7 +513,7 @@ def design(
     runs : int, optional
         Most runs of a search; 600 where it is left out, 40 by surrogate.
     seed : int, optional
-        Of the search and of draws.
+        Random seed of the search and of draws.
     robust : int, optional
         Draws within the tolerances of the case for each ranked setting; none where it is left out.
     search : str, optional

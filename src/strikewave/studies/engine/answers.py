@@ -50,15 +50,15 @@ class OfCase(Generic[Answer]):
     Attributes
     ----------
     case : Case
-        What is asked about.
+        Case that the question is about.
     find : callable
         A function of a module, which takes the case, ``arguments`` and ``threads``.
     answered_by : type
-        Of what it returns.
+        Class of the returned value.
     arguments : tuple
-        What else it takes.
+        Further arguments of the function.
     threads : int or None
-        Of elements, which change no number; None where the function takes none.
+        Threads of a run of elements, which change no number; None where the function takes none.
     """
 
     case: Case
@@ -122,7 +122,7 @@ def answers(
     Parameters
     ----------
     questions : sequence of Question
-        What is asked; equal ones are answered once.
+        Questions to answer; equal ones are answered once.
     store : RunStore
         Known answers.
     pool : Pool

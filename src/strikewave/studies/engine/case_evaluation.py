@@ -41,11 +41,12 @@ ANALYSES = {
     "fem": "explicit finite elements",
     "impact": "one impact on a free rigid object, by the contact law alone",
 }
-"""What may be computed of a case, in words: its own run, or of a machine the fast run or one impact."""
+"""Analyses that may be computed of a case, in words: its own run, or of a machine the fast run or one impact."""
 HISTORIES = ("blows", "pulses")
-"""What may be kept beside numbers: the table of blows; the acceleration of each blow, or of a bar or elements."""
+"""Histories that may be kept beside numbers: the table of blows; the acceleration of each blow, or of a bar or
+elements."""
 OF_BLOW = {name: one.quantity._replace(label=label_of(name, one)) for name, one in declarations(Blow).items()}
-"""What the numbers of a blow measure."""
+"""Quantities of the numbers of a blow, by name."""
 OF_TRAIN = {
     "interval": Quantity("s", "ms", "median interval"),
     "cv": VARIATION._replace(label="coefficient of variation of the peaks"),
@@ -73,7 +74,7 @@ BLOW_UNITS = {
     name: OF_BLOW[name].si or NO_UNIT
     for name in ("time", "rigid_peak", "width", "velocity_change", "approach_speed", "largest_displacement", "kind")
 }
-"""What the table of blows holds, and SI units; kinds by their place in `KINDS`."""
+"""Columns of the table of blows, with SI units; kinds by their place in `KINDS`."""
 PULSE_DIGITS = np.float32
 """Histories are kept to seven digits, beyond the 1e-6 of their balances: packed, they take a third of the room."""
 MOST_KEPT = 500
@@ -161,9 +162,9 @@ class CaseEvaluation:
     analysis : str
         One of `ANALYSES`.
     names : tuple of str
-        Of the numbers that are kept.
+        Names of the numbers that are kept.
     histories : tuple of str
-        Of `HISTORIES`.
+        Histories that are kept, of `HISTORIES`.
     device : str or None
         Where the steps of elements are taken; None: the processor.
     """

@@ -30,7 +30,7 @@ class KeptHistory(NamedTuple):
     Attributes
     ----------
     name : str
-        What they are of.
+        Name of the history.
     unit : str
         SI.
     blow : int
@@ -58,15 +58,15 @@ class RunOutcome:
     numbers : tuple of float
         In the order of the names of its evaluation, SI; NaN where the run has none. Empty where it failed.
     histories : tuple of KeptHistory
-        What else is kept.
+        Histories that are kept.
     document : str
         An answer that is more than numbers, as JSON; empty where there is none.
     failure : str
         Why there is nothing; empty where there is.
     verdict : str
-        What the checks of the run came to, `strikewave.base.result.Verdict.text`; empty of an answer that is no run.
+        Outcome of the checks of the run, `strikewave.base.result.Verdict.text`; empty for an answer that is no run.
     retry : bool
-        Whether another try may end otherwise: it failed for want of memory, or its process was ended.
+        True if another try may end otherwise: it failed for want of memory, or its process was ended.
     seconds : float
         How long it took.
     """

@@ -44,7 +44,7 @@ class AxisVariation:
     variables : tuple of StudyVariable
         In the order of the rows.
     note : str
-        Which study chose the values: it stands beside each.
+        Note that names the study that chose the values: it stands beside each.
     cases : mapping
         The case for each combination of words that occurs, by their places.
     """

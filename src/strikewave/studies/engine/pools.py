@@ -165,7 +165,7 @@ class GivenPool(Pool):
     Parameters
     ----------
     executor : Executor
-        Of `concurrent.futures`, or one that acts as these do.
+        Executor of `concurrent.futures`, or one that acts as these do.
     width : int, optional
         How many batches it runs at a time, where it does not name it itself.
     """
@@ -241,7 +241,7 @@ def each_on(pool: Pool, function: Callable[[Asked], Answer], items: Sequence[Ask
     function : callable
         Computes one; what it raises is raised.
     items : sequence
-        What to compute.
+        Items to compute.
 
     Raises
     ------

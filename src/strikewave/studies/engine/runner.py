@@ -128,11 +128,11 @@ def carry_out(
     Parameters
     ----------
     job : Work
-        What is run, such as a `Job`.
+        Work that is run, such as a `Job`.
     rows : sequence
         Where; equal ones are run once.
     store : RunStore
-        What is finished.
+        Store of the finished runs.
     pool : Pool
         Who runs them; whoever made it ends it.
     advance : callable, optional

@@ -36,7 +36,7 @@ INDEX, KEPT_INDEX = "index.sqlite", "runs.sqlite"
 CHUNK, STATE = "run-histories-{}.parquet", "state-{}.h5"
 """Names of the other files in the folder."""
 APPLICATION, FORMAT = 0x5354524B, 4
-"""What tells the index from other files of SQLite ("STRK"), and its version."""
+"""Number that tells the index from other files of SQLite ("STRK"), and version of the index."""
 BEFORE_VERDICTS = 3
 """Version of the index whose runs have no verdict: it is read, and the verdicts of its runs are not known."""
 CHUNK_BYTES = 32_000_000
@@ -91,9 +91,9 @@ class RunStore:
     folder : Path or None
         Made where it is not there; None for a temporary one.
     fresh : bool, optional
-        Whether what is there is removed.
+        True to remove the runs that are there.
     option : str, optional
-        What names the folder, for errors.
+        Option that names the folder, for errors.
 
     Raises
     ------

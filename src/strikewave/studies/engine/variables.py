@@ -44,7 +44,7 @@ class StudyVariable:
     words : tuple of str
         Empty for a quantity.
     is_range : bool
-        Whether all between its first and last value is meant.
+        True if all values between its first and last are meant.
     """
 
     axis: Axis

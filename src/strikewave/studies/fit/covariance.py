@@ -108,16 +108,16 @@ class ResidualBlock(NamedTuple):
     shot : int or None
         Number of the shot that they are of; None for what is known from elsewhere.
     left : ndarray or None
-        What is left of them with the values at their best for this block alone, where that is more than noise.
+        Residuals that remain with the values at their best for this block alone, where that is more than noise.
     shared : ndarray
-        What all of them may be off together by the noise that shows it, by one standard deviation: a column for the
-        baseline of a record.
+        Error that they may have in common by the noise that shows it, one standard deviation: a column for the baseline
+        of a record.
     stated : ndarray
         The same that is stated, and not read off the noise: a column for the scatter of the amplitude of a record.
     quiet : float
         Independent samples from which the noise is known.
     pooled : bool
-        Whether it is known together with that of the other blocks that are pooled, from ``quiet`` samples of each.
+        True if it is known together with that of the other blocks that are pooled, from ``quiet`` samples of each.
     """
 
     rows: slice
@@ -155,7 +155,7 @@ class Estimate:
     residuals, jacobian : ndarray
         There; the slopes have a column for each coordinate.
     covariance : ndarray
-        Of the place, in the directions that are determined.
+        Covariance of the place, in the directions that are determined.
     undetermined : ndarray
         Directions that are not, a column each; orthonormal.
     reach : ndarray
@@ -227,7 +227,7 @@ def estimate(
     jacobian : ndarray
         Slopes of the residuals, shape (m, n).
     blocks : sequence of ResidualBlock
-        Which residuals are of one record or number.
+        Blocks of residuals of one record or number.
     moved : ndarray, optional
         How far the best place moves with what is stated of the residuals together, in columns whose squares add up to
         its covariance; by the slopes where it is left out.
@@ -469,9 +469,9 @@ def excess_of(residuals: Array, groups: Sequence[int], values: int) -> Excess:
     Parameters
     ----------
     residuals : ndarray
-        Of the numbers, over their standard uncertainties.
+        Residuals of the numbers, over their standard uncertainties.
     groups : sequence of int
-        Which group each is of: repeats at one setting have one; `KNOWN_ELSEWHERE` for one that is known from elsewhere.
+        Group of each number: repeats at one setting have one; `KNOWN_ELSEWHERE` for one that is known from elsewhere.
     values : int
         How many values are fitted.
 

@@ -91,7 +91,7 @@ class KeptResults:
     Parameters
     ----------
     store : RunStore
-        What is known, and where the rest is kept.
+        Store that is read for known results and keeps the others.
     """
 
     def __init__(self, store: RunStore) -> None:
@@ -165,7 +165,7 @@ ROUGH = 1e-4
 MOST_STEPS = 40
 """Steps of a search: a smooth one takes five to fifteen."""
 FAILED_OVER = 10.0
-"""What a place that cannot be run has for residuals, over the largest at the start: worse than any that can be."""
+"""Residuals of a place that cannot be run, over the largest at the start: worse than any that can be."""
 QUADRATIC = 0.3
 """Share by which the misfit at two standard errors may differ from a parabola's: beyond, the profile is followed; a
 bound moves by half of it."""
@@ -181,7 +181,7 @@ class Search:
     residuals : callable
         See `Residuals`.
     size : int
-        Of the cube.
+        Number of dimensions of the cube.
     advance : callable, optional
         Called with the number of runs so far and the smallest misfit.
     stairs : ndarray, optional

@@ -33,7 +33,8 @@ WIDE = 5.0
 ASIDE = ("solver", "recorder", "tap", "mesh", "fem")
 """Tables that say how a case is solved and looked at, not what is tested."""
 OF_ELEMENTS = re.compile(r"mesh\.part\..+\.(?:solid|velocity)\..+|fem\.(?:contact|wall)\..+\.friction")
-"""What of elements is fitted: solids, speeds and friction. A size would change the mesh, and the result in steps."""
+"""Fields of elements that can be fitted: solids, speeds and friction. A size would change the mesh, and the result in
+steps."""
 MOST = 12
 """Most free fields: each start takes as many runs more, and data that fix a dozen values are rare."""
 
@@ -49,11 +50,11 @@ class FreeField:
     value : Value
         Where the search begins.
     allowed : Range
-        What it may be.
+        Range of allowed values.
     low, high : float
         Bounds, SI.
     log : bool
-        Whether it is searched on a logarithmic scale.
+        True if it is searched on a logarithmic scale.
     """
 
     path: str

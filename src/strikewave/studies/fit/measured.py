@@ -52,8 +52,8 @@ class MeasuredNumber:
     Attributes
     ----------
     name, sensor : str
-        Of a number of the run, and of its sensor where it is of one; or the path of a free field, of which it says what
-        is known from elsewhere.
+        Name of a number of the run, and of its sensor where it is of one; or the path of a free field that is known
+        from elsewhere.
     unit : str
         SI unit.
     value, uncertainty : float
@@ -63,9 +63,9 @@ class MeasuredNumber:
     setting : str
         Changes of the case at which it was measured, in words.
     of_field : bool
-        Whether it is of a free field.
+        True if it is of a free field.
     left : float
-        What its uncertainty is raised by: see `strikewave.studies.fit.covariance.Excess.weight`.
+        Factor by which its uncertainty is raised: see `strikewave.studies.fit.covariance.Excess.weight`.
     """
 
     name: str
@@ -124,11 +124,11 @@ class MeasuredPulse:
     record : ComparedCurve
         The record about it.
     part : str
-        Which history of the run it is held against.
+        History of the run that it is compared with.
     blow : int
-        Of which blow; 0 for the first that struck.
+        Number of the blow; 0 for the first that struck.
     time, values : ndarray
-        What is compared, on the common samples, SI.
+        Times and values that are compared, on the common samples, SI.
     deviation : float
         Standard deviation of its noise there, SI.
     quiet : int
@@ -136,13 +136,13 @@ class MeasuredPulse:
     correlation : ndarray
         Autocorrelation of the noise by lag.
     low_pass : Filter or None
-        What both go through.
+        Low-pass filter of both histories.
     shot : str
         File and blow that it is of: other channels of the same are no other shot.
     scatter : float
         Standard deviation of its amplitude from shot to shot, as a share; 0 where it is not stated.
     left : float
-        What residuals are weighted by: root mean square of what is left over the noise; 1 for the noise alone.
+        Weight of residuals: root mean square of the remainder over the noise; 1 for the noise alone.
     """
 
     record: ComparedCurve
@@ -333,7 +333,7 @@ def _laid(values: Array, spline: Any, last: float, per: float) -> tuple[float, A
     values : ndarray
         Samples of a record.
     spline : CubicSpline
-        Of the run, over its own samples, of which ``last`` is the last.
+        Spline of the run, over its own samples, of which ``last`` is the last.
     last : float
         It is held before and after.
     per : float

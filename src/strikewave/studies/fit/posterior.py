@@ -30,7 +30,7 @@ from strikewave.studies.fit.solving import Solved
 Array = NDArray[np.float64]
 
 SEED = 20
-"""Of the chains: equal seeds reproduce them bit for bit."""
+"""Random seed of the chains: equal seeds reproduce them bit for bit."""
 WALKERS = DRAWS
 """Chains that move together: more than twice the most free fields, as the ensemble needs it."""
 LONG, ENOUGH = 50.0, 2000.0
@@ -64,7 +64,7 @@ class Posterior:
     runs : int
         Runs of the model at each setting.
     stopped : bool
-        Whether it was interrupted.
+        True if it was interrupted.
     """
 
     draws: Array
@@ -161,11 +161,11 @@ def sample(
     residuals : callable
         Takes a place of the unit cube.
     found : Estimate
-        Of the fit.
+        Estimate of the fit.
     advance : callable, optional
         Called with the number of runs so far, and the misfit of the fit.
     seed : int, optional
-        Of the chains.
+        Random seed of the chains.
     """
     import emcee
 

@@ -67,10 +67,10 @@ def runs_fast(case: Case) -> bool:
 Array = NDArray[np.float64]
 
 AS_STATED = Excess()
-"""Of numbers that are off by no more than their uncertainties."""
+"""Excess of numbers that are off by no more than their uncertainties."""
 OVER_NOISE = Quantity.of_data("standard deviations of the noise", digits=3)
 NO_MORE_UNIT: GivenUnits = {OVER_NOISE.given_by: (NO_UNIT, NO_UNIT)}
-"""Of rows with a number over its noise, whose head says what it is over."""
+"""Units of rows with a number over its noise, whose head states what it is over."""
 FAINT_SLOPE = 1e-4
 """Slope of a record along a direction, over the largest, from which on its own best values follow the residual."""
 
@@ -86,7 +86,7 @@ class Experiment:
     changes : tuple of str
         In what it differs from the case that is fitted, ``path=value`` each.
     measured : tuple of (MeasuredNumber or MeasuredPulse)
-        What was measured.
+        Measured numbers and pulses.
     """
 
     case: Case
@@ -139,9 +139,9 @@ class Problem:
     Parameters
     ----------
     experiments : sequence of Experiment
-        What is fitted to.
+        Experiments that the case is fitted to.
     fields : sequence of FreeField
-        What is free.
+        Free fields.
     simulate : callable, optional
         Runs a case.
     excess : Excess, optional

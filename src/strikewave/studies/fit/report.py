@@ -198,4 +198,4 @@ def _files(study: FitStudy) -> Section:
 
 picture = fit_figure
 page = fit_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`; so does `picture`."""
+"""Page of a result in Python, found as `picture` is by `strikewave.reporting.shown_result`."""

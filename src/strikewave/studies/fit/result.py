@@ -47,7 +47,7 @@ class FittedParameter:
     Attributes
     ----------
     field : FreeField
-        What it is.
+        Fitted field.
     standard_error : float
         SI; infinite where the data do not determine it.
     profile : ProfileEnds or None
@@ -193,7 +193,7 @@ class FitStudy(AskedResult):
     Attributes
     ----------
     base : Case
-        What was fitted.
+        Case that was fitted.
     case : Case
         With the fitted values.
     solved : Solved
@@ -201,7 +201,7 @@ class FitStudy(AskedResult):
     pulses : tuple of (MeasuredPulse, LaidPulse)
         The records, each with the fitted run laid on it.
     computed : tuple of float
-        What the fitted case gives of each stated number, SI.
+        Values of the stated numbers in the fitted case, SI.
     posterior : Posterior or None
         Draws of the values, where they were asked for.
     bands : tuple of (ndarray, ndarray)

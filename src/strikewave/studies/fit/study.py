@@ -71,8 +71,8 @@ def fit(
     Parameters
     ----------
     case : Case, str or Path
-        Of a machine, a layered bar, or elements; the search begins at its values. Or the path of a file of a whole fit,
-        which states all else.
+        Case of a machine, a layered bar, or elements; the search begins at its values. Or the path of a file of a whole
+        fit, which states all else.
     to : sequence of str, optional
         Records and numbers, as ``--to`` takes them; the published numbers that the case was fitted to by default.
     free : sequence of str, optional
@@ -306,9 +306,9 @@ def speed_notices(problem: Problem, runs: Sequence[Simulation]) -> Iterator[Noti
     Parameters
     ----------
     problem : Problem
-        What is fitted to.
+        Problem of the fit.
     runs : sequence of Simulation
-        Of each experiment, at the fitted values.
+        Runs of each experiment, at the fitted values.
     """
     for experiment, run in zip(problem.experiments, runs, strict=True):
         least = _least_change(run) if run.case.command == "run" and run.case.launched() else None
@@ -360,13 +360,13 @@ def fitted_case(case: Case, fields: Sequence[FreeField], found: Estimate, to: Fi
     Parameters
     ----------
     case : Case
-        What was fitted.
+        Case that was fitted.
     fields : sequence of FreeField
         The free fields.
     found : Estimate
         Where they ended.
     to : FittedTo
-        What they were fitted to.
+        Data that they were fitted to.
     """
     values, errors = dict[str, Value](), dict[str, str | float]()
     determined = [k for k, error in enumerate(found.errors) if np.isfinite(error) and error > 0.0]

@@ -30,7 +30,7 @@ MOST_RECORDS = 200
 LARGEST_LIST = 1_000_000
 """Characters of a list of targets that are read: far more than the records of a fit need."""
 PLUS_MINUS = re.compile(r"\s*(?:±|\+-|\+/-)\s*")
-"""What stands between a value and how far it may be off."""
+"""Signs between a value and its uncertainty."""
 _BLOW = re.compile(r"(.*)@([1-9]\d{0,5})", re.DOTALL)
 _SETTING = re.compile(r"\s*([A-Za-z_][\w.+ -]*)=(.+)", re.DOTALL)
 
@@ -48,7 +48,7 @@ class Target:
     changes : tuple of str
         Settings, ``path=value`` each.
     is_number : bool
-        Whether it is a number.
+        True if it is a number.
     scatter : float
         Standard deviation of the amplitude of records from shot to shot, as a share; 0 where it is not stated.
     stated : str
@@ -305,7 +305,7 @@ class FitRequest:
     reading : SourceOptions
         How records are read.
     bayes : bool
-        Whether the posterior is sampled.
+        True if the posterior is sampled.
     file : str
         The file that states all this; empty where it was typed.
     """
