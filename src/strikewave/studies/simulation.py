@@ -43,7 +43,7 @@ class Simulation:
     Parameters
     ----------
     case : Case
-        Of a machine, a layered bar, or elements.
+        Case of a machine, a layered bar, or elements.
     device : str, optional
         Where the steps of elements are taken: see `strikewave.run_fem`.
     """

@@ -33,7 +33,7 @@ class Study(ResultOfCase):
     """
 
     indent: ClassVar[int | None] = None
-    """Of the JSON document; None where it holds long lists."""
+    """Indent of the JSON document; None where it holds long lists."""
 
     asked: str = dataclasses.field(default="", kw_only=True)
 
@@ -70,15 +70,15 @@ def study_page(
     Parameters
     ----------
     study : Study
-        What it is of.
+        Study that the page reports.
     words : str
-        What came out.
+        Summary of the outcome.
     outcome : sequence of Section
         Picture and results; the warnings follow.
     plan : Section
-        What was run; the inputs of the case follow.
+        Section on the runs; the inputs of the case follow.
     kind : str
-        What kind of study it is, with its article.
+        Kind of study, with its article.
     status : Tag, optional
         How it went, where that is more than its checks say.
     """

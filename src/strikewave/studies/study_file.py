@@ -32,9 +32,9 @@ def read_study(path: Path, form: Form[Stated], allowed: str) -> Stated:
     path : Path
         The file.
     form : Form
-        What it is to hold.
+        Form of the file.
     allowed : str
-        What the file is to be.
+        Kind of file that is allowed.
 
     Raises
     ------

@@ -45,11 +45,11 @@ class CaseState:
     Attributes
     ----------
     name : str
-        Of a built-in case, or of a file that was dropped.
+        Name of a built-in case, or of a file that was dropped.
     text : str
-        Of the dropped file; empty for a built-in case.
+        Text of the dropped file; empty for a built-in case.
     changes : mapping of str to str
-        What is set, by path.
+        Changed values, by path.
     """
 
     name: str
@@ -210,7 +210,7 @@ class EditedField(NamedTuple):
     path : str
         In the case.
     what, how : str
-        What it is, and how one gets it on a real machine.
+        Meaning of the quantity, and how to obtain it on a real machine.
     typed : str
         As the case has it, with its unit.
     unit : str
@@ -218,7 +218,7 @@ class EditedField(NamedTuple):
     value : float
         In that unit.
     low, high, step : float
-        Of the slider, in that unit.
+        Ends and step of the slider, in that unit.
     provenance : str
         Where the value of the case comes from.
     scale : float
@@ -316,7 +316,7 @@ class BarSections(NamedTuple):
         Compression above zero.
     velocity : array (times, places)
     labels : tuple of str
-        Of time, stress and velocity, with their units.
+        Labels of time, stress and velocity, with their units.
     """
 
     time: Any

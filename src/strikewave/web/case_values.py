@@ -237,7 +237,7 @@ def rearranged(source: CaseSource, layers: Sequence[str], joints: Sequence[str])
     layers : sequence of str
         Names of all layers, from the loaded face on.
     joints : sequence of str
-        Of each place behind a layer, the layer that its joint stood behind before; empty where none is.
+        Layer that the joint of each place behind a layer stood behind before; empty where none is.
 
     Raises
     ------
@@ -267,7 +267,7 @@ def with_layer(source: CaseSource, behind: str, fields: Mapping[str, str]) -> st
     behind : str
         The layer before it; empty for the loaded face.
     fields : mapping of str to str
-        Of its table, its name among them; what is empty is left out.
+        Fields of its table, its name among them; empty ones are left out.
 
     Raises
     ------

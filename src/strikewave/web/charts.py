@@ -228,11 +228,11 @@ def heat_chart(
     ----------
     title, x, y, unit : str
     columns, rows : sequence of str
-        What stands at the axes.
+        Labels along the axes.
     cells : sequence
         Column, row, value, and what else is to be known where a cell is picked.
     signed : bool, optional
-        Whether both signs matter, and zero is white in the middle.
+        True if both signs matter, and zero is white in the middle.
     ends : sequence of float, optional
         First and last x, and first and last y, of cells that are equally wide and high: round numbers then stand at the
         axes, wherever the cells are; ``columns`` and ``rows`` otherwise.

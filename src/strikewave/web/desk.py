@@ -35,9 +35,9 @@ class Desk:
     sessions : Sessions
         Who uses the app.
     lookers : Lookers
-        What answers at once.
+        Processes that answer at once.
     word : str
-        What all should know: that kernels are being compiled, and how many are.
+        Message to all sessions: that kernels are being compiled, and how many are.
     """
 
     sessions: Sessions

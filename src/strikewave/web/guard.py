@@ -128,7 +128,7 @@ class Guard:
     Parameters
     ----------
     app : ASGI application
-        What is guarded.
+        App that is guarded.
     token : str
         Who comes must know it; empty where only this machine can come.
     host : str

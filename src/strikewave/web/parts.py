@@ -159,11 +159,11 @@ class LiveBody(ui.element, component="live_body.js"):
     url : str
         Where its bytes are (`strikewave.web.pages.case.elements_view`).
     label : str
-        What it shows, for who cannot see it.
+        Text for those who cannot see it.
     """
 
     library = ui.scene
-    """What brings three.js: the page knows where to find it once this was named."""
+    """Library that brings three.js: the page knows where to find it once this was named."""
 
     def __init__(self, url: str, label: str) -> None:
         super().__init__()
@@ -180,7 +180,7 @@ class LiveChart(ui.element, component="live_chart.js"):
     """
 
     library = ui.echart
-    """What brings ECharts: the page knows where to find it once this was named."""
+    """Library that brings ECharts: the page knows where to find it once this was named."""
 
     def __init__(self, options: dict[str, Any]) -> None:
         super().__init__()
@@ -207,12 +207,12 @@ class LiveField(ui.element, component="live_field.js"):
     ----------
     field : EditedField
     typed : str
-        What stands in it.
+        Text in it.
     value : float
         Where its slider stands, in its unit.
     has_slider : bool
     label : str, optional
-        What stands beside it; the words of its path where none is given.
+        Label beside it; the words of its path where none is given.
     """
 
     def __init__(self, field: EditedField, typed: str, value: float, has_slider: bool, label: str = "") -> None:
@@ -241,7 +241,7 @@ class LiveHtml(ui.element, component="live_html.js"):
     Parameters
     ----------
     content : str, optional
-        What is shown at first.
+        HTML that is shown at first.
     """
 
     def __init__(self, content: str = "") -> None:
@@ -262,7 +262,7 @@ class MarkedResult(ui.element):
     Attributes
     ----------
     is_stale : bool
-        Whether what is shown is of other settings.
+        True if the result shown is of other settings.
     """
 
     def __init__(self) -> None:
@@ -341,9 +341,9 @@ class DroppedFiles:
     ----------
     session : Session
     folder : str
-        Of the session, for these files alone.
+        Folder of the session for these files alone.
     label : str
-        What may be dropped.
+        Label of the field: the files that may be dropped.
     dropped : callable
         Called with the files that were dropped now, once they are kept.
     removed : callable, optional

@@ -24,7 +24,7 @@ class Workbench:
     session : Session
         Whose work it is.
     empty : str
-        What the page says as long as nothing was done.
+        Text of the page as long as nothing was done.
     """
 
     def __init__(self, session: Session, empty: str) -> None:

@@ -1,7 +1,7 @@
 """A map of blows over two settings of a machine, and what it is of unless said otherwise."""
 
 X, Y = "machine.speed", "object.spring"
-"""What stands along the axes."""
+"""Settings along the axes."""
 POINTS = (60, 60)
 """Points along the axes."""
 TRAIN = 60

@@ -153,7 +153,7 @@ class NearestSetting:
 PLACE = {name: k for k, name in enumerate(FIELDS)}
 """Place of each field in a cell."""
 NOTE = "chosen by strikewave map"
-"""What a case says of a value that a map has changed."""
+"""Note in a case of a value that a map has changed."""
 
 REASONS = (
     "",

@@ -32,7 +32,7 @@ CONTRAST = (2, 98)
 """Percentiles of the values between which a logarithmic scale of colours goes: a few cells that barely scatter, or
 wildly, would take the contrast from all others."""
 HATCHES = ("", "//", "\\\\", "xx", "..", "oo", "", "")
-"""Of each regime, by code; what failed is grey."""
+"""Hatching of each regime, by code; failed cells are grey."""
 DARK = "#222222"
 LEVELS = (1.0, 2.0, 3.0)
 """Striking periods T after which the object is back on its stop, as lines: what comes later is no regular train."""
@@ -48,7 +48,7 @@ LOGARITHMIC = ("cv", "cv_later")
 
 
 CELL = "cell"
-"""What a run is called in the legend."""
+"""Name of a run in the legend."""
 ACROSS, SMALLEST_MARK, LARGEST_MARK = 130.0, 1.5, 6.0
 """Points of a panel over the cells along it, a mark: half a cell of the panel's 260; and the ends between which marks
 are seen and cover no neighbour."""

@@ -50,7 +50,7 @@ def period_of(states: Array, scales: Array, turn: int = 1, tolerance: float = TO
     states : ndarray
         Sections of the motion, shape (N, quantities).
     scales : ndarray
-        Of each quantity: what ``tolerance`` is a share of.
+        Scale of each quantity, of which ``tolerance`` is a share.
     turn : int, optional
         Blows of a turn.
     tolerance : float, optional
@@ -81,9 +81,9 @@ def regime_of(
     states : ndarray
         Approach speed and angle of each pass, shape (N, quantities); not looked at where missed.
     missed : ndarray
-        Whether the pass touched nothing.
+        True if the pass touched nothing.
     scales : ndarray
-        Of each quantity.
+        Scale of each quantity.
     turn : int, optional
         Strikers of a turn where they differ from one another: the blows can repeat after a whole turn at best.
     tolerance : float, optional

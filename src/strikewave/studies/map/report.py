@@ -116,7 +116,7 @@ def _axis_section(study: MapStudy) -> Section:
 
 
 picture, page = map_figure, map_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
 
 
 @dataclass
@@ -130,7 +130,7 @@ class MapCommand(StudyCommand[MapStudy]):
     seconds : float
         About how long it takes.
     colour : str
-        What the picture shows.
+        Quantity that the colours of the picture show.
     """
 
     name: ClassVar[str] = "map"

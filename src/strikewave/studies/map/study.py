@@ -93,7 +93,7 @@ class MapStudy(Study):
     refusals : tuple of Refusal
         Nearer ones whose full runs disagree.
     colour : str
-        What the picture shows: one of `strikewave.studies.map.figures.COLOURS`.
+        Quantity that the colours of the picture show: one of `strikewave.studies.map.figures.COLOURS`.
     """
 
     command: ClassVar[str] = "map"
@@ -357,7 +357,7 @@ def make_map(
     Parameters
     ----------
     plan : MapPlan
-        What it is of.
+        Plan of the map.
     wanted : float
         Coefficient of variation below which blows count as even.
     workers : int, optional
@@ -472,7 +472,7 @@ def map(
     Parameters
     ----------
     case : Case
-        Of a rotary machine.
+        Case of a rotary machine.
     x, y : str, optional
         Setting along each axis, with a range or without: ``machine.speed=400..1000 rpm``. Without one it goes from
         half to twice the value of the case.

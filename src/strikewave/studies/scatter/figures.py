@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH, PEAKS_HEIGHT, HEAD, ROW = 9.0, 3.9, 1.1, 0.3
-"""Of the picture, of the peaks, of what stands about the bars of shares, and of each bar, inches."""
+"""Width of the picture, and heights of the peaks, of the space about the bars of shares, and of each bar, inches."""
 DARK = "#333333"
 MOST_BARS = 12
 """Largest shares that are drawn, as many as a page holds; the others stand in the table."""

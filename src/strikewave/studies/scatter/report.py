@@ -107,7 +107,7 @@ def _tolerance_section(study: ScatterStudy) -> Section:
 
 
 picture, page = scatter_picture, scatter_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
 
 
 @dataclass

@@ -163,9 +163,9 @@ class Runner:
     Attributes
     ----------
     case : Case
-        Of a machine.
+        Case of a machine.
     tolerances : tuple of UncertainInput
-        What is drawn.
+        Inputs whose values are drawn.
     store : RunStore
         Finished runs.
     pool : Pool

@@ -77,9 +77,9 @@ COLUMNS: dict[str, Callable[[RunResult, str], float]] = {
     "typical": RunResult.typical,
     "cv of": RunResult.variation,
 }
-"""What the table of runs holds of each figure: head of the column, and how it is read from a run."""
+"""Columns of the table of runs for each figure: head of the column, and how it is read from a run."""
 SHOWN = ("mean peak", "cv of peak", "mean width", "mean interval")
-"""Of these what screens and notebooks show."""
+"""Columns that screens and notebooks show."""
 STATEMENTS = {
     "mean": "mean of the runs' means with bounds at 95 % (Student's t); cv between runs with bounds at 95 % (Vangel), "
     "which hold for normal figures",
@@ -90,7 +90,7 @@ STATEMENTS = {
     "drawn": "a normal tolerance is two standard deviations, cut off at three; a uniform one is the whole band",
     "shares": "with bootstrap bounds at 95 %; a share whose bounds reach 0 is not significant",
 }
-"""What the numbers of the document are."""
+"""Definitions of the numbers of the document."""
 
 
 PEAK, WIDTH, OF_PATH = Quantity("m/s^2", "g"), Quantity("s", "us"), Quantity.of_data("SI of its path")
@@ -513,7 +513,7 @@ def scatter(
     Parameters
     ----------
     case : Case
-        Of a machine, with a tolerance at least.
+        Case of a machine, with a tolerance at least.
     plan : ScatterPlan, optional
         Runs, seed, shares, processes. With more than one process, call it below ``if __name__ == "__main__":``.
     progress : callable, optional

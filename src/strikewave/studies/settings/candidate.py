@@ -285,7 +285,7 @@ class SettingsCandidate(MachineCandidate):
     Attributes
     ----------
     verdicts : tuple of ShockVerdict
-        Of the specification on each blow that struck.
+        Verdicts of the specification on each blow that struck.
     """
 
     within: ClassVar[float] = WITHIN

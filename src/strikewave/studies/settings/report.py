@@ -60,7 +60,7 @@ class SearchCommand(StudyCommand[MachineSearch]):
     Attributes
     ----------
     usual : bool
-        Whether nothing but the goal was asked: only then the folder has its name alone.
+        True if nothing but the goal was asked: only then the folder has its name alone.
     """
 
     name: ClassVar[str] = "settings"
@@ -68,7 +68,7 @@ class SearchCommand(StudyCommand[MachineSearch]):
     clocks: ClassVar[tuple[str, ...]] = ("elapsed",)
     noun: ClassVar[str] = "searches"
     design: ClassVar[Callable[..., MachineSearch]] = staticmethod(design_settings)
-    """What searches: `design_settings` or `design_drop_table`."""
+    """Function that searches: `design_settings` or `design_drop_table`."""
 
     plan: tuple[Any, Any]
     usual: bool = True

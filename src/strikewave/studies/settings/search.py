@@ -197,7 +197,7 @@ class MachineCandidate(ABC):
     case : Case
         Its case.
     goal : MachineGoal
-        What it is held against.
+        Goal that it is compared with.
     chosen : tuple of str
         Paths of what was chosen.
     limits : tuple of Limit
@@ -207,7 +207,7 @@ class MachineCandidate(ABC):
     halt : str
         Why the search ended before the goal; empty where it came close.
     run_verdict : str
-        What the checks of its full run came to: the text of `strikewave.base.result.Verdict`.
+        Outcome of the checks of its full run: the text of `strikewave.base.result.Verdict`.
     """
 
     within: ClassVar[float]
@@ -287,7 +287,7 @@ class MachineCandidate(ABC):
 
 
 RUN_CHECKS = "what the checks of its full run came to: passed, or broken with the checks that failed"
-"""What `MachineCandidate.run_verdict` means."""
+"""Meaning of `MachineCandidate.run_verdict`."""
 
 
 class MachineGoal(Protocol):
@@ -448,11 +448,11 @@ class MachineSearch(Study):
     Attributes
     ----------
     case : Case
-        What was not chosen.
+        Case that gives all that was not chosen.
     goal : MachineGoal
-        What is asked.
+        Goal of the search.
     choice : MachineChoice
-        What could be chosen.
+        Settings that could be chosen.
     candidates : tuple of MachineCandidate
         The best first.
     failed : tuple of str
@@ -461,7 +461,7 @@ class MachineSearch(Study):
 
     main_rows: ClassVar[str] = "candidates"
     noun: ClassVar[str]
-    """What a candidate is called."""
+    """Name of a candidate."""
 
     case: Case
     goal: Any

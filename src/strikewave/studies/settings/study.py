@@ -102,7 +102,7 @@ VARIED = {
     "frame": ("object.frame_stiffness", "object.frame_damping"),
     "mount": ("striker.mount_stiffness", "striker.mount_damping"),
 }
-"""What gives the width: a stiffness, and the damper beside it, which keeps its damping ratio."""
+"""Settings that give the width: a stiffness, and the damper beside it, which keeps its damping ratio."""
 STRIKERS = (1, 2, 3, 4, 6, 8, 12)
 """Numbers of strikers that are tried by default, besides that of the case: each about a third to twice more than the
 one before, since the speed goes with its inverse."""
@@ -686,7 +686,7 @@ def design_settings(
     Parameters
     ----------
     case : Case
-        What is not chosen.
+        Case that gives all that is not chosen.
     goal, choice
         What the blows shall be, and what may be chosen.
     store, pool, advance
@@ -783,7 +783,7 @@ def settings(
     Parameters
     ----------
     interval, peak, width : str or float
-        Of the blows: with a unit, such as ``"20 ms"``, or in SI. The width is that at 10 % of the peak.
+        Goals of the blows: with a unit, such as ``"20 ms"``, or in SI. The width is that at 10 % of the peak.
         Peak and width are left out with ``spec``.
     case : Case, optional
         Gives what is not chosen: geometry, materials, stop; li-ma-2019 by default.

@@ -41,8 +41,8 @@ class MainEffect(NamedTuple):
     estimate : float
         The share before that: over many studies of settings that do nothing it is 0 on the mean.
     standard_error : float
-        Of the estimate, by the jackknife over the runs; 0 in a full grid, which leaves nothing to chance. NaN
-        of fewer than three runs.
+        Standard error of the estimate, by the jackknife over the runs; 0 in a full grid, which leaves nothing to
+        chance. NaN of fewer than three runs.
     """
 
     places: Array
@@ -65,7 +65,7 @@ def main_effect(setting: ArrayLike, number: ArrayLike, grid: bool) -> MainEffect
     setting, number : array_like
         One a run.
     grid : bool
-        Whether the runs are a full grid, in which nothing is left to chance.
+        True if the runs are a full grid, in which nothing is left to chance.
 
     Examples
     --------
@@ -113,7 +113,7 @@ def jackknife_error(y: Array, sizes: NDArray[np.int64]) -> float:
     y : ndarray
         Numbers of the runs, group after group.
     sizes : ndarray
-        Of the groups.
+        Sizes of the groups.
 
     Notes
     -----

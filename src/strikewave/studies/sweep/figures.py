@@ -31,7 +31,7 @@ MOST_SETTINGS = 6
 MOST_LINES = 2000
 """Lines of parallel coordinates, evenly spread over the runs: more are one area of one colour."""
 WIDTH, ROW, EFFECT_ROW = 9.0, 3.1, 2.5
-"""Of a picture, of a row of axes, and of one of main effects, inches."""
+"""Width of a picture, and heights of a row of axes and of one of main effects, inches."""
 MOST_TICKS = 8
 """Words of an axis that are written out."""
 FAILED_AT = 0.03

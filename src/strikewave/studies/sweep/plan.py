@@ -46,11 +46,11 @@ from strikewave.studies.study_file import Settings, case_place, states_a_study
 from strikewave.uncertainty.draws import UncertainInput, tolerances_of
 
 NOTE = "chosen by strikewave sweep"
-"""What a case says of a value that a sweep has changed."""
+"""Note in a case of a value that a sweep has changed."""
 RUNS = 128
 """Runs of a design that is no grid, where none are asked for: a power of two, as Sobol's sequence needs."""
 Vary = Mapping[str, Any] | Sequence[str]
-"""What is varied: texts ``setting=values``, or values by settings."""
+"""Varied settings: texts ``setting=values``, or values by settings."""
 
 
 @dataclass(frozen=True)
@@ -60,17 +60,17 @@ class SweepPlan:
     Attributes
     ----------
     case : Case
-        What is varied.
+        Case that is varied.
     variables : tuple of StudyVariable
         In the order of the rows; of a draw within tolerances, what was drawn.
     design : str
         One of `strikewave.studies.engine.plan.DESIGNS`.
     seed : int
-        Of a design that is random.
+        Random seed of a design that is random.
     variation : Variation
-        What makes a case of a row.
+        Variation that makes a case of a row.
     evaluation : CaseEvaluation
-        What is kept of each run.
+        Numbers and histories that are kept of each run.
     rows : tuple of tuple
         The runs.
     """
@@ -233,9 +233,9 @@ class SweepRequest:
     vary, keep, analysis, design, runs, seed
         As of `strikewave.sweep`.
     changes : tuple of str
-        What is set in the case.
+        Changes of the case.
     case : Case or None
-        What is varied, once it is read.
+        Case that is varied, once it is read.
     """
 
     vary: tuple[str, ...] = ()
@@ -268,9 +268,9 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
     name : str
         Case file, built-in case, or study file.
     changes : sequence of str
-        What is set in the case, after what the file sets.
+        Changes of the case, after those of the file.
     typed : SweepRequest
-        What was typed.
+        Typed request.
 
     Raises
     ------

@@ -109,7 +109,7 @@ def _plan_section(study: SweepStudy) -> Section:
 
 
 picture, page = sweep_picture, sweep_report
-"""What a result draws of itself in Python, see `strikewave.reporting.shown_result`."""
+"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
 
 
 @dataclass

@@ -101,13 +101,13 @@ class SweepStudy(Study):
     Attributes
     ----------
     plan : SweepPlan
-        What it is of.
+        Plan of the sweep.
     numbers : ndarray
         SI, shape (runs, numbers); NaN where a run has none.
     failures : tuple of str
         Why each run failed; empty where it did not.
     keys : tuple of str
-        Of each run, by which its histories are found.
+        Key of each run, by which its histories are found.
     """
 
     command: ClassVar[str] = "sweep"
@@ -301,7 +301,7 @@ def make_sweep(
     Parameters
     ----------
     plan : SweepPlan
-        What is run.
+        Plan of the sweep.
     store : RunStore
         Finished runs.
     pool : Pool, optional
@@ -348,7 +348,7 @@ def sweep(
     Parameters
     ----------
     case : Case
-        What is varied.
+        Case that is varied.
     vary : sequence of str, or mapping
         ``machine.speed=400..900 rpm:11``, ``object.damper=10, 20 N s/m``, ``contact.damping=LAW, LAW``; or the values
         by the settings. None for the design "tolerances".
@@ -360,7 +360,7 @@ def sweep(
     design : str, optional
         ``grid``, ``latin-hypercube``, ``sobol`` or ``tolerances``.
     runs, seed : int, optional
-        Of a design that is no grid.
+        Number of runs and random seed of a design that is no grid.
     workers : int, optional
         Processes. With more than one, call it below ``if __name__ == "__main__":``.
     executor : Executor, optional

@@ -84,9 +84,9 @@ class DropReading:
     shock : Shock
         Its history.
     blow : Blow
-        What the run says of the first blow.
+        First blow of the run.
     energy_error : float
-        Of the balance of the run.
+        Energy balance error of the run.
     """
 
     shock: Shock
@@ -142,7 +142,7 @@ class DropCandidate(MachineCandidate):
     Attributes
     ----------
     verdict : ShockVerdict
-        Of the specification.
+        Verdict of the specification.
     """
 
     within: ClassVar[float] = WITHIN

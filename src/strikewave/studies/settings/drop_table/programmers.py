@@ -36,7 +36,7 @@ DEFAULTS = (
 spring without loss, as gas springs and elastic strike surfaces nearly are; the coefficient of restitution of
 iec-60068-2-27-rubber; a felt with the exponent of hammer felts, since no source has one of an industrial felt."""
 OF_A_PAD = (*PROPERTIES, "loss_factor", "loss_frequency")
-"""What may be given of a pad."""
+"""Properties that may be given of a pad."""
 LARGEST_STRAINS = {"elastomer": 0.3, "linear": 0.3}
 """Strain up to which a law holds, where the law has no end of its own; of others `FULL` of their end."""
 FULL = 0.9
@@ -57,7 +57,7 @@ class Programmer:
     given : mapping of str to str
         Restitution and properties as typed.
     own : bool
-        Whether it is one of `DEFAULTS`, all of which is assumed.
+        True if it is one of `DEFAULTS`, all of which is assumed.
     table : mapping or None
         The table [contact] of the case whose pad it is; None of others.
     """
@@ -100,7 +100,7 @@ class Programmer:
         Parameters
         ----------
         diameter : float or None
-            Of a pad, m.
+            Diameter of a pad, m.
         slowest : any
             ``slowest_approach`` of the case.
         """

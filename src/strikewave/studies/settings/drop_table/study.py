@@ -496,7 +496,7 @@ def design_drop_table(
     Parameters
     ----------
     case : Case
-        What is not chosen.
+        Case that gives all that is not chosen.
     goal, choice
         What the pulse shall be, and what may be chosen.
     store, pool, advance
@@ -598,7 +598,7 @@ def drop_table(
     programmers : sequence of str, optional
         To try, such as ``"felt, stress=20 MPa, exponent=2.5, retardation=20 us"``; several by default.
     diameters, masses : sequence of str or float, optional
-        Of pads, and of the table with its load.
+        Diameters of pads, and masses of the table with its load.
     stroke : str or float, optional
         Largest drop height.
     workers : int, optional

@@ -18,7 +18,7 @@ from strikewave.web.desk import Desk
 from strikewave.web.parts import LiveChart, LiveField, RestingHand
 
 KEY = "section"
-"""Of the address."""
+"""Key of the address."""
 STEPS = 500
 """Places of the slider: more than there are places of the field."""
 LONGEST_SHOWN = 40
@@ -129,7 +129,7 @@ def _millimetres(text: str) -> float | None:
 
 LAYERS = "strikewave.web.case_values"
 ENDING = "-layers"
-"""Of the name of a case whose layers were changed."""
+"""Ending of the name of a case whose layers were changed."""
 LOADED_FACE = "the loaded face"
 FIELDS = {
     "name": ("name of the layer", ""),
@@ -137,13 +137,13 @@ FIELDS = {
     "diameter": ("diameter of the layer", "20 mm"),
     "area": ("or its area, such as 300 mm^2", ""),
 }
-"""What is typed of a new layer: what it is called, and what stands there at first; its material is chosen."""
+"""Typed fields of a new layer: label, and text there at first; its material is chosen."""
 OWN = {
     "density": "density of its own, such as 1850 kg/m^3",
     "modulus": "modulus of its own, such as 24 GPa",
     "poissons_ratio": "Poisson's ratio, such as 0.3",
 }
-"""What stands for the numbers of the material where it is typed, and what it is called."""
+"""Fields for the numbers of the material, with their labels, where these are typed."""
 NO_MATERIAL = "none: numbers of its own"
 
 

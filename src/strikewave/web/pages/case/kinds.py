@@ -19,21 +19,21 @@ class CaseKind(NamedTuple):
     view : str
         Module of its `full`, and its `look`, which run in processes.
     charts : tuple of (str, bool)
-        What each diagram shows, and whether it is as wide as the page; the last ones are hidden where a view has fewer.
+        Content of each diagram, and True if it is as wide as the page; the last ones are hidden where a view has fewer.
     main : tuple of str
         Fields with sliders until it is known which matter most.
     files : tuple of (str, str, str)
-        What can be taken away beside the case: words, icon, name of the file.
+        Files to download beside the case: words, icon, name of the file.
     quick : bool
-        Whether there is a first look.
+        True if there is a first look.
     waits : bool
-        Whether a run takes so long that it begins by a button alone.
+        True if a run takes so long that only a button starts it.
     drawn : bool
-        Whether there are drawings.
+        True if there are drawings.
     has_wishes : bool
-        Whether settings are found for what is wanted of its blows.
+        True if settings are found for what is wanted of its blows.
     is_layered : bool
-        Whether it can be read at any section along its layers.
+        True if it can be read at any section along its layers.
     """
 
     place: str

@@ -203,9 +203,9 @@ NOW = (
     ("peak", "first.rigid_peak", RIGID_PEAK),
     ("width", "first.width", PULSE_WIDTH),
 )
-"""What can be asked of the blows: key of the form, name of the result, what it measures."""
+"""Results of the blows that can be asked for: key of the form, name of the result, quantity."""
 STUDY = Path(strikewave.__file__).parent / "examples" / "studies" / "equal-blows.toml"
-"""What equal blows are, and which support of the object is looked for, as shares of that of its case."""
+"""Study that defines equal blows and the supports of the object that are tried, as shares of that of its case."""
 ANY_MACHINE = re.compile(r"(%|= 0|smallest)$")
 """Ends of goals without a quantity: a force or a length is a limit of the machine of that study alone."""
 RUNS = 300

@@ -30,7 +30,7 @@ MOST_UNDONE = 100
 BESIDE = "beside"
 """Key of the address for the changes of the state that is kept beside."""
 ROTARY = "machine.strikers"
-"""What only rotary machines have: settings are found for these."""
+"""Path that only rotary machines have: settings are found for these."""
 _important: dict[str, list[str]] = {}
 """Fields that matter most by case, as its last full run found them."""
 MOST_REMEMBERED = 64
@@ -294,7 +294,7 @@ class CaseSide:
         The built-in cases.
     fields : mapping of str to EditedField
     state : CaseState
-        What is shown at first.
+        State that is shown at first.
     values : mapping of str to float
         Its quantities, SI, by path.
     important : sequence of str

@@ -126,7 +126,7 @@ class CaseRuns:
     desk, session, kind
         Of the page.
     shown : CaseShown
-        What shows it.
+        Part of the page that shows the runs.
     source : CaseSource
         The state at first.
     rested : callable
@@ -137,7 +137,7 @@ class CaseRuns:
     Attributes
     ----------
     is_full : bool
-        Whether what is shown is the full run of the state, not a first look at it.
+        True if the full run of the state is shown, not a first look at it.
     """
 
     def __init__(

@@ -149,9 +149,9 @@ class CutoffField:
     key, label, what : str
         Its option, its name, and what it does.
     typed : str
-        What stands in it at first; empty for no filter.
+        Text in it at first; empty for no filter.
     none_at_top : bool
-        Whether no filter is at the upper end, as of a low-pass.
+        True if no filter is at the upper end, as of a low-pass.
     moved, changed : callable
         Called when it begins to move, and when it rests at another value.
     """

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 from strikewave.base.texts import command_line, file_word
 
 FILTERS = ("filter", "high_pass", "ac_coupling")
-"""What changes the record and its baseline before blows are measured."""
+"""Options that change the record and its baseline before blows are measured."""
 STATED = ("unit", "sensitivity", "polarity", "rate", "time", "time_unit")
-"""What is said of the files and their channels."""
+"""Options that state properties of the files and their channels."""
 COMPARED = ("unit", "sensitivity", "rate", "filter")
-"""What `strikewave compare` takes of it."""
+"""Options of these that `strikewave compare` takes."""
 
 
 def count_of_files(count: int) -> str:
@@ -41,7 +41,7 @@ class RecordRequest(NamedTuple):
     spec : str
         Name of a built-in specification; empty for none.
     spectrum : bool
-        Whether the shock response spectrum is drawn.
+        True if the shock response spectrum is drawn.
     q : str
         Its quality factor.
     beside : str

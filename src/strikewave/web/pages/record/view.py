@@ -51,7 +51,7 @@ MOST_MARKED = 40
 FIGURES = ("peak", "rise", "width", "velocity_change", "interval")
 """Figures of a campaign that are summed up."""
 COST = ("peak", "width", "velocity_change")
-"""What filters change of a pulse."""
+"""Figures of a pulse that filters change."""
 
 
 def measure(request: RecordRequest, say: Say) -> dict[str, Any]:

@@ -42,8 +42,8 @@ MAP_POINTS = "20x20"
 OTHER_FILE = re.compile(
     r"^@|(?:^|[\s:=@,;\"'])(?:[~/\\]|[A-Za-z]:[\\/])|(?:^|[:=@,;\"'])\s*\.\.|\.\.[\\/]|[\\/]\.\.|\.file\b"
 )
-"""What begins as the path of another folder does, leads upwards, or is read for more lines. The two dots of a range
-stand behind its first number."""
+"""Pattern of text that begins like the path of another folder, leads upwards, or is read for more lines. The two dots
+of a range stand behind its first number."""
 
 
 def study(request: StudyRequest, say: Say) -> dict[str, Any]:
@@ -174,13 +174,13 @@ def pictures(result: ShownResult, title: str) -> list[tuple[bytes, str]]:
 
 
 MOST_LISTED = 12
-"""Of what was found, how many are listed: the best, or the first; a diagram has all."""
+"""Results that are listed: the best, or the first; a diagram has all."""
 DIGITS = 4
 """Significant digits of a number in a diagram: more are no pixel."""
 
 
 MARKED = {RUN_BROKEN: "failed a check", RUN_FAILED: "could not be made"}
-"""What runs are called that are marked, by their status."""
+"""Names of marked runs, by their status."""
 
 
 class PickedChart(NamedTuple):
@@ -196,7 +196,7 @@ class Linker:
     Parameters
     ----------
     source : CaseSource
-        What was studied.
+        Case that was studied.
 
     Examples
     --------
