@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray
 
 SEAL, SUM = b"\nstrikewave sha256 ", 2 * hashlib.sha256().digest_size
-"""What stands behind the end of a file, before its check sum, and the digits of that."""
+"""Mark behind the end of a file, before its check sum, and the digits of that."""
 BLOCK = 1 << 20
 """Bytes that are read at once for a check sum."""
 
@@ -234,7 +234,7 @@ class LabelledArrays:
     coords : dict of str to Variable
         The places along a dimension, by its name.
     attrs : dict
-        What is said of all.
+        Attributes of the whole data set.
     """
 
     data_vars: dict[str, Variable]

@@ -21,10 +21,10 @@ NO_UNIT = "1"
 KEY, MAIN, MORE = 0, 1, 2
 """Priority of a column: it names the row, it matters, it is shown where there is room."""
 HEADLINES = ("first", "each", "count")
-"""Of which of several rows the key numbers are: see `Declaration`."""
+"""Choices of the rows that give key numbers: see `Declaration`."""
 _METADATA = "declaration"
 PLACES = {"rows": "[]", "named": ".*", "part": ""}
-"""What the path of a key ends with where those within follow: each row of a list, any name, a part."""
+"""End of the path of a key, before the keys within it: each row of a list, any name, a part."""
 
 
 class Quantity(NamedTuple):
@@ -82,7 +82,8 @@ class Quantity(NamedTuple):
 
 
 NOT_MEASURED = Quantity("", "")
-"""Of what is no number, and of a number whose unit is that of what it is of, such as a limit of a warning."""
+"""Quantity of what is no number, and of a number with the unit of the value it belongs to, such as a warning's
+limit."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,10 +96,10 @@ class Declaration:
         A number; a count; a word (a truth too); a history, an array of numbers; a part, rows, or parts by their
         names, all of a declared class; a table, columns that the data decide about.
     meaning : str
-        What it is, in a phrase: the documentation of the JSON documents and of the class has it.
+        Meaning in a phrase, which the documentation of the JSON documents and of the class shows.
     quantity : Quantity
-        Of a number or a history; of a part that of its numbers, where the document says it once for all of them; of a
-        word that it is written of numbers, such as bounds.
+        Quantity of a number or a history; of a part that of its numbers, where the document says it once for all of
+        them; of a word that of the numbers it is written of, such as bounds.
     key : str
         Key in the JSON document, and name of its column in files and Python; the name of the field if empty.
     column : int, optional
@@ -114,23 +115,23 @@ class Declaration:
         are taken of the "first", of "each", or of so many, such as "3"; "count" is how many there are. Empty where
         there are none.
     is_tag : bool
-        Whether a word stands in a coloured box, whose colour is its own; of a truth that is wanted, yes is good (of
+        True if a word stands in a coloured box, whose colour is its own; of a truth that is wanted, yes is good (of
         another, yes is bad).
     order : int
         Columns of a larger number stand further to the right than their fields do.
     in_document : bool
-        Whether the JSON document holds it; words of a column that it does not hold are in no file either.
+        True if the JSON document holds it; words of a column that it does not hold are in no file either.
     optional : bool
-        Whether the document leaves the key out where there is nothing (None), instead of saying null, and of a part
+        True if the document leaves the key out where there is nothing (None), instead of saying null, and of a part
         whose keys stand among those around it all of them; and a table for Python and files its column, where no row
         has anything.
     inline : bool
-        Whether the keys of a part, or of parts or numbers by their names, stand among those around it.
+        True if the keys of a part, or of parts or numbers by their names, stand among those around it.
     of : type, optional
         Declared class of a part, of rows, of named parts.
     label : str
-        What it is called on faces, where neither its quantity nor the name of the field says it; of a part what
-        follows the labels of its values, such as who gave them.
+        Label on faces, where neither its quantity nor the name of the field gives one; of a part the text behind the
+        labels of its values, such as who gave them.
     error : str
         Name of the field beside a share with its standard error: its cell then has both.
     bounds : str

@@ -19,8 +19,7 @@ class _Missing(enum.Enum):
 MISSING = _Missing.MISSING
 """Stands for what came where nothing came."""
 EXISTING_FILE = "an existing file"
-"""What is allowed where a path names no file: the message then reads "no such file: x", which is all there is to
-say."""
+"""Allowed value where a path names no file: the message then reads "no such file: x", which is all there is to say."""
 LONGEST_SHOWN = 60
 """Characters of a value in an error line: with field and hint it still is one line of a terminal."""
 LONGEST_WORD, ALIKE, MOST_CHOICES = 80, 0.6, 40
@@ -41,11 +40,11 @@ class InputError(StrikewaveError, ValueError):
     field : str
         Path of the field, such as ``machine.speed`` or ``--speed``.
     got : object
-        What came.
+        Value that was given.
     allowed : str
-        What would have been accepted.
+        Values that would have been accepted.
     hint : str, optional
-        What to do next, or the nearest match.
+        Next step, or the nearest match.
 
     Notes
     -----

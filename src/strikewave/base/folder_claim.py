@@ -23,7 +23,7 @@ LONGEST_NAME, DIGITS = 60, 12
 """Characters of a name that its hidden neighbours take over, well within the 255 bytes of file systems in any script;
 and hexadecimal digits behind them, of the whole name, that keep long names apart."""
 FULL = (errno.ENOSPC, errno.EDQUOT)
-"""What the system says of a disk, or of the share of it that a user has, without room."""
+"""System errors of a full disk, or of a full quota of the user on it."""
 AT_FDCWD, RENAME_EXCHANGE = -100, 2
 """Numbers of Linux: paths count from the working folder; two names change places."""
 

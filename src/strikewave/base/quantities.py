@@ -26,7 +26,7 @@ DEVIATIONS, TRUNCATION = 2.0, 3.0
 """Standard deviations that a normal tolerance stands for, so that 95 % lie within; and at which draws end: what lies
 beyond, three in a thousand, an inspection sorts out."""
 TABLE = ("value", "provenance", "note", "tolerance", "distribution")
-"""What the table of a quantity may hold."""
+"""Keys that the table of a quantity may hold."""
 
 
 class ToleranceBand(BaseModel):
@@ -37,9 +37,9 @@ class ToleranceBand(BaseModel):
     size : float
         Half width of the band in SI, or share of the value where it is relative.
     typed : str or float
-        What was typed, such as ``"2 %"`` or ``"20 um"``.
+        Value as typed, such as ``"2 %"`` or ``"20 um"``.
     relative : bool
-        Whether it is a share of the value.
+        True if it is a share of the value.
     distribution : str
         Within the band: uniform, or normal with a half width of two standard deviations, cut off at three.
     """
@@ -74,7 +74,7 @@ class Value(BaseModel):
     si : float
         The number in SI.
     typed : str or float
-        What was typed, written back unchanged so that a saved case gives the same numbers.
+        Value as typed, written back unchanged so that a saved case gives the same numbers.
     provenance : str
         published, measured, user (typed or set by the user), inferred, assumed or fitted.
     note : str

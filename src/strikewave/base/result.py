@@ -25,13 +25,13 @@ if TYPE_CHECKING:
     from strikewave.base.datasets import LabelledArrays
 
 SCHEMA = 9
-"""Of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance); 5 adds
-the side force of each blow and the answers of its contact; 6 adds the bands, 7 the contact time of each blow; 8 keeps
-blows and readings for as long as their pulses last; 9 takes velocity_change of the pulse, blow_velocity_change of the
-whole blow, and the zero of a sensor that falls in the fall."""
+"""Version of the files of a solution: 2 adds readings and waves, 3 the contact of each blow; 4 renames keys (balance);
+5 adds the side force of each blow and the answers of its contact; 6 adds the bands, 7 the contact time of each blow; 8
+keeps blows and readings for as long as their pulses last; 9 takes velocity_change of the pulse, blow_velocity_change of
+the whole blow, and the zero of a sensor that falls in the fall."""
 ELEMENTS_SCHEMA = 2
-"""Of the file of histories of elements: 2 has forces, impulses, energies and momentum of whole bodies where sectors
-are meshed. It stands here because the keys of runs hold it, and are made without importing elements."""
+"""Version of the file of histories of elements: 2 has forces, impulses, energies and momentum of whole bodies where
+sectors are meshed. It stands here because the keys of runs hold it, and are made without importing elements."""
 Severity = Literal["info", "warning", "failed"]
 INFO: Severity = "info"
 WARNING: Severity = "warning"
@@ -86,9 +86,9 @@ RUN_PASSED: Status = "passed"
 RUN_BROKEN: Status = "broken"
 RUN_FAILED: Status = "failed"
 RUN_STATUSES = (RUN_PASSED, RUN_BROKEN, RUN_FAILED)
-"""What the checks of a run came to: all hold; a check failed; the run could not be made."""
+"""Outcomes of the checks of a run: all passed; a check failed; the run could not be made."""
 FailOn = Literal["failed", "broken", "never"]
-"""What makes a command end with `EXIT_BROKEN`: a run that could not be made; a failed check too; nothing."""
+"""Outcomes that make a command end with `EXIT_BROKEN`: a run that could not be made; a failed check too; nothing."""
 EXIT_BROKEN = 3
 """Exit code of a command whose result, or one of whose runs, failed a check, or that missed its goal."""
 VERDICT = "verdict"
@@ -106,7 +106,7 @@ class Verdict:
     status : str
         "passed", "broken" (a check failed) or "failed" (the run could not be made).
     codes : tuple of str
-        Of the checks that failed, such as ``blow-count``.
+        Codes of the checks that failed, such as ``blow-count``.
     not_judged : tuple of str
         Checks that the engine cannot make, such as ``momentum-balance`` of a fast run.
     """
@@ -173,7 +173,7 @@ class Verdicts:
     texts : iterable of str
         `Verdict.text` of each run; empty where none is known, as of runs kept by an older version.
     noun : str, optional
-        What a run is called, in the plural.
+        Noun for the runs, in the plural.
     reason : str, optional
         Why one of the failed runs could not be made.
     not_judged : sequence of str, optional
@@ -330,13 +330,13 @@ class BalanceCheck(NamedTuple):
     Attributes
     ----------
     name : str
-        Of the balance, in words.
+        Name of the balance, in words.
     error : float
         With its sign where that tells something, as a share.
     limit : float
         Beyond which the check fails.
     share_of : str
-        What both are shares of, where that is stated.
+        Reference of both shares, where that is stated.
     """
 
     name: str
@@ -516,9 +516,9 @@ class Source:
     Attributes
     ----------
     kind : str
-        What they are: case, set-up, records, command, paper.
+        Kind of the inputs: case, set-up, records, command, paper.
     name : str
-        What they are called.
+        Name of the inputs.
     text : str
         TOML that gives the result again or, of measured files, names them by their SHA-256. It marks the folder of
         the result, and tells it from others.
@@ -529,7 +529,7 @@ class Source:
     asked : str
         Command line that gives the result again, as it is to be typed, where the text alone does not.
     test : mapping
-        What was stated of the test, where no case holds it: texts by the keys of [test], and tables of a test report.
+        Data stated of the test, where no case holds it: texts by the keys of [test], and tables of a test report.
     """
 
     kind: str
@@ -561,7 +561,7 @@ class Result(ABC):
     Attributes
     ----------
     notices : tuple of Notice
-        What the user should know.
+        Notices for the user.
     comparisons : tuple of Comparison
         Comparisons of computed numbers with published ones.
     citations : tuple of str
@@ -571,7 +571,7 @@ class Result(ABC):
     band_method : BandMethod or None
         How the bands were found.
     verdicts : Verdicts
-        Of the runs that it is made of; of none where it is one run itself, or made of none.
+        Verdicts of the runs that it is made of; of none where it is one run itself, or made of none.
     """
 
     command: ClassVar[str]
@@ -579,7 +579,7 @@ class Result(ABC):
     data_file: ClassVar[str] = ""
     """Name of the file that keeps its data."""
     may_have_bands: ClassVar[bool] = False
-    """Whether the JSON document says what bands it has."""
+    """True if the JSON document lists the bands of the result."""
 
     notices: tuple[Notice, ...] = ()
     comparisons: tuple[Comparison, ...] = ()

@@ -32,7 +32,7 @@ KILOHERTZ = Quantity("Hz", "kHz")
 BANDWIDTH = Quantity("Hz", "kHz", digits=3)
 RATIO = Quantity(NO_UNIT, NO_UNIT)
 VARIATION = Quantity(NO_UNIT, "%", digits=3)
-"""Of a coefficient of variation: its bounds are wider than three digits."""
+"""Quantity of a coefficient of variation: its bounds are wider than three digits."""
 SHARE = Quantity(NO_UNIT, "%", decimals=2, digits=0)
 MICROSTRAIN = Quantity(NO_UNIT, "ustrain", digits=3)
 DENSITY = Quantity("kg/m^3", "kg/m^3", digits=5)
@@ -68,7 +68,7 @@ PUBLISHED_QUANTITIES = {
     "count": RATIO._replace(label="blows that struck"),
     "window": MILLISECONDS._replace(label="from the first to the last blow"),
 }
-"""What a published number can be compared with: its name, and what it measures, as the field of the result does.
+"""Values that a published number can be compared with: name, and quantity as the field of the result has it.
 
 ``force_width`` and ``force_over_mass`` are those of explicit finite elements. There ``width`` of a part or group is
 that of the one pulse round its peak, where it first falls below a tenth of it on either side; ``force_width`` runs

@@ -587,7 +587,7 @@ def changed_since(
     values : mapping of str to Value
         Every quantity of the case now.
     form : Form
-        Of the case.
+        Form of the case.
     """
     for path, then in fit.under.items():
         now = entries.get(path)
@@ -654,7 +654,7 @@ def origin_notices(case: Case) -> Iterator[Notice]:
 
 
 Comments = Callable[[str, Any], Sequence[str]]
-"""What is said above a key of a file: its path and what stands there in, lines out."""
+"""Comment lines above a key of a file, from its path and its value."""
 
 VECTOR = frozenset("xyz")
 """The keys of a vector."""
@@ -713,7 +713,7 @@ def dump_case(case: Case, comments: Comments | None = None) -> str:
     Parameters
     ----------
     case : Case
-        What is written.
+        Case to be written.
     comments : callable, optional
         Returns the lines of comment above a key from its path, without names of rows, and from what stands there.
 

@@ -296,9 +296,9 @@ def speed_notices(bodies: Iterable[Material], speed: float, stated: str) -> Iter
     Parameters
     ----------
     bodies : iterable of Material
-        What meets.
+        Materials of the bodies that meet.
     speed : float
-        Of the approach, m/s.
+        Speed of the approach, m/s.
     stated : str
         Field and value that make it, such as ``load.speed = 6 km/s``.
     """
@@ -334,7 +334,7 @@ def duration_notices(bodies: Iterable[tuple[str, float]], duration: float) -> It
     bodies : iterable of (str, float)
         Material and mass, kg, of each; its size is taken as the edge of a cube.
     duration : float
-        Of the contact, s.
+        Duration of the contact, s.
     """
     returns = [
         (2.0 * (mass / row.density) ** (1.0 / 3.0) / row.bar_speed, mass, row.name)

@@ -31,7 +31,7 @@ PROPERTIES = (
 )
 """Fields of a cushion that are properties of some law."""
 _EXAMPLES = {"exponent": "2.5", "limit_strain": "0.8", "densification": "0.8", "retardation": '"20 us"'}
-"""What to add where a property is missing; of the others `_PRESSURE`."""
+"""Example values of properties that may be missing; of the others `_PRESSURE`."""
 _PRESSURE = '"2 MPa"'
 T = TypeVar("T")
 
@@ -194,11 +194,11 @@ def refuse_beyond_law(
     cap : PressureCap
         On the contact.
     stiffness : Stiffness or LogarithmicStiffness
-        Of the contact.
+        Stiffness of the contact.
     typed, field : str
-        What was typed, and its field.
+        Value as typed, and its field.
     pressure : float, optional
-        Of the cap, Pa; without it, the load at which it yields is what was typed.
+        Pressure of the cap, Pa; without it, the typed value is the load at which it yields.
 
     Raises
     ------

@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 OF_A_LAYER, OF_A_JOINT = ("density", "modulus"), ("modulus", "loss_factor")
 OF_A_GASKET = ("density", "modulus", "loss_factor")
-"""What a layer, a gasket between layers, and one under a sensor take from the table of materials."""
+"""Properties that a layer, a gasket between layers, and one under a sensor take from the table of materials."""
 _WITHOUT_UNIT = ("loss_factor", "compression_factor")
 _PRESSURES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
 _COLUMNS = {"modulus": "youngs_modulus"}

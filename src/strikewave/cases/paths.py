@@ -22,14 +22,14 @@ from strikewave.base.quantities import Range, Value
 from strikewave.base.units import DIMENSIONS, take_apart
 
 Held = TypeVar("Held", bound=BaseModel)
-"""What a file holds."""
+"""Type of the contents of a file."""
 
 NAMING = ("name", "after", "number")
 """Keys that name a row of an array of tables."""
 _OF_TOLERANCE = ("tolerance", "distribution")
 """Keys of a quantity that a change of its value keeps."""
 NOTHING = "none"
-"""What a change sets a quantity to that shall not be there."""
+"""Value by which a change removes a quantity."""
 
 
 def row_name(row: Any, place: int) -> str:
@@ -73,7 +73,7 @@ class Form(Generic[Held]):
     Attributes
     ----------
     model : type
-        Of the whole file.
+        Model of the whole file.
     name : str
         Such as ``case``.
     example : str
@@ -418,7 +418,7 @@ def with_provenance(part: T, raw: Any, origin: Any = None) -> T:
     part : model, tuple or value
         As validated.
     raw : mapping, list or scalar
-        What the file holds there.
+        Values that the file holds there.
     origin : model, tuple or value, optional
         The same part of the built-in case named as source; rows are found by name, else by place.
 

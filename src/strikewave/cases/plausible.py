@@ -31,7 +31,7 @@ class PlausibleRange:
     reason : str
         Why.
     each : bool
-        Whether strikers differ by it, so that it is drawn for each.
+        True if strikers differ by it, so that it is drawn for each.
     """
 
     form: Form

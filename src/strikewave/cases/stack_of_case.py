@@ -62,7 +62,7 @@ _EXAMPLES = {
     "modulus": 'modulus = "70 GPa"',
     "poissons_ratio": "poissons_ratio = 0.3",
 }
-"""What to add where a layer lacks a number."""
+"""Example to add where a layer lacks a number."""
 _JOINT_FIELDS = {
     "bonded": (),
     "compliant": ("stiffness", "damping"),
@@ -554,7 +554,7 @@ class StatedSensor(NamedTuple):
     Attributes
     ----------
     sensor, recorder : Sensor, Recorder
-        What reads, and what keeps it.
+        Sensor, and the recorder that keeps its signal.
     model : Accelerometer or None
         The row of the table that its numbers are from, as far as they are not its own.
     notices : tuple of Notice

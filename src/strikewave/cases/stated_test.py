@@ -201,7 +201,7 @@ class StatedTest:
 
 
 NO_TEST = StatedTest()
-"""What is stated of a test where nothing is."""
+"""Test of which nothing is stated."""
 
 
 def _given(table: CaseTable) -> dict[str, Any]:
@@ -316,7 +316,7 @@ MOST_PIXELS = 50_000_000
 LONGEST_SIDE = 1400
 """Pixels of a side in a page: 180 mm of paper at 200 dots an inch."""
 QUALITY = 85
-"""Of the JPEG in a page."""
+"""Quality of the JPEG in a page."""
 
 
 @dataclass(frozen=True)

@@ -377,7 +377,7 @@ class CushionMaterial:
     name, law : str
         Name in the table, and that of its law.
     properties : mapping
-        What is known of it by the names of the law's properties, SI; what is missing must be given.
+        Known properties of the material, SI, by the names that the law gives them; missing ones must be given.
     source, status, note : str
         Where the numbers come from; ``checked``, ``quoted`` or ``from memory``; what to know about them.
     """
@@ -465,7 +465,7 @@ class Cushion:
     pad : Pad
         As it was before any blow.
     properties : mapping
-        What the law needs, SI, by name.
+        Properties that the law needs, SI, by name.
     wear : Wear, optional
         How it changes with each blow.
     retardation : float, optional
@@ -518,9 +518,9 @@ class CushionBalance(NamedTuple):
     taken : ndarray
         Kinetic energy of the approach, J.
     stored : ndarray
-        What the cushion holds at its largest compression, J.
+        Energy that the cushion holds at its largest compression, J.
     lost : ndarray
-        What does not come back, J.
+        Energy that does not come back, J.
     returned : ndarray
         Kinetic energy of the rebound, J.
     set : ndarray

@@ -29,14 +29,14 @@ from strikewave.contact.force_pulse import ForcePulse, PulseRecord, cut_out, sha
 Array = NDArray[np.float64]
 
 VALUES = ("stiffness", "exponent", "restitution", "mass", "speed")
-"""What can be given or found: K (N/m^n), n, e, reduced mass m (kg), approach speed v (m/s)."""
+"""Values that can be given or found: K (N/m^n), n, e, reduced mass m (kg), approach speed v (m/s)."""
 SCALES = ("stiffness", "mass", "speed")
 """Those of which one must be given, so that the pulse determines the other two."""
 EXPONENTS, RESTITUTIONS = (0.2, 8.0), (0.001, 1.0)
 """Bounds of the search: exponents well beyond those of contacts, 1 to 3 or so, that a fit at a bound shows a pulse of
 another law."""
 FREE = ("begin", "peak", "width", "exponent", "restitution")
-"""What is fitted, where nothing is known."""
+"""Values that are fitted, where nothing is known."""
 LOW = np.array([-1.0, -100.0, -100.0, math.log(EXPONENTS[0]), RESTITUTIONS[0]])
 HIGH = np.array([1.0, 100.0, 100.0, math.log(EXPONENTS[1]), 1.0])
 """Bounds of the unknowns: the begin within a length of the record, sizes within exp(+-100), which is no bound."""
@@ -290,7 +290,7 @@ def near(problem: PulseFitProblem, alone: PulseFit) -> Array:
 
 
 COMBINATIONS = ("momentum", "impulse", "peak_force", "duration", "stiffness_speed")
-"""What a pulse determines, whatever is given."""
+"""Combinations that a pulse determines, whatever is given."""
 DESCRIBED = 0.01
 """Misfit that is no noise, as a share of the peak, beyond which the law does not describe a pulse. Chosen: above the
 error of a good measuring chain, below what a reader sees in the figure."""
@@ -339,12 +339,12 @@ class Identified:
     begin : IdentifiedValue
         First touch, s.
     combinations : dict of str to IdentifiedValue
-        What a pulse determines, whatever is given: ``momentum`` m v (N s), ``impulse`` m v (1 + e) (N s),
+        Combinations that a pulse determines, whatever is given: ``momentum`` m v (N s), ``impulse`` m v (1 + e) (N s),
         ``peak_force`` (N), ``duration`` (s), ``stiffness_speed`` K v^n (N/s^n).
     names : tuple of str
-        Of the rows and columns of the correlation: what was determined and not given.
+        Names of the rows and columns of the correlation: values that were determined and not given.
     correlation : ndarray
-        Of the errors of logarithms, ``begin`` as it is; shape (names, names).
+        Correlation of the errors of logarithms, ``begin`` as it is; shape (names, names).
     noise : float
         Standard deviation of a sample on which the standard errors rest, N.
     residual : float
@@ -356,9 +356,9 @@ class Identified:
     pulse : ForcePulse
         The fit.
     described : bool
-        Whether the law describes the pulse.
+        True if the law describes the pulse.
     words : tuple of str
-        What is not determined, or not well, in sentences; that of the misfit last.
+        Sentences on what is not determined, or not well; that on the misfit last.
     """
 
     values: dict[str, IdentifiedValue]
@@ -397,7 +397,7 @@ def identify(
     time, force : array_like
         Samples, s and N; shape (N,), times ascending. A push is positive.
     known : mapping, optional
-        What is known, by the names in `VALUES`. One of mass, speed and stiffness determines the other two.
+        Known values, by the names in `VALUES`. One of mass, speed and stiffness determines the other two.
     noise : float, optional
         Standard deviation of a sample, N; else from the samples before the pulse, and from the residual where that is
         larger or there are none.

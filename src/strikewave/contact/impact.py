@@ -221,7 +221,7 @@ def solve_impact(
     deepest : array_like, optional
         Depth to which the spot has yielded in earlier blows, m: the `Impact.deepest` of the one before.
     tolerance : float, optional
-        Of the integrator, per step.
+        Tolerance of the integrator, per step.
 
     Returns
     -------
@@ -327,7 +327,7 @@ def impact_history(
     times : array_like, optional
         Ascending times within the contact, s; 501 equal steps by default.
     tolerance : float, optional
-        Of the integrator, where the closed form does not serve.
+        Tolerance of the integrator, where the closed form does not serve.
 
     Returns
     -------

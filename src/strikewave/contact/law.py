@@ -48,7 +48,7 @@ slope of the elastic force, c F'(d) d', and ends where it would pull."""
 SHAPES = {"line": LINE, "point": POINT}
 """Shapes of a contact whose pressure is capped."""
 CAPS = {**SHAPES, "crush": CRUSH}
-"""What caps a force: the pressure of a contact of a shape, or the plateau of a cushion that crushes."""
+"""Caps of a force: the pressure of a contact of a shape, or the plateau of a cushion that crushes."""
 FORMS = {"tangent": TANGENT, "elastomer": ELASTOMER, "plateau": PLATEAU}
 """How a cushion hardens; see `strikewave.contact._law_kernels.hardening`."""
 EXPONENT_RANGE = 0.1, 10.0

@@ -106,7 +106,7 @@ class Motion:
     Attributes
     ----------
     system : NamedTuple
-        What moves; see `integrate`.
+        System that moves; see `integrate`.
     begin : float
         First time, s.
     end : MotionState

@@ -46,9 +46,9 @@ class Deck:
     files : mapping of str to iterator of str
         Text in pieces, to be written one after another, by the end of the file's name, such as ``.k``.
     left_out : tuple of str
-        What the model has and the deck has not, one line each.
+        Features of the model that the deck lacks, one line each.
     differs : tuple of str
-        What the other code does in its own way.
+        Features that the other code treats in its own way.
     """
 
     files: Mapping[str, Iterator[str]]
@@ -66,11 +66,11 @@ class Heading:
     case : str
         Name of the case.
     version : str
-        Of strikewave.
+        Version of strikewave.
     frames : int
         Whole fields that the other code should write.
     notes : tuple of str
-        What a reader of its results has to know, such as that a quarter is modelled.
+        Notes for a reader of its results, such as that a quarter is modelled.
     """
 
     title: str
@@ -101,9 +101,9 @@ class Restraint:
     axes : array (3, 3)
         A right-handed local system by its rows; the global one where that does.
     held : tuple of bool
-        Whether they are held along each of the axes.
+        True for each of the axes along which they are held.
     sides : tuple of str
-        What holds them.
+        Names of the sides on which they are held.
     """
 
     nodes: Index

@@ -149,7 +149,7 @@ HELD = 1e-12
 
 Eigenvalues are squares of directions that are known to 1e-16 times some hundred nodes; a real hold is far above."""
 ROUNDS, CLOSE = 20, 1e-13
-"""Of the fit of a rigid motion at most, and the share of a body's length below which a round is the last.
+"""Rounds of the fit of a rigid motion at most, and the share of a body's length below which a round is the last.
 
 Each round squares the angle that is left, so that three or four reach rounding."""
 
@@ -164,12 +164,12 @@ class Body:
         Also those of which it has only a piece.
     nodes : array (k,)
     weight : array (k,)
-        Of the nodes on the way back, kg: their mass; where the body has rigid parts, that of their nodes alone.
+        Weights of the nodes on the way back, kg: their mass; where the body has rigid parts, that of their nodes alone.
     motions : array (6, n)
         Columns span the rigid motions that boundaries and the freedoms of rigid parts leave: velocity of the centre
         and rotation times `length`.
     centre : array (3,)
-        Of mass, before the first blow, m.
+        Centre of mass, before the first blow, m.
     length : float
         Root of the mean square distance from it, m.
     """

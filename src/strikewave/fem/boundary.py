@@ -62,7 +62,7 @@ class Acting(abc.ABC):
     ----------
     nodes : array (k,)
     force, before : array (k, 3)
-        Of this step, N; velocity before it, m/s.
+        Force of this step, N; velocity before it, m/s.
     """
 
     def __init__(self, nodes: Index) -> None:

@@ -108,7 +108,7 @@ class Extents:
     size : array (faces,)
         Root of the area of each face, m.
     radius : array (faces,)
-        Of the sphere about the mean of a face's corners that holds the face, m.
+        Radius of the sphere about the mean of a face's corners that holds the face, m.
     """
 
     area: Array

@@ -61,7 +61,7 @@ COLLAPSED = 1e-3
 """Share of the first critical step below which a run stops: it would take a thousand times as long, and an element that
 is squeezed so far is about to turn inside out."""
 WORKS = ("contact", "external")
-"""What is summed over the steps here; the elements sum theirs."""
+"""Kinds of work summed over the steps here; the elements sum theirs."""
 
 
 class Engine:
@@ -82,7 +82,7 @@ class Engine:
     touching : dict of str to NodeTouch
         Nodes of contacts and walls, by name.
     blow : int
-        Which one of the bodies this is, from 1.
+        Number of this blow of the bodies, from 1.
     rest : Rest or None
         How they came to rest before it.
     """

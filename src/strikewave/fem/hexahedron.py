@@ -212,7 +212,7 @@ def build_blocks(
     mesh : Mesh
     solids : mapping of str to solid
     constants : mapping of str to array (elements of the part, rows)
-        What each element keeps, by part.
+        Constants that each element keeps, by part.
     points : int
         Integration points of an element.
     """

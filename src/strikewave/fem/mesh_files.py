@@ -44,7 +44,7 @@ LARGEST_COUNT = 2_000_000
 """Hexahedra of a mesh file: two thirds of what a model may have, and minutes to read."""
 
 SOLIDS_HINT = 'mesh it with hexahedra; in gmsh: transfinite volumes with "Recombine", or Mesh.SubdivisionAlgorithm = 2'
-"""What to do with a mesh of tetrahedra: gmsh makes those unless it is asked for hexahedra."""
+"""Hint for a mesh of tetrahedra: gmsh makes those unless it is asked for hexahedra."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,7 @@ SOLID = re.compile(r"C3D\d+[A-Z]*\Z")
 """Types of all solids: those that are not hexahedra of 8 nodes are refused."""
 
 FLAT_HINT = "write it flat: one part, one instance (in Abaqus/CAE: noPartsInputFile=ON)"
-"""What to do with numbers that mean nothing without their part."""
+"""Hint for numbers that mean nothing without their part."""
 
 LONGEST_LINE = 10_000
 """Characters of a keyword with its options; Abaqus takes 256 a line, and some tens of lines are the longest in use."""

@@ -33,7 +33,7 @@ class Noted(NamedTuple):
     Attributes
     ----------
     moved : array (shares, 6)
-        Of the nodes that are watched: weighted sums of displacement and velocity, m, m/s.
+        Weighted sums of displacement, m, and velocity, m/s, of the nodes that are watched.
     kinetic : float
         Twice the kinetic energy, J.
     peaks : sequence of array (chunks, 2)
@@ -43,7 +43,7 @@ class Noted(NamedTuple):
     acting : array (4,)
         Power of all forces but those of contact on the velocities before, W, and their sum, N.
     touching : mapping of str to array (shares, TOUCHED)
-        What each contact and wall feels.
+        Forces, powers and areas of each contact and wall; see `strikewave.fem._history_kernels.touch_share`.
     """
 
     moved: Array

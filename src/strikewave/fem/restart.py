@@ -23,7 +23,7 @@ from strikewave.fem.run import Rest
 LARGEST = 40_000_000_000
 """Bytes of a restart file at most: several times that of the largest mesh that is run; a larger one is none of ours."""
 ALLOWED = "a restart file of this model"
-"""What every refusal of a file asks for."""
+"""Allowed value in every refusal of a file."""
 NUMBERS = ("instant", "steps", "dt_previous", "critical", "smallest", "initial_energy", "blow")
 """Numbers of the engine that a step begins with."""
 ARRAYS = ("x", "v", "f", "impulse_given")

@@ -164,9 +164,9 @@ class FemRun:
     sections : mapping of str to SectionHistory
         Stress and motion of each section.
     momentum : array (instants, 3)
-        Of everything, kg m/s.
+        Momentum of the whole model, kg m/s.
     impulse_given : array (instants, 3)
-        What boundaries, walls and gravity gave, N s.
+        Impulse of boundaries, walls and gravity, N s.
     steps : int
         How many time steps.
     step : float
@@ -190,13 +190,13 @@ class FemRun:
     groups : mapping of str to PartHistory
         Motion of groups of parts, each as one body.
     pressed : mapping of str to array (instants, surfaces, 2)
-        Of both surfaces of a contact, of the one of a wall: the share that is pressed, and how many faces that is.
+        Share of each surface that is pressed, and how many faces that is: both surfaces of a contact, one of a wall.
     blow : int
-        Which blow of the bodies this is, from 1.
+        Number of this blow of the bodies, from 1.
     rest : Rest or None
         How they came to rest before it; None before the first.
     plastic_work : mapping of str to float
-        Of each part that deforms, in this run, J.
+        Plastic work of each part that deforms, in this run, J.
     bodies : tuple of tuple of str
         Parts that ties or common nodes join.
     """

@@ -31,7 +31,7 @@ GROWTH = 1.2
 LARGEST_GROWTH = 2.0
 """Ratio of neighbours at most. Chosen: the next octave of sizes, far beyond usual meshes."""
 ROUNDING = 1e-9
-"""What a count of elements may exceed a whole number by, and a slope below which sizes are the same: above rounding."""
+"""Tolerance of a count of elements above a whole number, and slope below which sizes are the same: above rounding."""
 
 
 @dataclass(frozen=True)

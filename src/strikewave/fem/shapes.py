@@ -60,7 +60,7 @@ def block(name: str, size: Vector, x: Sizes, y: Sizes, z: Sizes) -> Mesh:
     Parameters
     ----------
     name : str
-        Of the part.
+        Name of the part.
     size : tuple of float
         Width along x, depth along y, height along z, m.
     x, y, z : float or Grading
@@ -128,7 +128,7 @@ def frame(name: str, size: FrameSize, x: Sizes, y: Sizes, z: Sizes, sector: Sect
     Parameters
     ----------
     name : str
-        Of the part.
+        Name of the part.
     size : FrameSize
         m.
     x, y, z : float or Grading
@@ -254,7 +254,7 @@ def cylinder(name: str, diameter: float, length: float, across: Sizes, along: Si
     Parameters
     ----------
     name : str
-        Of the part.
+        Name of the part.
     diameter, length : float
         m.
     across : float or Grading
@@ -376,7 +376,7 @@ def half_cylinder(
     Parameters
     ----------
     name : str
-        Of the part.
+        Name of the part.
     radius, length : float
         m; y goes from minus to plus half the length.
     sizes : float or Grading
@@ -453,7 +453,7 @@ def ball(name: str, radius: float, sizes: Sizes, sector: Sector = "whole", lower
     Parameters
     ----------
     name : str
-        Of the part.
+        Name of the part.
     radius : float
         m.
     sizes : float or Grading

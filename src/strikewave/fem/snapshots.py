@@ -83,13 +83,13 @@ class Skin:
     points : array (points, 3)
         Before the blow, m; images behind the others.
     node : array (points,)
-        Of each point, its row in ``nodes``.
+        Row of each point in ``nodes``.
     image : array (points,) of bool
-        Which points are images.
+        True for points that are images.
     faces : array (faces, 4)
         Points of each face, normals outward.
     element : array (faces,)
-        Of each face, the row of its element in ``elements``.
+        Row of the element of each face in ``elements``.
     part : array (faces,)
         Index of its part.
     touching : array (faces,)
@@ -331,7 +331,7 @@ EARLY = 1e-6
 
 
 FIELDS = ("von_mises", "plastic_strain")
-"""What the largest value in any element is noted of."""
+"""Fields whose largest value in any element is noted."""
 
 
 class Snapshot(NamedTuple):
@@ -377,7 +377,7 @@ class SnapshotRecorder:
     Parameters
     ----------
     skin : Skin
-        What is seen.
+        Faces that are shown.
     transit : float
         How long the first wave takes through the bodies, s; see `transit_time`.
     contact_name : str
@@ -388,15 +388,15 @@ class SnapshotRecorder:
     Attributes
     ----------
     whole, contact : Thinned
-        What is kept over the run, and while the bodies touch.
+        Snapshots over the run, and while the bodies touch.
     wave : list of Snapshot
-        What follows the first wave.
+        Snapshots of the first wave.
     worst, last : Snapshot or None
         The instants of the largest stress and of the end.
     touched : float or None
         First touch, s.
     missed : bool
-        Whether first touch was before the first instant seen, as where an interrupted run goes on.
+        True if first touch was before the first instant seen, as where an interrupted run goes on.
     largest : dict of str to FieldPeak
         "von_mises", Pa, and "plastic_strain" of all elements, seen or not, at the instants that were kept.
     """

@@ -108,7 +108,7 @@ def settle(engine: Engine, bodies: Sequence[Body], wanted: float, most: int) -> 
     Parameters
     ----------
     engine : Engine
-        Of a model without velocities and loads; `Engine.initialize` has been called.
+        Engine of a model without velocities and loads; `Engine.initialize` has been called.
     bodies : sequence of Body
     wanted : float
         Kinetic energy to which they come to rest, J.
@@ -170,7 +170,7 @@ def next_blow(engine: Engine, energy: float, share: float = REST) -> Engine:
     energy : float
         In play in that run, J.
     share : float
-        Of it that may be left as kinetic energy.
+        Share of that energy that may be left as kinetic energy.
     """
     model, bodies = engine.model, bodies_of_engine(engine)
     quiet_model, wanted, ended = quiet(model), share * energy, state_of(engine)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from strikewave.fem.mesh import Mesh
 
 VERSION = (2, 0)
-"""Of the specification of VTKHDF: the first with steps in time, which ParaView reads from 5.12 on."""
+"""Version of the specification of VTKHDF: the first with steps in time, which ParaView reads from 5.12 on."""
 HEXAHEDRON = 12
 """VTK's number of an 8-node hexahedron, whose nodes stand in the order of `strikewave.fem.mesh`."""
 MOST_ROWS = 32768
@@ -67,7 +67,7 @@ FIELDS = (
     Field("CellData", "pressure", 1, "Pa", lambda frame: pressure(frame.stress)),
     Field("CellData", "equivalent_plastic_strain", 1, "1", lambda frame: frame.plastic_strain),
 )
-"""What is written of each frame."""
+"""Fields written of each frame."""
 
 
 class FieldWriter:
@@ -79,9 +79,9 @@ class FieldWriter:
     Parameters
     ----------
     path : Path
-        Of the file, with the ending ``.vtkhdf``.
+        Path of the file, with the ending ``.vtkhdf``.
     mesh : Mesh
-        What the frames belong to.
+        Mesh of the frames.
 
     Raises
     ------

@@ -235,7 +235,7 @@ def align(
     bars : (Bar, Bar)
         Incident and transmitted bar.
     theory : str, optional
-        Of dispersion.
+        Theory of dispersion.
     method : str, optional
         "geometric", "onset" or "balance".
     transit : float, optional

@@ -107,11 +107,11 @@ def elastic_disk(strain: ArrayLike, step: float, bar: Bar, disk: Layer, mass: fl
     step : float
         s.
     bar : Bar
-        What the wave comes in.
+        Bar in which the wave comes.
     disk : Layer
         The disk.
     mass : float, optional
-        Of the sensor, kg; 0 for none.
+        Mass of the sensor, kg; 0 for none.
     """
     e = _history(strain, step)
     transit = LONGER * step * e.size

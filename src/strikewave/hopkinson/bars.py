@@ -220,9 +220,9 @@ class Bridge:
     excitation : float
         Voltage of the bridge, V.
     gain : float, optional
-        Of the amplifier.
+        Gain of the amplifier.
     poissons_ratio : float, optional
-        Of the bar; only bridges with gauges around the bar use it.
+        Poisson's ratio of the bar; only bridges with gauges around the bar use it.
     """
 
     kind: BridgeKind

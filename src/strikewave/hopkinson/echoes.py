@@ -50,7 +50,7 @@ FLANK = 0.25
 FEWEST_PASSES = 3
 """Passes without which speed and length cannot be told apart: the turns at either end and a first time are sought."""
 ROUNDS, CONVERGED = 20, 1e-12
-"""Of the search for the bar speed whose dispersion gives the times, and the change below which one is the last.
+"""Rounds of the search for the bar speed whose dispersion gives the times, and the change below which one is the last.
 
 Dispersion is a small correction, so that each round gains two digits or more."""
 ONCE_IN = 1e-3
@@ -126,7 +126,7 @@ class Echoes:
     quiet : Quiet
         The trace.
     other_way : Ways
-        What the other way of the first pulse would give.
+        Results if the first pulse ran the other way.
     """
 
     quiet: Quiet = field(repr=False)
@@ -194,11 +194,11 @@ def calibrate_bar(
         Its gauge distance to one end is taken as known, its length where it is finite, density and modulus only
         as the begin of the search for the speed.
     way : str, optional
-        Whether the first pulse runs "towards" the end whose distance is known, or "away" from it.
+        Direction of the first pulse: "towards" the end whose distance is known, or "away" from it.
     skip : int, optional
         Passes left out at the begin, such as one that met a specimen.
     theory : str, optional
-        Of dispersion.
+        Theory of dispersion.
 
     Raises
     ------

@@ -210,7 +210,7 @@ class Quiet:
     baseline, noise : float
         Mean and standard deviation of the raw samples in the first three quarters of what lies before it.
     polarity : int
-        What the raw strain was multiplied with.
+        Sign with which the raw strain was multiplied.
     drift : Drift
         By how much means over parts of those samples differ.
     """

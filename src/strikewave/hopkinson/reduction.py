@@ -37,7 +37,7 @@ class Reduction:
     Attributes
     ----------
     waves : FaceWaves
-        What they follow from.
+        Waves from which they follow.
     bars, specimen : (Bar, Bar), Specimen
         The set-up.
     first_force, second_force : ndarray

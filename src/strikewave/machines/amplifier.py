@@ -43,7 +43,7 @@ class BodyLine:
     masses : tuple of float
         kg; the first and the last may be infinite.
     restitutions : tuple of float
-        Of each pair of neighbours, 0 to 1.
+        Coefficient of restitution of each pair of neighbours, 0 to 1.
     gaps : tuple of float
         Between neighbours at the start, m.
     speeds : tuple of float
@@ -219,7 +219,7 @@ class Collision(NamedTuple):
     energy_lost : float
         (1 - e^2) m w^2/2 with the reduced mass m and the approach speed w, J.
     at_once : bool
-        Whether a third body touched one of the two at that moment.
+        True if a third body touched one of the two at that moment.
     """
 
     time: float
@@ -238,11 +238,11 @@ class Collisions:
     Attributes
     ----------
     line : BodyLine
-        What was followed.
+        Line that was followed.
     collisions : tuple of Collision
         In their order.
     words : tuple of str
-        What the user should know.
+        Messages for the user.
     end : float
         Time after which nothing was followed, s; infinite where nothing collides any more.
     support : float
@@ -547,7 +547,7 @@ def collide_softly(
     duration : float
         How long, s.
     tolerance : float, optional
-        Of `strikewave.contact.chain.simulate`.
+        Tolerance of `strikewave.contact.chain.simulate`.
 
     Raises
     ------
@@ -597,7 +597,8 @@ class DualMass(NamedTuple):
     cushion_stiffness, cushion_damping : float
         All cushions together, N/m and N s/m.
     shaper_stiffness, shaper_restitution : float
-        Of the table on the anvil: a linear spring with a damper that never pulls, N/m.
+        Stiffness, N/m, and coefficient of restitution of the table on the anvil: a linear spring with a damper that
+        never pulls.
     pad : Contact
         Law of the contact between second mass and table.
     """

@@ -33,7 +33,7 @@ from strikewave.signal.pulse import foot_to_foot, measure_pulse
 Array = NDArray[np.float64]
 
 KINDS = ("full", "glancing", "double", "missed")
-"""What a blow can be; see `Blow`."""
+"""Kinds of blows; see `Blow`."""
 GLANCING_SHARE = 0.5
 """A blow whose approach speed is below this share of the nominal one is called glancing."""
 DOUBLE_SHARE = 0.1
@@ -248,7 +248,7 @@ def window_ends(run: MachineRun, found: Sequence[Blow], tail: float = WINDOW_AFT
     found : sequence of Blow
         All its blows, in order of time.
     tail : float, optional
-        What the window holds after the last release at least, s.
+        Shortest time that the window holds after the last release, s.
     """
     touches, swing = run.contacts(), 1.0 / run.machine.struck.frame_frequency
     edges = [*(blow.time for blow in found), run.end]

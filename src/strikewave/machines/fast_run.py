@@ -60,9 +60,9 @@ class TrainBlow:
     velocity_change, blow_velocity_change, impulse, contact_impulse
         As of a `Blow`.
     face_place, face_speed : float
-        Of the struck face at first touch; its place at the apex where missed.
+        Place and speed of the struck face at first touch; its place at the apex where missed.
     angle : float
-        Of the turntable at first touch, less that at which the striker stands in the strike position.
+        Angle of the turntable at first touch, less that at which the striker stands in the strike position.
     largest_displacement : float
         As of a `Blow`.
     stop_force : float
@@ -96,7 +96,7 @@ class FastTrain:
     Attributes
     ----------
     machine : Machine
-        What ran, with its own feed.
+        Machine that ran, with its own feed.
     table : ndarray
         One row a pass, columns as `_train_kernels` names them.
     end : float
@@ -213,7 +213,7 @@ def fast_train(
     Parameters
     ----------
     machine : Machine
-        What to run.
+        Machine to run.
     blows : int, optional
         Stop after so many passes, whatever the feed's own number and hold, without the retraction.
     tolerance : float, optional

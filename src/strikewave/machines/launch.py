@@ -108,11 +108,11 @@ def corded_fall(
     height : float
         h, m.
     mass : float
-        What falls, m, kg.
+        Falling mass, m, kg.
     force : float, optional
         Pull of all cords where the fall ends, F0, N.
     stiffness : float, optional
-        Of all cords, k, N/m.
+        Stiffness of all cords, k, N/m.
     friction : float, optional
         Friction of the guide as a share of the weight, 0 to 1.
 
@@ -204,7 +204,7 @@ def pendulum_energy(
     Parameters
     ----------
     pendulum : RigidPendulum
-        What swings.
+        Pendulum that swings.
     angle : array_like
         a, from hanging, rad; up to pi.
     strike_angle : float, optional
@@ -259,7 +259,7 @@ class MacheteHammer:
     teeth : int
         On the whole wheel.
     inertia : float
-        Of arm, head and counterweight about the shaft, kg m^2.
+        Moment of inertia of arm, head and counterweight about the shaft, kg m^2.
     radius : float
         Shaft to the point that strikes, m.
     unbalance : float, optional
@@ -391,15 +391,15 @@ class GunBarrel:
     Parameters
     ----------
     pressure : float
-        Of the reservoir before the shot, absolute, Pa.
+        Pressure of the reservoir before the shot, absolute, Pa.
     volume : float
-        Of the reservoir, m^3.
+        Volume of the reservoir, m^3.
     bore : float
         Area of the barrel, m^2.
     length : float
         Way of the projectile in the barrel, m.
     mass : float
-        Of the projectile, kg.
+        Mass of the projectile, kg.
     friction : float, optional
         In the barrel, N.
     ambient : float, optional

@@ -53,7 +53,8 @@ BEFORE_TOUCH = 10e-6
 """How long before first touch a launched machine begins, s: the first touch is a located switch like all others, and
 10 us at 100 m/s are 1 mm, far more than any contact is deep."""
 UNIT_RADIUS, UNIT_INERTIA = 1.0, 1.0
-"""Of the turntable of a launched machine without an arm, m and kg m^2: it stands still, so any positive ones do."""
+"""Radius and moment of inertia of the turntable of a launched machine without an arm, m and kg m^2: it stands still, so
+any positive ones do."""
 NO_LAST_PASS = 10**6
 """Passes after which the feed of a launched machine would retract: it has neither a next striker nor a feed."""
 
@@ -87,11 +88,11 @@ class Launch:
     Parameters
     ----------
     striker_speed : float, optional
-        Of a striker that flies, m/s.
+        Speed of a striker that flies, m/s.
     object_speed : float, optional
-        Of the object, m/s; below 0 where it comes to the striker.
+        Speed of the object, m/s; below 0 where it comes to the striker.
     arm : Arm, optional
-        What carries the striker, where an arm does.
+        Arm that carries the striker, if there is one.
     striker_gravity : float, optional
         Gravity along the blow that a flying striker feels, m/s^2.
     travel : float, optional
@@ -146,7 +147,7 @@ class Strikers:
     slowest_approach : float
         Lowest approach speed that the hysteresis factor uses, m/s.
     same_spot : bool
-        Whether the strikers share what yields: it is the face, which all hit on the same spot, not the noses.
+        True if the strikers share what yields: it is the face, which all hit on the same spot, not the noses.
     friction : float, optional
         Coefficient of Coulomb friction of a nose that slides across the face.
     sliding_damping : float, optional
@@ -184,14 +185,14 @@ class RotaryDrive:
     turntable : Turntable
         With motor, controller and brake.
     feed : Feed
-        Of the object.
+        Feed of the object.
     engagement : float
         How far before the place of a nose at the strike position the face rests, along the blow, m: the radial overlap
         of striker path and struck face.
     blow_angle : float, optional
-        Of the blow from the outward radius at the strike position, rad: 0 as a cam, pi/2 along the path.
+        Angle of the blow from the outward radius at the strike position, rad: 0 as a cam, pi/2 along the path.
     face_width : float, optional
-        Of the face across the blow, m, about the strike position.
+        Width of the face across the blow, m, about the strike position.
     """
 
     turntable: Turntable
@@ -240,7 +241,7 @@ class Machine:
     struck : StruckObject
         As bodies.
     start : RotaryDrive or Launch
-        What brings them together.
+        Drive or launch that brings them together.
     layered : LayeredObject, optional
         The object's layers, if it has any.
     """

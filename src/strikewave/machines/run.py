@@ -46,7 +46,7 @@ class MachineRun:
     Attributes
     ----------
     machine : Machine
-        What ran.
+        Machine that ran.
     spans : tuple of Span
         Everything between valve signal (or launch) and end, one span after the other.
     phases : tuple of (str, float)
@@ -140,7 +140,7 @@ def run_machine(
     Parameters
     ----------
     machine : Machine
-        What to run.
+        Machine to run.
     tolerance : float, optional
         Local error of a step over the scales of one contact.
     progress : callable, optional

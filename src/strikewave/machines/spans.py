@@ -182,9 +182,9 @@ class StackSpan:
     history : ndarray
         Columns as `_stack_kernels` names them.
     taps : TapHistories
-        What the taps did; velocities and accelerations in the frame below.
+        Histories of the taps; velocities and accelerations in the frame below.
     rigid_acceleration : ndarray
-        Of the assembly as in `Moments`, average about each sample, m/s^2.
+        Acceleration of the assembly as in `Moments`, average about each sample, m/s^2.
     field_position : ndarray
         Places of the x-t field from the first face, m; empty where none was kept.
     field_step, field_force : float and ndarray
@@ -347,7 +347,7 @@ def end_at_touch(rebounds: Rebounds, contacts: Array, time: float, approach: flo
     contacts : ndarray
         Begin, end (s) and approach speed (m/s) of the contacts before, in order of time.
     time, approach : float
-        Of the touch, s and m/s.
+        Time of the touch, s, and its approach speed, m/s.
     """
     if not len(contacts):
         return ""

@@ -80,7 +80,7 @@ def strike(
     Parameters
     ----------
     layered : LayeredObject
-        What is struck.
+        Layers of the struck object.
     struck : StruckObject
         The same as bodies, with what supports it.
     system : MachineSystem
@@ -88,7 +88,7 @@ def strike(
     start : MotionState
         Its state at first touch.
     field : bool, optional
-        Whether to keep the x-t field.
+        True to keep the x-t field.
 
     Raises
     ------

@@ -41,7 +41,7 @@ class StruckObject:
         Coulomb friction of the rail between assembly and carriage, N: while it slides, and the most while it sticks
         (as much where left out).
     falls : bool, optional
-        Whether it falls freely before the blow; its sensor then takes its zero in the fall.
+        True if it falls freely before the blow; its sensor then takes its zero in the fall.
     """
 
     nose_mass: float

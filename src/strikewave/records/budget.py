@@ -42,8 +42,8 @@ TRIALS = 10_000
 MOST_TRIALS = 1_000_000
 """Trials after which it ends in any case: as many as JCGM 101, 7.2.1, expects to do for an interval of 95 %."""
 TOLERANCE = 0.25
-"""Of the ends of a coverage interval by the law of propagation, in standard uncertainties: JCGM 101, 7.9.2, takes half
-a unit of the last digit of the standard uncertainty that counts; this is that of one digit, a 2."""
+"""Tolerance of the ends of a coverage interval by the law of propagation, in standard uncertainties: JCGM 101, 7.9.2,
+takes half a unit of the last digit of the standard uncertainty that counts; this is that of one digit, a 2."""
 FINER = 5.0
 """Times that Monte Carlo is better than that (JCGM 101, 8.2)."""
 
@@ -55,7 +55,7 @@ class InputQuantity:
     Attributes
     ----------
     name : str
-        What it is.
+        Name of the quantity.
     spread : float
         Half-width of its distribution; of a normal one, its standard uncertainty.
     distribution : str
@@ -125,7 +125,7 @@ class Simulated(NamedTuple):
     trials : int
         How many there were.
     stable : bool
-        Whether all four are known to the tolerance, where they are numbers.
+        True if all four are known to the tolerance, where they are numbers.
     """
 
     mean: Array
@@ -239,8 +239,8 @@ TOPICS = {
     "AC coupling": ("coupling",),
     "clock of the recorder": ("clock",),
 }
-"""What a budget of a shock measurement holds as a rule (after ISO 16063-1 and ISO 16063-21, from memory), and the kinds
-that state it: what none states is listed as not stated, never taken as nothing."""
+"""Topics that a budget of a shock measurement holds as a rule (after ISO 16063-1 and ISO 16063-21, from memory), and
+the kinds that state each: one that none states is listed as not stated, never taken as nothing."""
 RECORD, SAMPLING = "noise and baseline", "instants of sampling"
 """Names of what the record itself tells."""
 PADDED = 1.25
@@ -254,16 +254,16 @@ class Contribution:
     Attributes
     ----------
     kind : str
-        What it changes; one of `KINDS`.
+        Kind of contribution; one of `KINDS`.
     name : str
-        What it is called.
+        Name of the contribution.
     spread : float
         Half-width of its distribution, standard uncertainty of a normal one: a share; of offset, drift and noise the
         unit of the record unless ``relative``; of a whole effect that is not corrected (resonance, AC coupling) 1.
     distribution : str
         See `InputQuantity`.
     relative : bool
-        Whether an added amount is a share of the peak.
+        True if an added amount is a share of the peak.
     status, source : str
         How its number is known, and from whom.
     typed : str
@@ -275,7 +275,7 @@ class Contribution:
     tolerances : tuple of (float, float)
         Frequency, Hz, and share by which the response may be off there.
     time_constant : float
-        Of an AC coupling that is not taken off, s.
+        Time constant of an AC coupling that is not taken off, s.
     """
 
     kind: str
@@ -435,7 +435,7 @@ class BlowStretch(NamedTuple):
     step : float
         Time between them, s.
     peak : float
-        Of what added amounts are a share.
+        Peak of which added amounts are a share.
     begin, end : float
         Places of the feet of the blow, in samples.
     """
@@ -455,7 +455,7 @@ def changed(stretch: BlowStretch, contributions: Sequence[Contribution], drawn: 
     stretch : BlowStretch
         As it was measured.
     contributions : sequence of Contribution
-        What changes it.
+        Contributions that change it.
     drawn : ndarray
         A column a contribution.
     """

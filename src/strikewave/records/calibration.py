@@ -58,11 +58,11 @@ class Calibration:
     Attributes
     ----------
     unit : str
-        Of the file's values, such as ``g`` or ``mV``; overrules that of the file.
+        Unit of the file's values, such as ``g`` or ``mV``; overrules that of the file.
     sensitivity : str
         Output per quantity, such as ``1.2 mV/g``, ``-4 pC/N``, ``0.2 uV/V/g``.
     gain : str
-        Of the amplifier: a number, or ``10 mV/pC`` of a charge amplifier.
+        Gain of the amplifier: a number, or ``10 mV/pC`` of a charge amplifier.
     excitation, rated_excitation : str
         Voltage of the bridge in the test, and that at which the sensitivity holds.
     count : str

@@ -283,13 +283,13 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
 
 
 OF_SIZES = (_without_blow, _other_gain, _outlying)
-"""What compares peaks, which only those of one unit can be."""
+"""Checks that compare peaks, and so need files of one unit."""
 
 
 WITHOUT_RINGING = ("rigid_peak", "rigid_width")
 """Figures without ringing, which a campaign has where a blow has them and they differ by more than 5 %."""
 CONFIDENCE = 0.95
-"""Of all bounds; chosen: as is usual in test reports."""
+"""Confidence level of all bounds; chosen: as is usual in test reports."""
 
 
 @declare.dataclass
@@ -362,7 +362,7 @@ class Campaign:
     trends : dict
         A `Trend` over the files in the order given, for each figure with three files or more.
     left_out : tuple of (path, figures, reason)
-        What did not go in.
+        Files and figures left out, and why.
     points : dict
         For each figure, pairs of file number (from 0) and value.
     outliers : tuple of Outlier

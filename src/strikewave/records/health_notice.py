@@ -17,15 +17,15 @@ from strikewave.records.thresholds import HARMED, NO_EFFECT
 STATUSES = ("good", "suspect", "bad")
 """From best to worst."""
 FIGURES = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency", "spectrum")
-"""What a notice can harm."""
+"""Figures that a notice can harm."""
 RESPONSE_FIGURES = ("peak", "ratio", "delay", "duration", "rms", "frequency", "damping")
-"""What a notice on a response channel can harm."""
+"""Figures that a notice on a response channel can harm."""
 BLOW = ("peak", "rise", "width", "velocity_change")
 """Figures of a single blow."""
 EVERY = ("every",)
 """Harms of a check that takes all figures, of a blow or of a response."""
 OF_BLOWS, OF_RESPONSES, OF_BOTH = "blow", "response", "both"
-"""What a check looks at."""
+"""Objects of a check."""
 
 
 @declare.dataclass
@@ -125,7 +125,7 @@ class Fault(NamedTuple):
     value : float
         The number that raised it, SI.
     details : mapping
-        What the message takes besides.
+        Other values that the message takes.
     severity : str
         That of the row, or of the effects, where it is empty.
     harms : tuple of str
@@ -135,9 +135,9 @@ class Fault(NamedTuple):
     effects : mapping or None
         By how much of itself it may falsify each figure: then it is suspect where it harms one, and else good.
     signed : bool
-        Whether it is known which way.
+        True if the sign of the effects is known.
     doubt : mapping or None
-        What is not known of the effects.
+        Uncertainty of the effects, by figure.
     message : str
         In place of that of the row.
     """
@@ -164,16 +164,16 @@ class Check(NamedTuple):
     severity : str
         The worst that it finds; see `Fault`.
     of : str
-        What it looks at: the blows of a record, a response, or both.
+        Object that it looks at: the blows of a record, a response, or both.
     find : callable
         Finds the faults of a record.
     message : str
-        What is found, as `str.format` takes it. ``:unit`` writes a number with the unit of the record, ``:%1`` in
-        per cent with one decimal.
+        Message on what is found, as `str.format` takes it. ``:unit`` writes a number with the unit of the record,
+        ``:%1`` in per cent with one decimal.
     harms : tuple of str
         Figures that are not to be trusted, whatever is found.
     ends : bool
-        Whether nothing else is looked for where it finds something.
+        True if nothing else is looked for where it finds something.
     """
 
     name: str

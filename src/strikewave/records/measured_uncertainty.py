@@ -98,11 +98,11 @@ class BlowUncertainty:
     Attributes
     ----------
     figures : mapping of str to FigureUncertainty
-        Of peak, width and velocity change.
+        Uncertainties of peak, width and velocity change.
     trials : int
         Trials of Monte Carlo, where it was done for this blow; else 0.
     validated : mapping of str to bool
-        Whether Monte Carlo validates the law of propagation, by figure; empty where it was not done.
+        True if Monte Carlo validates the law of propagation, by figure; empty where it was not done.
     amount : float
         Standard uncertainty of any acceleration by amounts that are added to it, in the unit of the record.
     """
@@ -289,9 +289,9 @@ def blow_uncertainty(
         Contributions beyond those that the record itself tells, which are its noise and baseline and the instants of
         its samples.
     trials : bool, optional
-        Whether Monte Carlo validates the law of propagation; where it does not, its interval counts.
+        True to validate the law of propagation by Monte Carlo, whose interval counts where the law fails.
     seed : int, optional
-        Of the draws.
+        Seed of the draws.
 
     Examples
     --------
@@ -394,7 +394,7 @@ def spectrum_uncertainty(
     channel : Channel
         Its record.
     baseline : float
-        What is taken off it.
+        Baseline that is taken off it.
     pulses : sequence of RecordedPulse
         Its blows.
     budget : Budget

@@ -43,17 +43,17 @@ TOES = 5
 SMALLEST_REBOUND = 0.1
 """Share of the peak of its blow from which a rebound is reported."""
 STRAIGHT, TINY = 1e-6, 1e-100
-"""What is bent by less than this share of its largest value, or by so little, is a straight line: a count, a clock."""
+"""Bend below which a history is a straight line, as a share of its largest value and absolute: a count, a clock."""
 CLEAR = 3.0
 """Standard deviations of the smoothed record that a tenth of the peak must have to be read off it."""
 EARLIER, LENGTH = 0.15, 1.3
-"""Of the box, how much earlier a half-sine whose mean stands out most begins, and how long it lasts: a first guess."""
+"""Lead and duration of a half-sine whose mean stands out most, as shares of the box: a first guess."""
 RINGING_WIDTHS, FEWEST_OF_RINGING = 40, 32
 """Widths after a blow over which its ringing is looked at, and samples without which it is not: four swings of
 eight."""
 TAIL = 0.75
-"""Of the box, how long a blow may go on behind it: up to 0.3 of a half-sine, 0.54 of a haversine, 0.72 of a saw-tooth
-that falls. What is left of it there would be taken for ringing."""
+"""Share of the box for which a blow may last behind it: up to 0.3 of a half-sine, 0.54 of a haversine, 0.72 of a
+saw-tooth that falls. What is left of it there would be taken for ringing."""
 PERIODS_OF_RINGING = 8.0
 """Swings after a blow that are handed to the fit of its ringing."""
 LOBE = 0.5
@@ -66,7 +66,7 @@ STANDS_OUT = 30.0
 ROUNDING = 1e-24
 """Share of the largest power below which a peak is rounding: 1e-12 of the amplitude."""
 NO_BASELINE, NOT_KNOWN = LocalBaseline(math.nan), PulseUncertainty()
-"""Of a pulse that was not measured in a record."""
+"""Baseline and uncertainty of a pulse that was not measured in a record."""
 
 
 @declare.dataclass
@@ -91,7 +91,7 @@ class RecordedPulse:
     baseline : LocalBaseline
         The baseline before the pulse, its slope, and what noise does to it.
     uncertainty : PulseUncertainty
-        Of peak, width and velocity change, by what lies before the blow.
+        Uncertainty of peak, width and velocity change, by what lies before the blow.
     rigid : RigidPulse or None
         The pulse without its ringing, fitted together with it; None where nothing rings, or no model of it fits.
     split : BandSplit or None

@@ -38,7 +38,7 @@ from strikewave.signal.filters import Filter, HighPass
 RIGID = "rigid_"
 """With this, a figure is that of the pulse without ringing."""
 NOT_COUPLED = HealthNotice("ac-coupling", "no AC coupling is recognised: nothing was taken off", severity="good")
-"""What is found where AC coupling was to be taken off."""
+"""Finding where AC coupling was to be taken off and none is recognised."""
 MOST_NAMED = 4
 """Channels that a reason names; of more, the others are counted."""
 
@@ -52,7 +52,7 @@ class Request:
     channels : tuple of str
         Names, or numbers from 1; empty for all.
     calibrations : mapping
-        What is stated of the channels, over what the files beside the data state: a table a channel, or ``all``.
+        Calibration data of the channels, which overrule the files beside the data: a table a channel, or ``all``.
     drop_height : float
         Fall before the blow, m; NaN where none is stated.
     filter : Filter or None
@@ -90,13 +90,13 @@ class ChannelReading:
     findings : tuple of HealthNotice
         Its health.
     calibration : Calibration
-        What made SI of the file's numbers.
+        Calibration that made SI of the file's numbers.
     unfiltered : tuple of RecordedPulse
         The blows before the filter; empty where there is none.
     responses : tuple of MeasuredResponse
-        What the channel does after each blow of the base; none for a base, and where none was named.
+        Responses of the channel after each blow of the base; none for a base, and where none was named.
     uncertainties : tuple of BlowUncertainty
-        Of each blow, by a budget; none where none was stated.
+        Uncertainties of each blow, by a budget; none where none was stated.
     """
 
     channel: Channel
@@ -167,7 +167,7 @@ class FileReading:
     channels : tuple of ChannelReading
         Its channels.
     findings : tuple of HealthNotice
-        What was found on the file itself.
+        Findings on the file itself.
     """
 
     path: str
@@ -523,7 +523,7 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
     stated : mapping
         Calibrations found beside the file; those of the request go first.
     request : Request
-        What is wanted.
+        Evaluation that is wanted.
 
     Raises
     ------

@@ -33,7 +33,7 @@ class Channel:
     start : float
         Time of the first sample, s.
     unit : str
-        Of the values, as the file writes it; empty where it has none.
+        Unit of the values, as the file writes it; empty where it has none.
     stamps : ndarray or None
         The file's own time stamps, s, one a sample; None where it has a rate instead.
     """
@@ -75,11 +75,11 @@ class Record:
     path : str
         As it was given.
     format : str
-        What the file turned out to be, such as ``text`` or ``tdms``.
+        Format of the file, as found, such as ``text`` or ``tdms``.
     channels : tuple of Channel
         In the order of the file, without its time column.
     findings : tuple of HealthNotice
-        What reading it showed: a last line cut off, a column left out.
+        Findings of reading it: a last line cut off, a column left out.
     further : tuple of Record
         The other measurements of the file, where it holds several: each has a time of its own.
     """

@@ -363,9 +363,9 @@ def measure_responses(
     step, start : float
         Time between samples, and of the first, s.
     blows : sequence of BaseBlow
-        Of the base, in the order of time.
+        Blows of the base, in the order of time.
     same_unit : bool, optional
-        Whether base and channel have the same unit, so that a ratio makes sense.
+        True if base and channel have the same unit, so that a ratio makes sense.
 
     Examples
     --------

@@ -44,8 +44,8 @@ A_SWING, A_WIDTH = 12, 24
 FEWEST = 24
 """Samples without which nine parameters are not fitted."""
 STARTS = ((1.0, 0.0), (0.65, 0.0), (1.0, 0.45))
-"""Of the guess, lengths and onsets of the swing from which the fit begins: a soft mount makes a pulse longer, and a
-mode may be struck in the middle of the pulse."""
+"""Lengths, and onsets of the swing, from which the fit begins, as shares of the guess: a soft mount makes a pulse
+longer, and a mode may be struck in the middle of the pulse."""
 FITS = 0.03
 """Misfit below which no other beginning is tried."""
 FAR = 0.2
@@ -111,7 +111,7 @@ class RigidPulse(NamedTuple):
     peak_uncertainty, width_uncertainty, velocity_change_uncertainty : float
         Standard uncertainties: of the fit, and of which model holds.
     frequency, damping : float
-        Of the ringing, Hz; damping ratio.
+        Frequency of the ringing, Hz; damping ratio.
     misfit : float
         Root mean square of what is left, over the peak.
     model : str

@@ -101,7 +101,7 @@ def median_line(x: Array, y: Array, confidence: float) -> tuple[float, float, fl
     x, y : ndarray
         Points; no two of the same ``x``.
     confidence : float
-        Of the bounds.
+        Confidence level of the bounds.
 
     Notes
     -----
@@ -159,7 +159,7 @@ def alike_as_one(rest: Array, most: float = 0.9) -> float:
     Parameters
     ----------
     rest : ndarray
-        What a fit leaves, in order.
+        Residuals of a fit, in order.
     most : float, optional
         Bound of r: a few values do not tell a longer memory.
 

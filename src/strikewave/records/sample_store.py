@@ -19,7 +19,7 @@ samples never meet the disk."""
 PART = 2**28
 """Bytes of a file on disk: few enough files for thousands of records, and what is not used takes no room."""
 _BYTES = 8
-"""Of a sample."""
+"""Bytes of a sample."""
 
 
 class SampleStore:

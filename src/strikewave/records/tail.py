@@ -30,9 +30,9 @@ once in a width, or faster, has no mean."""
 WINDOW = 5.0
 """Time constants over which a decay is looked at: it has died out by then."""
 ROUNDS = 6
-"""Of narrowing the window to the time constant found."""
+"""Rounds of narrowing the window to the time constant found."""
 LAST_THIRD = 3
-"""Of the stretches of a tail, the last third show where the record stands at last."""
+"""Divisor of the number of stretches of a tail: the last third show where the record stands at last."""
 RATES = 120
 """Time constants tried for a free exponential."""
 
@@ -69,7 +69,7 @@ class TailModel(NamedTuple):
     kind : str
         ``rest``, ``shift``, ``line``, ``decay``, ``ac-coupling``, or ``motion`` where none of these explains it.
     level, level_error : float
-        Of the shift, or of a decay at the end of the blow; of a line at its last stretch.
+        Level and its error: of the shift, of a decay at the end of the blow, or of a line at its last stretch.
     constant, constant_error : float
         Time constant of a decay, s.
     explained : float

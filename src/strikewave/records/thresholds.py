@@ -40,7 +40,7 @@ class OfZero:
     """Where the zero stands, drifts and shifts."""
 
     WRONG_PEAK: Final = 0.02
-    """What a drifting baseline may falsify of a peak before that is suspect: below the usual 5 % of a sensor."""
+    """Share of a peak that a drifting baseline may falsify before that is suspect: below the usual 5 % of a sensor."""
     NOTED: Final = 0.05
     """Offset, or drift over the record, that is noted: as much as the usual uncertainty of a peak."""
     LARGE: Final = 0.5
@@ -220,7 +220,7 @@ class OfNoise:
     """Amplitude of hum from which on it is worth a word: it may lift a peak by as much, and a velocity change by
     several times that."""
     BESIDE_MAINS: Final = (0.62, 0.8, 1.25, 1.6)
-    """Of the frequency of the mains, others at which the record must swing less: hum is a line."""
+    """Shares of the frequency of the mains at which the record must swing less: hum is a line."""
     FEWEST_PERIODS: Final = 1.2
     """Periods of the mains that the quiet parts must span: below, a swing is not distinct from a drift."""
     CLEAR_PERIODS: Final = 2.5
@@ -333,10 +333,10 @@ class OfReading:
     """What a filter takes off, and which channels answer another one."""
 
     MUCH: Final = 0.9
-    """What a filter must leave of a peak for no finding: what it takes off is reported with each peak in any case.
-    Chosen: half of a tolerance of 20 %."""
+    """Share of a peak that a filter must leave for no finding: what it takes off is reported with each peak in any
+    case. Chosen: half of a tolerance of 20 %."""
     HALF: Final = 0.5
-    """What it must leave for one that harms nothing. Chosen: below, the filter makes the pulse."""
+    """Share that it must leave for one that harms nothing. Chosen: below, the filter makes the pulse."""
     HALF_PERIOD: Final = 0.5
     """Periods of the cutoff that a record must hold: a filter that is slower than the record is a slip of units."""
     SWINGS_OUT: Final = 20.0

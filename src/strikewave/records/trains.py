@@ -41,7 +41,7 @@ def mains_period(times: Array, widths: Array, locked: bool = False) -> float:
     Parameters
     ----------
     times, widths : ndarray
-        Of the contacts, s.
+        Times and widths of the contacts, s.
     locked : bool, optional
         They come in it more regularly than grids keep their frequency.
 
@@ -95,7 +95,7 @@ class Contacts(NamedTuple):
     double : dict
         For each blow of a double hit beside the one of the train, or the first, that one.
     train : BlowTrain or None
-        What shows the period, where there is one.
+        Train that shows the period, where there is one.
     """
 
     blows: tuple[int, ...]
@@ -110,7 +110,7 @@ def find_train(times: Array, peaks: Array) -> BlowTrain | None:
     Parameters
     ----------
     times : ndarray
-        Of all contacts, rising.
+        Times of all contacts, rising.
     peaks : ndarray
         Their sizes, positive.
 
@@ -150,7 +150,7 @@ def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[boo
     Parameters
     ----------
     times, peaks, widths : ndarray
-        Of all contacts in the order of time; peaks positive.
+        Times, peaks and widths of all contacts in the order of time; peaks positive.
     small : sequence of bool
         Contacts too small for a blow unless a train asks for one there.
 

@@ -101,7 +101,7 @@ class PairedMotion(NamedTuple):
     blows : int
         Blows that delay, gain and transfer function are means of.
     delay, delay_uncertainty : float
-        Of the second after the first, and its standard uncertainty, s; NaN where it is no delayed copy.
+        Delay of the second after the first, and its standard uncertainty, s; NaN where it is no delayed copy.
     gain, gain_uncertainty : float
         Second over first; NaN where it is no delayed copy.
     explained : float

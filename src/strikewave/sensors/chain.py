@@ -44,11 +44,11 @@ class Sensor:
     Parameters
     ----------
     name : str, optional
-        What it is called.
+        Name of the sensor.
     mounting : Mounting, optional
         Between the surface and its case.
     resonance : float, optional
-        Of the mass on the spring inside, Hz.
+        Resonance frequency of the mass on the spring inside, Hz.
     quality : float, optional
         Its magnification at resonance.
     range : float, optional
@@ -152,10 +152,10 @@ class Reading(NamedTuple):
     time : ndarray
         Sampling instants, s.
     values : ndarray
-        What was read, m/s^2.
+        Recorded values, m/s^2.
     sensor_clipped, recorder_clipped : bool
-        Whether the sensor went beyond its range (which a filter behind it hides), or the filtered signal beyond
-        full scale.
+        True if the sensor went beyond its range (which a filter behind it hides), or the filtered signal beyond full
+        scale.
     peak_before_clip : float
         Largest magnitude that the sensor would have put out without its range, m/s^2.
     quantum : float
@@ -184,9 +184,9 @@ def output(sensor: Sensor, acceleration: ArrayLike, step: float) -> Array:
     Parameters
     ----------
     sensor : Sensor
-        What reads.
+        Sensor that reads.
     acceleration : array_like
-        Of the mounting surface, at even steps, m/s^2.
+        Acceleration of the mounting surface, at even steps, m/s^2.
     step : float
         Time between samples, s.
 
@@ -223,9 +223,9 @@ def read(
     Parameters
     ----------
     sensor, recorder : Sensor, Recorder
-        What reads, and what keeps it.
+        Sensor that reads, and recorder that keeps its signal.
     acceleration : array_like
-        Of the mounting surface, at even steps, m/s^2; at rest before the first, or ``steady``.
+        Acceleration of the mounting surface, at even steps, m/s^2; at rest before the first, or ``steady``.
     step : float
         Time between samples, s.
     start : float, optional
@@ -233,7 +233,7 @@ def read(
     sample_phase : float, optional
         Share of a sampling interval, 0 to 1, from the start to the recorder's first instant.
     steady : bool, optional
-        Whether the surface had its first acceleration for long, such as gravity in a fall, so that nothing answers it.
+        True if the surface had its first acceleration for long, such as gravity in a fall, so that nothing answers it.
 
     Raises
     ------

@@ -108,9 +108,9 @@ class Mounting:
     sensor_mass : float, optional
         Mass of the sensor and what moves with it, kg.
     edge_stiffness : float, optional
-        Of the edge contact below the gaskets, N/m; infinite where there is none. The contact has no mass.
+        Stiffness of the edge contact below the gaskets, N/m; infinite where there is none. The contact has no mass.
     edge_damping : float, optional
-        Of the edge contact, N s/m.
+        Damping of the edge contact, N s/m.
     band : tuple of float, optional
         Lowest and highest frequency of constant loss, Hz.
 
@@ -168,7 +168,7 @@ def transmission(mounting: Mounting, frequencies: ArrayLike) -> NDArray[np.compl
     Parameters
     ----------
     mounting : Mounting
-        What is between them.
+        Mounting between surface and sensor.
     frequencies : array_like
         f, Hz, zero or above.
 
@@ -348,7 +348,7 @@ def band(mounting: Mounting) -> PassBand:
     Parameters
     ----------
     mounting : Mounting
-        What is between surface and sensor.
+        Mounting between surface and sensor.
 
     Examples
     --------

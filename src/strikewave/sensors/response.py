@@ -37,7 +37,7 @@ class LinearSystem(NamedTuple):
     b, c : ndarray
         One entry a state.
     d : float
-        What of the input reaches the output at once.
+        Direct feedthrough from the input to the output.
     """
 
     A: Array
@@ -162,7 +162,7 @@ def respond(system: LinearSystem, values: ArrayLike, step: float) -> Array:
     Parameters
     ----------
     system : LinearSystem
-        What answers.
+        System that responds.
     values : array_like
         Input at even steps, taken as linear between them.
     step : float

@@ -187,7 +187,7 @@ def try_sensor(sensor: Sensor, recorder: Recorder, values: Array, step: float, b
     Parameters
     ----------
     sensor, recorder : Sensor, Recorder
-        What is tried.
+        Sensor and recorder that are tried.
     values : ndarray
         Motion of the surface around one blow, from rest, m/s^2.
     step : float

@@ -130,7 +130,7 @@ class Filter(_ZeroPhase):
     convention : str
         ``both`` or ``each``.
     name : str
-        What to call it; empty for its numbers.
+        Name of the filter; empty for its numbers.
 
     Examples
     --------
@@ -278,7 +278,7 @@ def effect_on_half_sine(filter_: Filter, duration: float, samples: int = HALF_SI
     filter_ : Filter
         The filter.
     duration : float
-        Of the half-sine, from zero to zero, s.
+        Duration of the half-sine, from zero to zero, s.
     samples : int, optional
         Steps in which it is computed.
 
@@ -312,7 +312,7 @@ def advised_cutoff(rise: float, width: float, loss: float = ADVISED_LOSS, peak_a
     loss : float, optional
         Share by which peak, width and velocity change may change.
     peak_alone : bool, optional
-        Whether the peak alone counts.
+        True if the peak alone counts.
 
     Raises
     ------

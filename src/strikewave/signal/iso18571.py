@@ -36,7 +36,7 @@ WARPING = 0.1
 AVERAGED = 9
 """Samples over which slopes are averaged; fewer towards the ends: 7, 5, 3, 1."""
 WEIGHTS = (0.4, 0.2, 0.2, 0.2)
-"""Of corridor, phase, magnitude and slope in the overall rating."""
+"""Weights of corridor, phase, magnitude and slope in the overall rating."""
 FEWEST = 2 * AVERAGED
 """Samples without which slopes are not averaged anywhere."""
 GRADES = (("excellent", 0.94), ("good", 0.8), ("fair", 0.58), ("poor", 0.0))

@@ -61,7 +61,7 @@ class Response(NamedTuple):
     Attributes
     ----------
     even, odd : ndarray
-        Of the impulse response, exp(-a t) (even cos(K t) + odd sin(K t)/K).
+        Coefficients of the impulse response, exp(-a t) (even cos(K t) + odd sin(K t)/K).
     mode : callable
         m(p) of each pole p; the impulse response is also (m(p1) exp(p1 t) - m(p2) exp(p2 t)) / (p1 - p2).
     level, slope : ndarray
@@ -376,7 +376,7 @@ NARROWER = (0.08, 0.01, 0.001)
 """Half widths, in steps, of the parabolas about a peak: the error of each is of the third power of its width."""
 
 TINY = 1e-300
-"""What a curvature is divided by at least."""
+"""Least magnitude of a curvature as a divisor."""
 
 
 def interpolate(history: Array, factor: int) -> Array:

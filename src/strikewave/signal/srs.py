@@ -50,7 +50,7 @@ class Scope:
     end : float, optional
         End of the shock, s after the first sample; the last sample unless given. What follows is taken as zero.
     upsample : bool
-        Whether the record is interpolated, band-limited, for frequencies above 1/20 of the sampling rate.
+        True if the record is interpolated, band-limited, for frequencies above 1/20 of the sampling rate.
     initial : str
         "rest": the base is at rest and reaches its first sample within one step. "shifted": the first sample is taken
         off all. "steady": the base has had the acceleration of its first sample for ever.
@@ -76,7 +76,7 @@ class Spectrum:
     q : float
         Quality factor 1/(2 zeta).
     kind, part : str
-        What was asked for.
+        Kind of spectrum and part of the response that were asked for.
     """
 
     frequency: Array

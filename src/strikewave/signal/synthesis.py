@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 PEAK, MILLISECONDS, DECIBELS = Quantity("m/s^2", "g"), Quantity("s", "ms"), Quantity("dB", "dB")
 DAMPED_SINES, WAVELETS = "damped-sines", "wavelets"
 BASES = (DAMPED_SINES, WAVELETS)
-"""What a motion is the sum of."""
+"""Kinds of components that add up to a motion."""
 PERIODS = 15.0
 """Periods of the lowest damped sine in a motion: with 5 % damping it has then come down to 1 %, and is faded out."""
 FADED = 0.2
@@ -122,7 +122,7 @@ class SynthesizedMotion:
     step : float
         Time between samples, s.
     components : tuple of Component
-        What it is the sum of, without the compensating pulses.
+        Components that add up to it, without the compensating pulses.
     compensation : tuple of Component
         Those; faded out at the end as the others are.
     frequency, spectrum : ndarray
@@ -322,7 +322,7 @@ def matching_half_sine(
     frequencies, low, high : array_like
         Natural frequencies, Hz, and limits there, m/s^2.
     q, side : optional
-        Of the spectrum.
+        Quality factor and side of the spectrum.
 
     Examples
     --------

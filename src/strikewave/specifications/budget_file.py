@@ -44,7 +44,7 @@ from strikewave.specifications.tables import (
 
 ALLOWED = 'a share such as "5 %", or a TOML file with [[contribution]]'
 MOST_CONTRIBUTIONS, MOST_BANDS = 100, 200
-"""Of a budget, and of a response: no data sheet comes near."""
+"""Contributions of a budget, and bands of a response, at most: no data sheet comes near."""
 Kind = Literal[
     "sensitivity",
     "amplifier",
@@ -78,7 +78,7 @@ FIELDS_OF_KINDS: dict[str, KindFields] = {
     "filter": KindFields(("value", "cutoff", "order")),
     "coupling": KindFields(("time_constant",), RECTANGULAR),
 }
-"""What kinds hold that are not one share, or amount, alone."""
+"""Fields of the kinds that are not one share, or amount, alone."""
 FIELDS = (
     "value",
     "per_kelvin",

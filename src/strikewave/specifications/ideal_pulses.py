@@ -150,7 +150,7 @@ class Placement(NamedTuple):
     time : float
         When it is smallest, s.
     above : bool
-        Whether that is at the upper curve.
+        True if the smallest distance is that to the upper curve.
     before, after : float
         How much of the window the record lacks, in shares of the duration.
     """

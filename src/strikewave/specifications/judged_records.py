@@ -83,7 +83,7 @@ HOLDS = declare.word("what the stated uncertainty holds of, such as noise, calib
 NOT_STATED = declare.word("what nobody stated an uncertainty of", key="uncertainty_not_stated")
 VERDICT = declare.word("pass, fail or cannot-tell")
 BY_INDICATIVE = declare.word("whether it rests on a limit from memory", key="by_indicative_limits")
-"""What verdicts on records, spectra and histories say alike."""
+"""Declarations that verdicts on records, spectra and histories share."""
 
 
 @declare.dataclass
@@ -95,7 +95,7 @@ class Asked:
     budget : Budget or None
         By which the uncertainties of the blows were found; None where only noise and baseline are known.
     directions : sequence of StatedDirection
-        Of the shocks of which files and channels.
+        Directions of the shocks, with their files and channels.
     cross_axis : sequence of str
         Names or numbers of channels that measure across, with the files in which they do, see `cross_axis_fits`.
     from_record : tuple of str
@@ -159,7 +159,7 @@ class RecordsVerdict:
     Attributes
     ----------
     limits : PulseLimits
-        What it asks of a shock.
+        Limits that it sets for a shock.
     shocks : tuple of JudgedShock
         In the order of the files.
     campaign : tuple of Clause
@@ -239,7 +239,7 @@ def judge_records(
     files : sequence of FileReading
         Read and examined.
     specification : Specification
-        Of a pulse.
+        Specification of a pulse.
     asked : Asked
         How they are judged.
     filter_ : Filter or None, optional
@@ -482,7 +482,7 @@ class SpectraVerdict:
     Attributes
     ----------
     limits : SpectrumLimits
-        What it asks.
+        Limits that it sets for a spectrum.
     spectra : tuple of JudgedSpectrum
         In the order of the files.
     """

@@ -109,7 +109,7 @@ class PulseLimits:
     pulse : IdealPulse
         The ideal pulse.
     status : str
-        Of its peak and duration.
+        Status of its peak and duration.
     level : float
         Share of the measured peak at which the pulse width is taken.
     peak, width, velocity_change, cross_axis : Limits or None
@@ -307,11 +307,11 @@ def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict
     shock : Shock
         The shock.
     limits : PulseLimits
-        What is asked of it.
+        Limits that apply to it.
     rule : str, optional
         How uncertainty enters: ``simple`` or ``guarded``.
     strict : bool, optional
-        Whether indicative limits are refused: nothing is stated by them.
+        True if indicative limits are refused: nothing is stated by them.
 
     Examples
     --------

@@ -53,7 +53,7 @@ class Specification:
     text : str
         The file.
     path : str
-        Of a file of one's own; empty for a built-in one.
+        Path of a file of one's own; empty for a built-in one.
     """
 
     name: str = declare.word("name of the specification")
@@ -332,7 +332,7 @@ def load_specification(asked: str, field: str = "--spec") -> Specification:
         Name of a built-in one, or path of a file that ends in ``.toml``; of one with several conditions with the
         condition, such as ``jesd22-b110:B``.
     field : str, optional
-        What asks for it, for errors.
+        Option or field that asks for it, for errors.
 
     Raises
     ------

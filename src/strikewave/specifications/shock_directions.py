@@ -143,7 +143,7 @@ def direction_clauses(shocks: Sequence[CountedShock], directions: Sequence[str],
     directions : sequence of str
         Those that are stated.
     count : ShockCount
-        What is asked for.
+        Required number of shocks.
 
     Examples
     --------

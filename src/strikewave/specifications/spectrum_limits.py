@@ -33,7 +33,7 @@ class SpectrumLimits:
     frequency, level : tuple of float
         Breakpoints, Hz and the unit of the kind; straight lines between them on logarithmic axes.
     status : str
-        Of the breakpoints.
+        Status of the breakpoints.
     q, kind, side, per_octave
         The spectrum that is meant.
     bands : tuple of DecibelBand
@@ -101,7 +101,7 @@ def judge_spectrum(
     frequency, values : ndarray
         Natural frequencies, Hz, those of `SpectrumLimits.grid`, and the spectrum.
     limits : SpectrumLimits
-        What is asked.
+        Limits that apply to it.
     uncertainty : float or ndarray, optional
         Expanded uncertainty, k = 2, as a share, of all or at each frequency; NaN where it is not known.
     rule, strict

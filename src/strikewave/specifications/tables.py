@@ -24,7 +24,7 @@ from strikewave.specifications.judging import INDICATIVE, STATUSES
 
 Status = Literal["normative", "quoted", "indicative"]
 KEYS = ("value", "status", "source", "note")
-"""What the table of a number may hold."""
+"""Keys that the table of a number may hold."""
 FROM_MEMORY = "from memory"
 """Source of an indicative number that names none."""
 MOST_CONDITIONS, MOST_POINTS = 200, 1000
@@ -41,7 +41,7 @@ class StatedNumber(BaseModel):
     typed : str or float
         As it stands in the file.
     status : str
-        Of itself; empty where its table or the file says it.
+        Status of the number itself; empty where its table or the file says it.
     source, note : str
         Who has it; what is to be known of it.
     """

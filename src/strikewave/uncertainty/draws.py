@@ -37,7 +37,7 @@ OF_EACH_STRIKER = {
     **{f"striker.{key}": key for key in OwnStriker.model_fields if key not in ("number", "restitution")},
     "contact.restitution": "restitution",
 }
-"""What is drawn for each striker separately, and where it stands in a row of [[striker.each]]."""
+"""Inputs drawn for each striker separately, and their keys in a row of [[striker.each]]."""
 FELT = ("machine", "striker", "feed", "object", "contact", "stack", "load", "mesh", "fem")
 """Tables that a blow, a bar or elements feel: a tolerance anywhere else changes no run."""
 EXAMPLE = 'mass = { value = "1 kg", tolerance = "2 %" } in [striker], or --set striker.mass.tolerance="2 %"'
@@ -66,7 +66,7 @@ class UncertainInput:
     value : Value
         Nominal, as the case has it.
     allowed : Range
-        What it may be.
+        Range of values that it may take.
     low, high : float
         Ends of its range, SI.
     shape : {"normal", "uniform", "log-uniform"}
@@ -75,7 +75,7 @@ class UncertainInput:
     deviation : float
         Standard deviation of the normal distribution before it is cut off, SI.
     basis : str
-        What its range rests on, such as "stated tolerance".
+        Basis of its range, such as "stated tolerance".
     reason : str
         Why it is so wide.
     strikers : tuple of int
@@ -339,7 +339,7 @@ def allowed_inputs(
     case : Case
         Whose inputs they are.
     inputs : sequence of UncertainInput
-        What moves, and how far.
+        Inputs, and the ranges within which they move.
     build : callable
         Makes of a case what runs, and raises where parts of it do not go together.
 

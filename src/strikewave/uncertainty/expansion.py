@@ -21,7 +21,7 @@ from strikewave.uncertainty.draws import UncertainInput
 
 Array = NDArray[np.float64]
 Term = tuple[tuple[int, int], ...]
-"""Which number drawn, from 0, by which degree; two of them are an interaction."""
+"""Pairs of a number drawn, from 0, and its degree; two of them are an interaction."""
 
 DEGREE = 4
 """Highest degree of a polynomial. Measured on machines of eleven blows: the fifth explains nothing more."""
@@ -29,7 +29,7 @@ TOGETHER = 8
 """Numbers drawn of which pairs are tried, those that come first in the fit without pairs: 28 pairs of 3 terms are as
 many candidates as runs, and more find accidents."""
 COST = 3.0
-"""What a chosen term counts in the cross-validation, in free parameters (Friedman 1991 recommends 2 to 4)."""
+"""Cost of a chosen term in the cross-validation, in free parameters (Friedman 1991 recommends 2 to 4)."""
 MOST_TERMS = 40
 """Most terms: with three parameters each, 128 runs never keep as many."""
 PATIENCE = 6
@@ -56,7 +56,7 @@ class Expansion:
     Attributes
     ----------
     terms : tuple of Term
-        What is in it.
+        Terms of the fit.
     coefficients : ndarray
         The mean, and that of each term.
     error : float

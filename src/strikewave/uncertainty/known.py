@@ -61,7 +61,7 @@ UNKNOWN = ("assumed", "user")
 """Provenances of values that are in their plausible range at least, where the field has one."""
 UNIFORM: Shape = "uniform"
 JITTER = 1e-9
-"""What is added to the variances of a correlation, so that two inputs that always go together have a factor."""
+"""Amount added to the variances of a correlation, so that two inputs that always go together have a factor."""
 
 
 def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInput, ...]:
@@ -70,7 +70,7 @@ def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInp
     Parameters
     ----------
     case : Case
-        Of a machine, or of a bar alone.
+        Case of a machine, or of a bar alone.
     tables : sequence of str, optional
         Tables that the results depend on.
 

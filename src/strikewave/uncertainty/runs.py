@@ -35,7 +35,7 @@ def on_threads(
     function : callable
         Computes one; most of its time it must leave the interpreter free, as compiled kernels do.
     items : list
-        What to compute.
+        Items to compute.
     threads : int, optional
         As many as processors, where it is left out.
     advance : callable, optional

@@ -209,13 +209,13 @@ def variance_shares(of: str, paths: Sequence[str], whole: Array, alone: Array, s
     of : str
         Name of the quantity.
     paths : sequence of str
-        Of the tolerances.
+        Paths of the tolerances.
     whole : array, shape (N,)
         Results with all tolerances.
     alone : array, shape (tolerances, N)
         Results of the same draws with one tolerance at a time.
     seed : int
-        Of the bootstrap.
+        Seed of the bootstrap.
     """
     rounding = ROUNDING * float(np.mean(whole[np.isfinite(whole)])) if np.isfinite(whole).any() else np.nan
     return _alone(of, paths, whole, alone, lambda y: y.var(axis=-1), rounding, seed)

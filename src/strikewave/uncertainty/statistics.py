@@ -106,7 +106,7 @@ def spread(values: ArrayLike, broken: ArrayLike = False) -> RunSpread:
     values : array_like
         One a run; NaN, where a run has none, is left out.
     broken : array_like of bool, optional
-        Which of the runs keep no limit, whatever their value: they failed, or missed a blow.
+        True for runs that keep no limit, whatever their value: they failed, or missed a blow.
 
     Examples
     --------

@@ -87,7 +87,7 @@ class BarRun:
     Attributes
     ----------
     stack : Stack
-        What ran.
+        Stack that was loaded.
     load : LoadPulse, Sampled or Impactor
         By what it was loaded.
     grid : TimeGrid
@@ -108,8 +108,8 @@ class BarRun:
     mean_push : ndarray
         Force on the first face less that on the end, average about each sample, N, shape (N,).
     hung_acceleration : ndarray
-        Of the masses on springs in the order of `Stack.hung`, m/s^2, shape (N, masses): the average force on each
-        over it.
+        Acceleration of the masses on springs in the order of `Stack.hung`, m/s^2, shape (N, masses): the average force
+        on each over it.
     bound : ErrorBound
         Largest error: from rounding the transits, and what half the step changes where springs or masses take
         part; infinite where joints open or a striker comes. By the spectral solver what half the step changes.
@@ -142,9 +142,9 @@ class BarRun:
     touches : ndarray
         Contacts with an impactor: begin, end, approach speed; shape (n, 3).
     impulse : float
-        Of the load, N s.
+        Impulse of the load, N s.
     end_impulse : float
-        Of the stack on its end, N s.
+        Impulse of the stack on its end, N s.
     momentum : float
         Gained by the stack, N s.
     energy_lost : float
@@ -483,7 +483,7 @@ def run_bar(
     Parameters
     ----------
     stack : Stack
-        What is loaded at its first face.
+        Stack that is loaded at its first face.
     load : LoadPulse, Sampled or Impactor
         By what; time 0 is its beginning.
     taps : sequence of Tap

@@ -62,7 +62,7 @@ class Layer:
     Parameters
     ----------
     name : str
-        What it is called.
+        Name of the layer.
     density : float
         rho, kg/m^3.
     modulus : float
@@ -72,7 +72,7 @@ class Layer:
     length : float
         l, m.
     diameter : float, optional
-        Of the bar, m; that of a solid round bar of the same area when left out. Only the limits of
+        Diameter of the bar, m; that of a solid round bar of the same area when left out. Only the limits of
         one-dimensional theory use it.
     yield_strength : float or None, optional
         Pa.
@@ -188,9 +188,9 @@ class Joint:
     damping : float, optional
         c, N s/m.
     branches : tuple of Branch, optional
-        Of a gasket with loss.
+        Maxwell branches of a gasket with loss.
     unilateral : bool, optional
-        Whether it can open.
+        True if the joint can open.
     gap : float, optional
         Open gap at the start, m.
     preload : float, optional

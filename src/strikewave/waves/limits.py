@@ -203,9 +203,9 @@ def arrival_time(stack: Stack, layer: int, position: float, faces: Sequence[int]
     Parameters
     ----------
     stack : Stack
-        What it runs through.
+        Stack that the wave runs through.
     layer : int
-        Of the place, from 0.
+        Layer of the place, from 0.
     position : float
         In the layer, as a share of its length.
     faces : sequence of int
@@ -243,13 +243,13 @@ def not_reached_notices(
     Parameters
     ----------
     stack : Stack
-        What is followed.
+        Stack that is followed.
     taps : sequence of (str, Tap)
         Name and place of each.
     lasting : float
         How long it is followed, s.
     stated : str
-        What ends it, such as ``solver.duration = 20 us``.
+        Setting that ends the run, such as ``solver.duration = 20 us``.
     faces : sequence of int
         Where waves begin; see `arrival_time`.
     begin : float

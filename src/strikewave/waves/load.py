@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 Prescribed = Literal["force", "speed", "incident"]
 PRESCRIBED: tuple[Prescribed, ...] = ("force", "speed", "incident")
-"""What a load prescribes at the first face, by their numbers in the kernels."""
+"""Quantities that a load prescribes at the first face, by their numbers in the kernels."""
 SHAPES = ("half-sine", "sine-squared", "rectangle", "triangle", "trapezoid")
 """Shapes of a force pulse; the table of `LoadPulse` holds their equations."""
 LOW, HIGH = 0.1, 0.9
@@ -44,7 +44,7 @@ class LoadPulse:
     peak, duration : float
         F0 in N, T in s.
     rise : float, optional
-        Of triangle and trapezoid, s.
+        Rise time of triangle and trapezoid, s.
     kind : str, optional
         "force" on the first face; "incident": the wave that comes along an endless bar like the first layer, N.
 

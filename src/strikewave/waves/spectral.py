@@ -171,7 +171,7 @@ def _least_squares(
 Array = NDArray[np.float64]
 
 WRAPPED = 1e-8
-"""What is left of a signal after one period of the transform; rounding errors grow by its inverse square root, to 1e-12
+"""Share of a signal left after one period of the transform; rounding errors grow by its inverse square root, to 1e-12
 in what is kept, half a period."""
 MOST_LAYER_FREQUENCIES = 1e9
 """Layers times frequencies beyond which a run is refused: it would take more than a minute."""
@@ -248,7 +248,7 @@ class SpectralStack:
     Attributes
     ----------
     stack, load : Stack, LoadPulse or Sampled
-        What is loaded at its first face, and by what; time 0 is the beginning of the load.
+        Stack, and the load on its first face; time 0 is the beginning of the load.
     step, steps : float, int
         Time step (s) and number of samples of a history. The error is of second order in the step, where the
         load is smooth.

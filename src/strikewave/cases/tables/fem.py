@@ -64,7 +64,7 @@ OTHER_WORDS = {
     "absorbing": "non-reflecting",
     "infinite": "non-reflecting",
 }
-"""What others call the kinds of tables here: such a word is answered with ours."""
+"""Other names of the kinds of tables here: such a word is answered with ours."""
 _AXES = {sign + axis: {axis: float(sign + "1")} for axis in "xyz" for sign in ("", "-")}
 """Directions that go by a letter."""
 

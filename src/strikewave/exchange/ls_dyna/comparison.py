@@ -127,7 +127,7 @@ ASIDE = 10.0
 LATER = re.compile(r"histories-\d+\.nc")
 """Histories of the second blow and on."""
 _SIZES = ("peak", "impulse")
-"""What grows with a sector; a width does not."""
+"""Quantities that grow with a sector; a width does not."""
 DIFFERENCE = Quantity(NO_UNIT, "%", decimals=2, digits=0, signed=True)
 SECTORS = (0.25, 0.5, 2.0, 4.0)
 """Ratios between a quarter, a half and a whole."""
@@ -141,7 +141,7 @@ class StrikewaveRun:
     ----------
     folder : Path
     title : str
-        Of its case.
+        Title of its case.
     forces : mapping of str to Force
         Mean contact forces of the intervals, on the first of the two surfaces, by contact.
     energies : EnergyHistory

@@ -70,17 +70,17 @@ class ContactForce:
     Attributes
     ----------
     number : int
-        Of the contact.
+        Number of the contact.
     side : str
         ``A`` (slave) or ``B`` (master).
     title : str
-        Of the contact; empty where it has none.
+        Title of the contact; empty where it has none.
     time : array (outputs,)
         Rising.
     force : array (outputs, 3)
         Resultant on this side.
     mass : array (outputs,)
-        Of the nodes that touch, where the file has it; else 0.
+        Mass of the nodes that touch, where the file has it; else 0.
     moment : array (outputs, 3) or None
         About the origin, where the file has it.
     """

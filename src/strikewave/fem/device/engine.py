@@ -91,9 +91,9 @@ BODIES: dict[type[Hexahedra], Callable[..., None]] = {
     OnePoint: bodies.one_point_element,
     FullyIntegrated: bodies.full_element,
 }
-"""What brings an element to the end of a step."""
+"""Function that brings an element to the end of a step, by kind of element."""
 DONE = 4
-"""What each node of a boundary or contact sums up: work and impulse."""
+"""Sums of each node of a boundary or contact: work and impulse."""
 
 
 def put_fields(device: Device, state: Any) -> Any:
@@ -292,7 +292,7 @@ class DeviceRigid(DeviceActing):
 
 
 ACTING: dict[type[Acting], type[DeviceActing]] = {Pressed: DevicePressed, RigidBody: DeviceRigid}
-"""What acts there in another way than `DeviceActing`."""
+"""Device classes of what acts on nodes in another way than `DeviceActing`."""
 
 
 def acting_there(device: Device, acting: Acting, mass: Array) -> DeviceActing:

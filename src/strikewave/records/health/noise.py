@@ -20,7 +20,7 @@ from strikewave.records.thresholds import HARMED, OfNoise
 MAINS = (50.0, 60.0)
 """Frequencies of the mains, Hz."""
 HARMONICS = 3
-"""Of the mains that are looked for: what rectifiers make besides is small."""
+"""Harmonics of the mains that are looked for: what rectifiers make besides is small."""
 A_PERIOD = 30
 """Means of the record a period of the mains: ten a period of its third harmonic."""
 MOST_MEANS = 6000

@@ -25,17 +25,17 @@ SLOW = (
     "after the blow the record swings by {value:%0} of the peak, about as slowly as the blow itself, and no single "
     "mode explains it: peak, rise and width may hold such ringing too; a smooth pulse misses the blow by {misfit:%0}"
 )
-"""What is details of ringing that no model tells from the blow."""
+"""Message on ringing that no model tells from the blow."""
 NO_MODE = (
     "the blow rings at about {frequency}, by {of_peak:%0} of the peak, and no single mode explains it; against the "
     "smooth pulse"
 )
-"""What is details of ringing that is distinct from the blow, though of no single mode."""
+"""Message on ringing that is distinct from the blow, though of no single mode."""
 WITHIN = (
     "on its way up to the peak and down from it the record goes back, and a contact pushes once: the blow rings, too "
     "fast for this rate or too briefly to be taken off, which may make"
 )
-"""What is details of ringing that has died out when the blow ends."""
+"""Message on ringing that has died out when the blow ends."""
 
 
 def ringing(record: BlowRecord) -> Iterator[Fault]:

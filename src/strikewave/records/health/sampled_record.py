@@ -49,7 +49,7 @@ def effects_of_level(pulse: RecordedPulse, level: float, after_peak: bool = Fals
     pulse : RecordedPulse
         The blow.
     level : float
-        What stands under it and is not its own, in the unit of the record.
+        Level under the blow that is not its own, in the unit of the record.
     after_peak : bool, optional
         The level is there from the peak on only: one foot stands on it, and half of the area.
     """
@@ -87,9 +87,9 @@ class SampledRecord:
     Attributes
     ----------
     kind : str
-        What the checks look at in it.
+        Object of the checks that apply to it, such as the blows; see `Check.of`.
     figures : tuple of str
-        What they may harm.
+        Figures that notices on it may harm.
     jumping : tuple of str
         Figures that may be uncertain without the record being suspect for it.
     values : ndarray
@@ -141,7 +141,7 @@ class BlowRecord(SampledRecord):
     pulses : sequence of RecordedPulse
         As `find_pulses` gives them.
     drop_height : float
-        What the fall before the blow was stated to be, m; NaN where it was not.
+        Stated height of the fall before the blow, m; NaN where none was stated.
     """
 
     kind = OF_BLOWS
@@ -248,7 +248,7 @@ class ResponseRecord(SampledRecord):
     Attributes
     ----------
     blows : sequence of BaseBlow
-        Of the base.
+        Blows of the base.
     responses : sequence of MeasuredResponse
         As `measure_responses` gives them: at least one.
     base : ndarray or None

@@ -26,7 +26,7 @@ from strikewave.records.readers import FORMATS, LARGEST_ARRAY, Options
 from strikewave.records.record import Channel, Record
 
 MEMORY = 2**29
-"""What a child may take for a small file, bytes: the libraries alone take 200 MB. Larger files add
+"""Memory that a child may take for a small file, bytes: the libraries alone take 200 MB. Larger files add
 `MEMORY_PER_BYTE`."""
 MEMORY_PER_BYTE = 100
 """Bytes of memory for each byte of a file: two bytes become a double and its time stamp, packed data several times
@@ -34,7 +34,7 @@ that."""
 SECONDS = 20.0
 """How long a child may take for a small file, s: importing its library takes some of them on a busy machine."""
 BYTES_PER_SECOND = 1e6
-"""What a child must read a second of a larger file: every library reads many times as much."""
+"""Lowest rate at which a child must read a larger file, bytes/s: every library reads many times as fast."""
 LONGEST_HINT = 200
 """Characters of a library's own words in an error: a line or two."""
 
@@ -49,7 +49,7 @@ def isolated(reader: str, path: Path, options: Options) -> Record:
     path : Path
         The file.
     options : Options
-        What the user states about it.
+        Statements of the user about it.
     """
     size = path.stat().st_size
     seconds = SECONDS + size / BYTES_PER_SECOND

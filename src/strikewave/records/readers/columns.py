@@ -38,7 +38,7 @@ _THREADED = 2**20
 _CONTROL = bytes(set(range(32)) - {9, 10, 12, 13, 26}) + b"\x7f"
 """Bytes that no text has: all control characters but tab, line ends, form feed and the old end of file."""
 _ENDS = " \t\r\n\x1a\ufeff"
-"""What may stand at either end of a line and means nothing; the last is the mark of byte order."""
+"""Characters that may stand at either end of a line and mean nothing; the last is the mark of byte order."""
 
 
 class Marks(NamedTuple):

@@ -129,7 +129,7 @@ def guard(path: Path, claimed: float, compressed: bool = True) -> None:
     claimed : float
         Bytes of samples that its header promises, as float64 where they are compressed, else as stored.
     compressed : bool
-        Whether the format can hold more than its size.
+        True if the format can hold more than its size.
     """
     size = path.stat().st_size
     if not compressed and claimed > size:
@@ -214,7 +214,7 @@ class Scaled:
     attribute : callable
         Returns an attribute by its name, None where there is none.
     shape : tuple of int
-        Of the array.
+        Shape of the array.
     """
 
     def __init__(
@@ -274,7 +274,7 @@ def assemble(
     grid : tuple of float
         Step and start, s, that hold for the whole file; NaN where it states none.
     findings : iterable of HealthNotice
-        What reading showed so far.
+        Findings of reading so far.
     """
     columns = [column for column in columns if column.size]
     labels, columns = [c for c in columns if c.words], [c for c in columns if not c.words]

@@ -32,9 +32,9 @@ _DIGITS = re.compile(r"[+-]?(\d*)(?:[.,](\d*))?(?:[eE]([+-]?\d{1,4}))?")
 _NUMBER = r"([+-]?(?:\d{1,25}(?:[.,]\d{0,25})?|[.,]\d{1,25})(?:[eE][+-]?\d{1,3})?)"
 """A number in a line; its parts are bounded, so that hostile lines take no time."""
 _LINK = r"\"?\s{0,5}(?:[\[(]([^\])]{1,12})[\])])?\"?\s{0,5}[:=,;\t ]\s{0,5}\"?(?:[A-Za-z]\w{0,9}:)?\s{0,5}"
-"""What stands between a name and its number: a unit in brackets, a mark, blanks, the letters of a drive or channel."""
+"""Pattern between a name and its number: a unit in brackets, a mark, blanks, the letters of a drive or channel."""
 _NO_DATE = r"(?!\d|[-/:.]\d)"
-"""What follows a number that is not the first one of a date or a time of day."""
+"""Pattern behind a number that is not the first one of a date or a time of day."""
 _AFTER = r"\"?[\s,;]{0,5}\"?([A-Za-zµμ/]{0,14})"
 """A unit after the number."""
 _RATE = r"sampl(?:e|ing)[ _-]?(?:rate|frequency|freq\.?)|fs|f_s|abtastrate|abtastfrequenz|samples per second"
@@ -330,7 +330,7 @@ def find_headings(above: Sequence[str], marks: Marks, width: int, filled: Sequen
     above : sequence of str
         Those lines.
     marks : Marks
-        Of the data.
+        Marks of the data.
     width : int
         Number of columns.
     filled : sequence of int

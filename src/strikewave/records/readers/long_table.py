@@ -123,7 +123,7 @@ def as_long_table(record: Record, columns: Sequence[Labels]) -> Record | None:
     record : Record
         Its channels hold the lines of all, over stamps that all share, or over none.
     columns : sequence of Labels
-        What may name channels, measurements or units.
+        Columns that may name channels, measurements or units.
 
     Raises
     ------

@@ -33,7 +33,7 @@ from strikewave.records.readers.long_table import MOST_LABELS
 from strikewave.records.record import Record
 
 MOST_ROWS = 2**20
-"""What Excel itself can hold."""
+"""Rows that Excel itself can hold."""
 MOST_CELLS = 20_000_000
 """A workbook with more cells is refused; reading them would take minutes."""
 FEWEST_NUMBERS = 16

@@ -140,7 +140,7 @@ def look_at(path: Path, part: tuple[int, int, int] | None = None, encoding: str 
     part : (int, int, int), optional
         First byte and end of a part, and the line in which it begins.
     encoding : str, optional
-        Of the whole file, for a part of it.
+        Encoding of the whole file, for a part of it.
 
     Raises
     ------
