@@ -487,8 +487,7 @@ FRAMES_PER_SECOND = 10
 PALETTE_FRAMES = 4
 """Frames from which the palette is taken: evenly over the film, as what moves changes colours little."""
 COLOURS, EXACT_COLOURS = 256, 16
-"""Colours of the one palette of all frames, as many as a GIF can hold; the commonest of them, such as white, are
-exact."""
+"""Colours of the palette of all frames, as many as a GIF can hold; the commonest of them, such as white, are exact."""
 APART = 10.4
 """Distance of other colours from exact ones: Pillow looks up the colour nearest to the corner of a cube of side 4,
 which is up to 5.2 from the colour that is meant."""

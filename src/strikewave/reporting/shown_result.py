@@ -37,8 +37,7 @@ MOST_ROWS = 12
 MOST_NUMBERS = 4
 """Highlights in the one line of a result: more would not be read."""
 WIDTH, HEIGHT, MARGIN = 420, 150, 34
-"""Size and margin of the curve in a notebook, pixels: half as wide as a page of one, and letters of 11 pixels below and
-above it."""
+"""Size and margin of the curve in a notebook, pixels: half a page wide, with letters of 11 pixels below and above."""
 COLUMNS = 210
 """Columns into which the samples of the curve are gathered, two pixels each."""
 

@@ -54,8 +54,7 @@ FIGURES = {"peak": "peak", "width": "width", "integral": "area"}
 QUANTITIES = {"m/s^2": "acceleration", "N": "force", "m/s": "velocity", "m": "displacement", "Pa": "stress"}
 """Name of the quantity by its SI unit."""
 OF_FILES = Quantity.of_data("the files' own numbers")
-"""Quantity of histories in the numbers of their files, see
-`strikewave.analyses.compare.result.CompareResult.given_units`."""
+"""Quantity of both histories, see `strikewave.analyses.compare.result.CompareResult.given_units`."""
 OF_NOISE = OF_FILES._replace(label="noise (standard deviation)", digits=3)
 
 
@@ -252,7 +251,7 @@ class SpecificationVerdict:
     Attributes
     ----------
     limits : PulseLimits
-        Limits that it sets for a shock.
+        Limits that the specification sets for a shock.
     found : ShockVerdict
         Clauses and place of the band.
     budget : Budget or None

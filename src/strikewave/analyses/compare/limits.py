@@ -39,8 +39,7 @@ METRICS = {
 }
 """Metrics that a limit can be set for: unit ("1": a score of at most 1) and meaning. Differences count as sizes."""
 EXAMPLES = {"%": 'a share with its sign, such as "5 %"', "dB": 'a level with its unit, such as "3 dB"'}
-"""Examples of the number of a limit, by unit: the unit of a bare 5, of a difference or of a spectrum, would be a
-guess."""
+"""Examples of the number of a limit, by unit: what a bare 5 means, of a difference or a spectrum, would be a guess."""
 _LIMIT = re.compile(r"\s*([\w.\-]+)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
 

@@ -87,8 +87,7 @@ KINDS = {
 """Kinds of spectrum, with their units for an acceleration."""
 ACCELERATION = "m/s^2"
 NO_ACCELERATION = f" for a record in {ACCELERATION}"
-"""Text that follows the name of a kind where the record is no acceleration: its values are in the file's own
-numbers."""
+"""Text behind the name of a kind where the record is no acceleration: its values are in the file's own numbers."""
 AS_CHANNEL = Quantity.of_data("as the channel")
 LEFT_OUT = ("gain-differs",)
 """Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""

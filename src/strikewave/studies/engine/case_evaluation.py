@@ -43,8 +43,7 @@ ANALYSES = {
 }
 """Analyses that may be computed of a case, in words: its own run, or of a machine the fast run or one impact."""
 HISTORIES = ("blows", "pulses")
-"""Histories that may be kept beside numbers: the table of blows; the acceleration of each blow, or of a bar or
-elements."""
+"""Histories that may be kept: the table of blows; the acceleration of each blow, or of a bar or elements."""
 OF_BLOW = {name: one.quantity._replace(label=label_of(name, one)) for name, one in declarations(Blow).items()}
 """Quantities of the numbers of a blow, by name."""
 OF_TRAIN = {

@@ -33,8 +33,7 @@ WIDE = 5.0
 ASIDE = ("solver", "recorder", "tap", "mesh", "fem")
 """Tables that say how a case is solved and looked at, not what is tested."""
 OF_ELEMENTS = re.compile(r"mesh\.part\..+\.(?:solid|velocity)\..+|fem\.(?:contact|wall)\..+\.friction")
-"""Fields of elements that can be fitted: solids, speeds and friction. A size would change the mesh, and the result in
-steps."""
+"""Fields of elements that can be fitted: solids, speeds and friction. A size would change mesh and result in steps."""
 MOST = 12
 """Most free fields: each start takes as many runs more, and data that fix a dozen values are rare."""
 

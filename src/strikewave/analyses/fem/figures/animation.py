@@ -67,8 +67,7 @@ COARSE = 2.0
 """How many times larger than in still pictures the pieces are that faces are painted in: a frame has about half the
 pixels across of a still picture."""
 LARGEST_SIDES = (860, 640)
-"""Largest sides of a picture, pixels (chosen: sharp beside the histories on a screen 1200 wide, and below
-`LARGEST_PAGE`)."""
+"""Largest sides of a picture, pixels (chosen: sharp on a screen 1200 wide, and below `LARGEST_PAGE`)."""
 MOST_CURVES = 3
 """Curves of a panel (chosen: their legends, one below the other, fit above it)."""
 WIDE = 0.5

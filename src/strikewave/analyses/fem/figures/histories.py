@@ -340,11 +340,9 @@ MARGIN_OF_BLOWS = 0.1
 """Share of the contact time that is shown before and after it (chosen: start and end are seen, the pulse fills the
 picture)."""
 MOST_BLOW_LABELS = 5
-"""Blows that are all in the legend, at most; of more, only the first two and the last one are (chosen: it stays in the
-upper right corner)."""
+"""Most blows that are all in the legend, else the first two and the last (chosen: it stays in the upper corner)."""
 MOST_BLOW_TICKS = 10
-"""Blows that each have a tick, at most (chosen: numbers of three digits stay apart in a third of the width of a
-page)."""
+"""Most blows that each have a tick (chosen: numbers of three digits stay apart in a third of the width of a page)."""
 
 
 def blows_figure(runs: Sequence[FemRun]) -> Figure:

@@ -400,8 +400,7 @@ def _strokes(cells: Array) -> Array:
 SMALLEST_LINED, SMALLEST_MESHED = 0.012, 0.006
 """Faces smaller than this share of the picture's width have no mesh lines: in pictures of fields, of the mesh."""
 PART_COLOURS = (BLUE, ORANGE, GREEN, RED, "#CC79A7", "#56B4E9", GREY, "#F0E442")
-"""Colours of parts in their order: the eight colours of Okabe and Ito, with grey for black, which would hide mesh
-lines."""
+"""Colours of parts in their order: those of Okabe and Ito, with grey for black, which would hide mesh lines."""
 
 
 def body_picture(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quantity: str = "von_mises") -> Figure:

@@ -61,8 +61,7 @@ _SIZE = (8.4, 6.2)
 PANEL_HEIGHT = 57.0
 """Height of a panel of the page, pixels: three of them stand under the pictures on a screen of 768 lines."""
 CIRCLE_CORNERS = 241
-"""Corners of the polygon that stands for the path: it leaves the circle by less than a pixel, however large it is
-shown."""
+"""Corners of the polygon that stands for the path: it leaves the circle by less than a pixel at any size."""
 LEAST_SPEED_SPAN = 0.01
 """Share of the turntable's speed that its panel spans at least, so that rounding does not fill it."""
 RPM = np.pi / 30.0
