@@ -1,4 +1,10 @@
-"""The test report of a laboratory: what was asked, with what it was tested, each shock with its verdict, signatures."""
+"""The test report of a laboratory: what was asked, with what it was tested, each shock with its verdict, signatures.
+
+Quoted: 7.8.2.1 and 7.8.6 from copies of the text in public places, 7.8.3.1 from that of the edition of 2005, 5.10.3.1,
+which has the same; the standard itself was not at hand. What the report always holds (title, specification, results
+with units, that they relate to the items tested, decision rule) is not listed, nor what a shock test does not have
+(sampling).
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,12 @@
-"""How far residuals fix a place: by noise, by what is left beyond noise, and by what differs from shot to shot."""
+"""How far residuals fix a place: by noise, by what is left beyond noise, and by what differs from shot to shot.
+
+With J the slopes of the residuals and A = J'J, least squares has the covariance A^-1 B A^-1 under any noise, with B the
+covariance of J'r. Three things are known of B, and each holds something that the others cannot see: the noise of each
+record; what a model leaves that is no noise; the scatter of J'r over shots. The covariance stated is above all three.
+
+Repeats of a number at one setting share what the model lacks there, which does not average out over them. So the two
+are told apart as in an analysis of variance: within the repeats, and between their means and the fit.
+"""
 
 from __future__ import annotations
 

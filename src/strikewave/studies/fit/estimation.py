@@ -1,4 +1,11 @@
-"""Least squares in the unit cube: the best place, how the misfit rises about it, and runs side by side."""
+"""Least squares in the unit cube: the best place, how the misfit rises about it, and runs side by side.
+
+Every coordinate is the place of a value between its bounds, 0 to 1, so that all have one scale and a standard error of
+a tenth means the same for each. Residuals are over their standard uncertainty.
+
+What they come to can be kept in a store, by the content of the function and of what it is given, so that the same fit
+asked again reads it. A fit takes the same way each time, so all that was kept is asked for again.
+"""
 
 from __future__ import annotations
 

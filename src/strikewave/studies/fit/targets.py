@@ -1,4 +1,10 @@
-"""What a case is fitted to, as it is typed: records and numbers with their settings, and what is asked of a fit."""
+"""What a case is fitted to, as it is typed: records and numbers with their settings, and what is asked of a fit.
+
+``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number, and
+so is ``striker.mass=0.459 kg``: what is known of a free field from elsewhere. Behind ``±`` or ``+-`` stands the
+standard uncertainty of a number, or by which share the amplitude of such records scatters from shot to shot. Settings
+follow after semicolons: ``shot.csv; machine.speed=500 rpm``. ``@FILE`` stands for the lines of a text file.
+"""
 
 from __future__ import annotations
 
