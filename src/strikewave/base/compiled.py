@@ -3,6 +3,10 @@
 The compiled code lies in the user's cache folder under a key made of every kernel's source, so a
 changed kernel is never answered from an old cache. Where no folder can be written a warning
 is given, and the kernels are compiled anew in each process.
+
+Files of compiled kernels: in a folder that nobody else can write, and each with a check sum. They are pickles, with
+machine code in them: to read one is to run it. So the folder is the user's own; and a file that a full disk or a
+fault of the disk has damaged is dropped, and its kernel compiled anew.
 """
 
 from __future__ import annotations

@@ -1,4 +1,13 @@
-"""While kernels are compiled, which takes tens of seconds at first: what is said, and a second process that helps."""
+"""While kernels are compiled, which takes tens of seconds at first: what is said, and a second process that helps.
+
+Compile kernels in a second process while this one compiles others; both keep them in the same cache. The second
+process calls a function that has the kernels compiled, and this one takes them from the cache when it comes to them.
+Where no second process can be had, or it fails, nothing is lost: a kernel that the cache lacks is compiled in this
+process as ever.
+
+Say that kernels are compiled, and how many are: the first run after install takes tens of seconds without a sign.
+Numba tells when it compiles. What it loads from the cache it does not tell of, so that a warm run says nothing.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,9 @@
-"""How messages are written: numbers and shares, the first few of many names, command lines, texts of strangers."""
+"""How messages are written: numbers and shares, the first few of many names, command lines, texts of strangers.
+
+Characters that command a screen or hide what stands beside them, in texts of strangers: titles, notes, file names.
+They are taken out where text leaves the program: pages, pictures, tables and JSON here, terminals and error lines
+more strictly, by `str.isprintable`.
+"""
 
 from __future__ import annotations
 

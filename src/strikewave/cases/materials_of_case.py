@@ -1,4 +1,10 @@
-"""The numbers that materials named in a case stand for, and densities and moduli far from those of any material."""
+"""The numbers that materials named in a case stand for, and densities and moduli far from those of any material.
+
+The numbers that materials named in a case stand for: which they are, where they come from, which fields take them. A
+layer, a gasket or a pad names its material, and its modulus stands in no field of the case. Here each such number has
+a path of its own, ``material.PTFE.modulus``, one for all parts of that material: they are of one grade, and off
+together. What a part states itself overrules the table, and is not listed.
+"""
 
 from __future__ import annotations
 

@@ -3,6 +3,10 @@
 A path names tables and a key, such as ``machine.speed``; a row of an array of tables goes by its name or its place.
 Where a table may be one of several, its ``kind`` (``shape``, ``law``) tells which; it stands in pydantic's paths, not
 in ours.
+
+Where the values of a file of one's own come from: what was typed or changed there is the user's. A built-in case
+states the provenance of every value. A file that begins from one, by its ``source``, is held against it: a badge or a
+note that came along with a value is no longer true of another value.
 """
 
 from __future__ import annotations

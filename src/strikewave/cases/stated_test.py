@@ -1,4 +1,8 @@
-"""The file of a test: [test], and what a test report of a laboratory holds beside it. It changes no figure."""
+"""The file of a test: [test], and what a test report of a laboratory holds beside it. It changes no figure.
+
+Photographs that a test file names: checked, made small and free of all but the picture, to stand in a page. Nothing
+of a file goes into a page as it is: it is decoded, and what is seen is written anew.
+"""
 
 from __future__ import annotations
 

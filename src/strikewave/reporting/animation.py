@@ -1,4 +1,10 @@
-"""Animations: one page with one player for all analyses, and one writer of GIFs; an analysis says what is drawn."""
+"""Animations: one page with one player for all analyses, and one writer of GIFs; an analysis says what is drawn.
+
+A page that plays an animation by itself: one template, one player; an analysis gives only what is drawn. A *scene*
+shows polygons, lines and pictures in space, undistorted; a *chart* shows panels with one axis, time or place. The
+page stands alone: script, style and data are inside, and its policy lets nothing else run. It begins to play unless
+the reader asks for less motion.
+"""
 
 from __future__ import annotations
 

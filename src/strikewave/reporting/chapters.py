@@ -1,4 +1,13 @@
-"""A report: its page, pictures in it, and the sections that reports of different analyses share."""
+"""A report: its page, pictures in it, and the sections that reports of different analyses share.
+
+A matplotlib figure as an SVG element that stands in an HTML page among others. Text stays text (``svg.fonttype``
+none): it can be searched and copied, stays sharp at any size, shows letters that matplotlib's font lacks, and a
+picture takes half the room. matplotlib sets DejaVu Sans; where that is absent, Verdana has nearly the same widths and
+any other face is narrower, so nothing runs into anything, and anchors keep centred labels centred.
+
+The page: head and sections in, HTML text out. Everything on it is a `Section`; the template knows four kinds of parts
+and nothing of machines.
+"""
 
 from __future__ import annotations
 

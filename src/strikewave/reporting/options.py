@@ -1,4 +1,9 @@
-"""Options of commands: kinds that turn what was typed into a value, and those that several commands take."""
+"""Options of commands: kinds that turn what was typed into a value, and those that several commands take.
+
+Kinds of options that turn what was typed into a value. A kind is used as ``Annotated[float | None, quantity("--
+speed", si="m/s", help="Approach speed.")]``. Choices and counts need none: a ``Literal``, or ``typer.Option("--runs",
+min=10)``.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,8 @@
-"""[fem] and [mesh]: parts, what holds and loads them, where they touch, what is watched."""
+"""[fem] and [mesh]: parts, what holds and loads them, where they touch, what is watched.
+
+[fem]: a run of explicit finite elements; what holds the parts, loads them, where they touch, and what is watched. A
+side is ``part.side``; the name of a part alone stands for all its exterior faces.
+"""
 
 from __future__ import annotations
 

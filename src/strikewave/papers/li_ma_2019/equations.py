@@ -1,4 +1,14 @@
-"""The numbered equations of Li & Ma 2019, one row each: words from equations.toml, numbers computed when called."""
+"""The numbered equations of Li & Ma 2019, one row each: words from equations.toml, numbers computed when called.
+
+Equations (1) to (25) of Li & Ma 2019, the contact force: their numbers on an example. Each is taken for itself, with
+what enters it repaired and C that of the exact factor. Symbols: K stiffness (N/m^n), C damping (N s/m^(n + 1)), chi =
+C v0/K, n = 10/9, d indentation (m), m_eq equivalent mass (kg), v0 closing speed (m/s), e restitution, I the integral
+of (15).
+
+Equations (26) to (40) of Li & Ma 2019, the stress wave: their numbers on an example. Times count from the first
+arrival at x. Symbols: t0 transit of the specimen (s), tl = (l - x)/c what is left of it behind x, F_I and F_II
+reflections, gamma first strain over incident strain, eps_i incident strain, Z impedance.
+"""
 
 from __future__ import annotations
 

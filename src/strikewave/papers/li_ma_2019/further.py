@@ -1,4 +1,9 @@
-"""Runs beyond those that the figures need: meshes, assumed dimensions, a second blow, the same bodies without yield."""
+"""Runs beyond those that the figures need: meshes, assumed dimensions, a second blow, the same bodies without yield.
+
+How the answers of the element models depend on their meshes, and on the dimensions that are only assumed. The paper
+gives no dimension. What stands on another part follows it: a taller frame carries the striker higher and leaves more
+room for what stands in its opening.
+"""
 
 from __future__ import annotations
 

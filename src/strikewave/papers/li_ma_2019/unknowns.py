@@ -1,4 +1,14 @@
-"""What inputs that are not published leave of published numbers: Figure 5 over gaskets, Figure 13 over joints."""
+"""What inputs that are not published leave of published numbers: Figure 5 over gaskets, Figure 13 over joints.
+
+Figure 5 over gaskets: the direct sensor in the blow in which the buffered one reads its published peak. The buffered
+peak, 6 353.22 g, is met by the engagement with every gasket; the direct reading of the same blow is then asked. It is
+6 353.22 g over what the gasket passes of a peak, so that it knows no bounds but those of the gaskets.
+
+Figure 13 over joints: what the sensor between two cylinders reads, by how hard the bolts press and the faces yield.
+The joints above and below the sensor are bolted faces: unilateral springs under a preload. Where the tension behind
+the front of the blow exceeds the preload they open, and chatter; each closing is a steep front, which the sensor
+answers with its resonance.
+"""
 
 from __future__ import annotations
 

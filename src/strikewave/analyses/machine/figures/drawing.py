@@ -3,6 +3,13 @@
 Those of a rotary machine are to scale. A schematic is of symbols, not to scale: a kind of machine draws its own with a
 few of them in a field 10 wide. Each drawing is as wide as a phone shows without scrolling; balloons number the parts,
 whose numbers stand in a table beside it.
+
+The drawings of a rotary machine with its numbers: the whole, and the strike close up. Each is as wide as a phone
+shows without scrolling; the numbers of the parts stand in a table beside them.
+
+A schematic of a launched machine: symbols, not to scale; its parts with their numbers stand in a table beside it. A
+kind draws its own with a few symbols in a field 10 wide; balloons number the parts, as in the drawing of the rotary
+machine.
 """
 
 from __future__ import annotations
