@@ -1,8 +1,8 @@
 """Parts of pages: frame, boxes, diagrams, files that come and go, and what changes while a hand moves.
 
-Parts that change while a hand moves are drawn anew alone: a usual element of NiceGUI that changes has the browser build the
-page anew, which takes longer than a first look at a machine is computed in. These take what changed by a method of their
-own component.
+Parts that change while a hand moves are drawn anew alone: a usual element of NiceGUI that changes has the browser build
+the page anew, which takes longer than a first look at a machine is computed in. These take what changed by a method of
+their own component.
 """
 
 from __future__ import annotations
