@@ -4,9 +4,9 @@ Walls of a frame as beams clamped at both ends and struck in the middle: stiffne
 E Young's modulus (Pa), G shear modulus (Pa), nu Poisson's ratio, L span (m), b width (m), t thickness (m), I = b
 t^3/12 second moment (m^4), A = b t area (m^2).
 
-The bodies of a finite-element case as a few masses on springs, and as layers of a bar: nothing fitted. A
-half-cylinder strikes the top wall of a frame; between its top and bottom wall stands a column: a shell, or cylinders with
-a sensor. Sizes, solids and speed are those of the case. Both answers are elastic throughout (restitution 1: what
+The bodies of a finite-element case as a few masses on springs, and as layers of a bar: nothing fitted.
+A half-cylinder strikes the top wall of a frame; between its top and bottom wall stands a column: a shell, or
+cylinders with a sensor. Sizes, solids and speed are those of the case. Both answers are elastic throughout (restitution 1: what
 elements lose to yielding is not in them), have no gravity, and follow motion along the blow alone.
 """
 
