@@ -6,8 +6,8 @@ t^3/12 second moment (m^4), A = b t area (m^2).
 
 The bodies of a finite-element case as a few masses on springs, and as layers of a bar: nothing fitted.
 A half-cylinder strikes the top wall of a frame; between its top and bottom wall stands a column: a shell, or
-cylinders with a sensor. Sizes, solids and speed are those of the case. Both answers are elastic throughout (restitution 1: what
-elements lose to yielding is not in them), have no gravity, and follow motion along the blow alone.
+cylinders with a sensor. Sizes, solids and speed are those of the case. Both answers are elastic throughout
+(restitution 1: what elements lose to yielding is not in them), have no gravity, and follow motion along the blow alone.
 """
 
 from __future__ import annotations
