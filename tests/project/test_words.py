@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -241,3 +242,35 @@ def test_numbers_of_notices_are_written_as_plain_digits(path):
 
 def test_a_planted_number_with_an_exponent_is_found():
     assert with_exponents('message = f"{100.0 * share:.2g} % of the radius"\nother = f"{plain(1e3)} kN"') != []
+
+
+OPENERS = ("Of", "What", "Whether", "Which")
+"""Words that begin a clause, not the name of a thing."""
+
+
+def attribute_lines(tree):
+    """Yield what is said of constants and fields: the text below an assignment, and entries of sections of a docstring."""
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        for stated, text in pairwise(body if isinstance(body, list) else ()):
+            words = getattr(getattr(text, "value", None), "value", None)
+            if isinstance(stated, ast.Assign | ast.AnnAssign) and isinstance(text, ast.Expr) and isinstance(words, str):
+                yield words.strip()
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            yield from re.findall(r"^\w[\w, *]* : .*\n    (\S.*)", ast.get_docstring(node) or "", re.MULTILINE)
+
+
+def opened_by_a_clause(text):
+    return [line for line in attribute_lines(ast.parse(text)) if line.split()[0].strip(",:") in OPENERS]
+
+
+def test_constants_and_fields_are_described_by_the_noun_that_they_are():
+    """Compiled kernels keep theirs: their text is the key under which machine code is kept."""
+    paths = [path for path in MODULES if not path.name.startswith("_") or path.name == "__init__.py"]
+    assert [line for path in paths for line in opened_by_a_clause(path.read_text("utf-8"))] == []
+
+
+def test_a_planted_clause_is_found_in_each_place():
+    text = 'A = 1\n"""Of the base, m."""\nclass B:\n    """B.\n\n    Attributes\n    ----------\n    a : int\n        What it is.\n    """\n'
+    assert opened_by_a_clause(text) == ["Of the base, m.", "What it is."]
+    assert opened_by_a_clause(text.replace("Of the", "Mass of the").replace("What it is", "Size")) == []

@@ -48,8 +48,8 @@ different."""
 CALLED: Any = {**FULL, "_nrt": False}
 """Numba's options of a large kernel that makes no array."""
 FUSED = {"contract", "arcp"}
-"""What LLVM may do to the formulas of fused kernels: round a product and a sum once together, and multiply by a rounded
-1/b where it divides by b. Either is off by a rounding or two."""
+"""Liberties of LLVM with the formulas of fused kernels: round a product and a sum once together, and multiply by a
+rounded 1/b where it divides by b. Either is off by a rounding or two."""
 LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
 """Numba's own, for kernels that come from no plain file: a frozen program, a notebook, a zipped package."""
 
@@ -431,7 +431,7 @@ def _compiled(function: F, options: dict[str, Any], cache: type[_KernelCache] = 
 PRIVATE = 0o700
 """Mode of the folder: its owner reads and writes, nobody else sees it."""
 WRITTEN_BY_OTHERS = stat.S_IWGRP | stat.S_IWOTH
-"""Of a mode, by which others may have put files there."""
+"""Bits of a mode by which others may have put files there."""
 CHECK = hashlib.sha256().digest_size
 """Bytes of the check sum at the beginning of a file."""
 

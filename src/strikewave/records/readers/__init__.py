@@ -65,7 +65,7 @@ class Options(NamedTuple):
     time_unit : float or None
         Seconds of one number of the time column; overrules the unit that the file states.
     measurement : int or None
-        Which of the measurements of a file to take, from 1.
+        Number of the measurement to take, from 1.
     """
 
     rate: float | None = None
@@ -90,7 +90,7 @@ def read_record(path: str | Path, options: Options = Options()) -> Record:  # no
     path : str or Path
         The file; its content says which format it has.
     options : Options, optional
-        What the file itself does not say: sampling rate (Hz), column of time, channels wanted, unit of time (s).
+        Statements that the file lacks: sampling rate (Hz), column of time, channels wanted, unit of time (s).
 
     Returns
     -------
