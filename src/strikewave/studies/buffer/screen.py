@@ -145,12 +145,8 @@ class BufferCommand(ResumableCommand[BufferStudy]):
 
     def draw(self, result: BufferStudy, folder: Path) -> list[str]:
         """Write the page, peak over bandwidth, histories and transmissibility."""
-        from strikewave.studies.buffer.report import (
-            buffer_histories,
-            buffer_report,
-            buffer_transmissibility,
-            peak_bandwidth,
-        )
+        from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
+        from strikewave.studies.buffer.report import buffer_report
 
         with drawing(folder / "peak-bandwidth.svg") as path:
             save(peak_bandwidth(result), path)
