@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from strikewave.analyses.hopkinson.result import EchoSolution, HopkinsonSolution, SensorSolution
 from strikewave.base.texts import percent
@@ -29,6 +28,9 @@ from strikewave.reporting.style import (
     sheet_title,
     thin,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 SINCE = "time after the wave arrives at the specimen"
 AT_END = "time after the wave arrives at the end"

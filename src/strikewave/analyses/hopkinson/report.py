@@ -6,9 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, Any
 
 from strikewave.analyses.hopkinson.figures import (
     draw_accelerations,
@@ -50,6 +48,9 @@ from strikewave.reporting.numbers import fixed, headed, shown, shown_unit, spell
 from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
 from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import WHOLE, one_diagram, save
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 def outcome_page(solution: Outcome, summary: chapters.Summary, sections: Sequence[Section]) -> str:

@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from strikewave.analyses.record.specification.result import SpecificationResult, specification_words
-from strikewave.analyses.record.specification.synthesis import SynthesisResult, synthesis_words, synthesize
-from strikewave.analyses.record.verdicts import print_spectra_verdict
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE
 from strikewave.base.documents import head
@@ -32,6 +30,9 @@ from strikewave.specifications.reading import (
     specification_names,
 )
 from strikewave.specifications.tables import numbers_of
+
+if TYPE_CHECKING:
+    from strikewave.analyses.record.specification.synthesis import SynthesisResult
 
 HEADER = """\
 # A specification of your own, begun from {origin}. Type the numbers of your document, and say at the head what they
@@ -201,8 +202,8 @@ def synthesize_specification(name: str, by: str, rate: float | None, output: Out
 
 
 @dataclass(frozen=True)
-class SynthesisCommand(Command[SynthesisResult]):
-    """A synthesis that is asked for."""
+class SynthesisCommand(Command["SynthesisResult"]):
+    """A synthesis that is asked for; its parts are imported late, since to show a specification needs none of them."""
 
     indent: ClassVar[int | None] = None
     of_test: ClassVar[bool] = False
@@ -214,14 +215,20 @@ class SynthesisCommand(Command[SynthesisResult]):
 
     def solve(self) -> SynthesisResult:
         """Return the motion with its verdict."""
+        from strikewave.analyses.record.specification.synthesis import synthesize
+
         return synthesize(self.specification, self.by, self.rate, self.origin)
 
     def summary(self, result: SynthesisResult) -> str:
         """Say the verdict, and what a shaker must reach."""
+        from strikewave.analyses.record.specification.synthesis import synthesis_words
+
         return synthesis_words(result)
 
     def show(self, result: SynthesisResult) -> None:
         """Print the key numbers and the clauses."""
+        from strikewave.analyses.record.verdicts import print_spectra_verdict
+
         table("The motion", [*keys("quantity"), *numerals("value")], [list(row) for row in result.highlights()])
         print_spectra_verdict(result.verdict)
 
