@@ -410,6 +410,7 @@ def _pairs(old: types.CodeType, new: types.CodeType) -> Iterator[tuple[types.Cod
 
 def _functions() -> list[types.FunctionType]:
     """Return all functions of the project."""
+    gc.unfreeze()  # tests freeze what was collected, and the collector does not list what is frozen
     return [one for one in gc.get_objects() if type(one) is types.FunctionType and _is_ours(one.__module__)]
 
 
@@ -418,6 +419,7 @@ def _dispatchers() -> list[Any]:
     """Return all kernels of the project."""
     from numba.core.registry import CPUDispatcher
 
+    gc.unfreeze()
     return [one for one in gc.get_objects() if isinstance(one, CPUDispatcher) and _is_ours(one.py_func.__module__)]
 
 

@@ -170,7 +170,7 @@ def test_channels_of_two_units_share_no_axis(tmp_path, monkeypatch):
     result = strikewave.record(["a.csv"])
     charts = [history_chart(result, unit) for unit in units_of_channels(result)]
     largest = {chart["yAxis"]["name"]: max(y for _, y in chart["series"][0]["data"]) for chart in charts}
-    assert largest == pytest.approx({"acceleration (g)": 3000.0, "force (N)": 500.0}, rel=1e-3)
+    assert largest == pytest.approx({"acceleration (g)": 3000.0, "force (kN)": 0.5}, rel=1e-3)
 
 
 @pytest.mark.verify

@@ -9,21 +9,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from strikewave.analyses.record.options import SpecificationOptions, filtered
+from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.analyses.record.rows import name_of
 from strikewave.analyses.record.sentences import named
 from strikewave.analyses.record.spectrum import (
-    ALLOWED_Q,
     KINDS,
     LEFT_OUT,
     ChannelRolling,
     ChannelSpectra,
-    Rolling,
     ShockSpectra,
     SpectrumOptions,
     SpectrumRequest,
     SpectrumResult,
     harm_of,
-    read_rolling,
     response_of,
     rms_of,
     spectra_of_kinds,

@@ -1,4 +1,4 @@
-"""What the spectra of a record are: what they are asked by, their frequencies, tables, documents."""
+"""What the spectra of a record are: their frequencies, tables, documents."""
 
 from __future__ import annotations
 
@@ -12,11 +12,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from strikewave.analyses.record.rolling_window import Rolling
 from strikewave.base import declare
 from strikewave.base.declare import GivenUnits, Quantity
-from strikewave.base.errors import InputError
 from strikewave.base.shock_quantities import FREQUENCY, LENGTH, MICROSECONDS, RATIO, VELOCITY
-from strikewave.base.units import parse_quantity
 from strikewave.records import ChannelReading
 from strikewave.records.budget import Budget
 from strikewave.records.health_notice import HealthNotice, worst
@@ -38,42 +37,6 @@ from strikewave.signal.srs import (
     tolerance_limit,
 )
 from strikewave.specifications.judged_records import SpectraVerdict
-
-ALLOWED_Q = "a quality factor above zero, such as 10 for 5 % of critical damping, or inf"
-HOP = 0.25
-"""Hop of a rolling spectrum over its window, unless said: a blow then lies well inside of one of four windows."""
-
-
-class Rolling(NamedTuple):
-    """Window and hop of a rolling spectrum, s, and how they were typed."""
-
-    window: float
-    hop: float
-    word: str
-
-
-def read_rolling(word: str, field: str) -> Rolling:
-    """Return a window, and a hop after a comma.
-
-    Raises
-    ------
-    InputError
-        If they are no times above zero.
-
-    Examples
-    --------
-    >>> read_rolling("20 ms,5 ms", "--rolling")[:2], read_rolling("20 ms", "--rolling")[:2]
-    ((0.02, 0.005), (0.02, 0.005))
-    """
-    allowed = 'a window, or a window and a hop, times above zero such as "20 ms" or "20 ms,5 ms"'
-    try:
-        times = [parse_quantity(part.strip(), "s", field) for part in word.split(",")]
-    except InputError as error:
-        raise InputError(field, word, allowed) from error
-    if len(times) > 2 or not all(0.0 < time < math.inf for time in times):
-        raise InputError(field, word, allowed)
-    return Rolling(times[0], times[-1] if len(times) > 1 else HOP * times[0], word)
-
 
 Array = NDArray[np.float64]
 

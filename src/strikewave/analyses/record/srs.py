@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from strikewave.analyses.record.options import FilterOptions, SpecificationOptions
-from strikewave.analyses.record.spectrum import ALLOWED_Q, Rolling, SpectrumOptions, SpectrumRequest, read_rolling
+from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Typed, bare_number, one_of, parsed, quantity
 from strikewave.reporting.output_options import Output
@@ -106,6 +106,7 @@ def command(
     --json, no files are written unless --out is given. The exit code is 3 where the verdict is FAIL.
     """
     from strikewave.analyses.record.file_spectra import FilesAsked
+    from strikewave.analyses.record.spectrum import SpectrumOptions, SpectrumRequest
     from strikewave.analyses.record.spectrum_screen import compute_spectra
     from strikewave.records import Request
 
