@@ -93,10 +93,7 @@ def operations(yields, full):
     slabs, step, viscous = np.array([[0, 1]]), Number(1e-7), (Number(0.06), Number(1.5))
     scratch, sums = lifted(np.zeros(layout.SCRATCH)), lifted(np.zeros((1, layout.SUMS)))
     Number.done, counting = 0, SimpleNamespace(sqrt=Number.sqrt)
-    with (
-        mock.patch.object(_hexahedron_kernels, "math", counting),
-        mock.patch.object(_solid_kernels, "math", counting),
-    ):
+    with mock.patch.object(_hexahedron_kernels, "math", counting), mock.patch.object(_solid_kernels, "math", counting):
         kind.forces(blocks, slabs, np.array([0]), *moving, step, viscous, scratch, sums)
     return round(Number.done / layout.LANES)
 

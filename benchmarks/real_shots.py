@@ -10,17 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from strikewave.hopkinson import (
-    Bar,
-    Bridge,
-    GaugeTrace,
-    Pulses,
-    Reduction,
-    Specimen,
-    align,
-    find_pulses,
-    reduce,
-)
+from strikewave.hopkinson import Bar, Bridge, GaugeTrace, Pulses, Reduction, Specimen, align, find_pulses, reduce
 from strikewave.hopkinson.alignment import Method
 from strikewave.hopkinson.pulses import quieten
 from strikewave.records import read_record

@@ -155,10 +155,7 @@ def draw(study: FitStudy, found: dict[str, list[Machine]]) -> None:
         if column < 2:
             one, unit = study.parameters[column], UNITS[column]
             axes.axvspan(one.low / unit, one.high / unit, color=RED, alpha=0.15, linewidth=0.0)
-        axes.set_yticks(
-            range(len(order)),
-            [path.replace(".", ": ").replace("_", " ") for path in order],
-        )
+        axes.set_yticks(range(len(order)), [path.replace(".", ": ").replace("_", " ") for path in order])
         quiet(axes, "", head, "")
     save(figure, IMAGES / "fit-li-ma-2019.svg")
 

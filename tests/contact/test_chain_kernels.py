@@ -184,11 +184,7 @@ def test_energies_of_a_spring_either_way_and_of_a_stop_where_pressed(kernels):
         assert [kernels.spring_energy(chain, i, y) for i in range(2)] == expected
 
 
-RUBBED = [
-    Friction("a", "b", 6.0, 9.0),
-    Spring("a", "w", 100.0, offset=-0.5),
-    Spring("t", "b", 30.0, 2.0),
-]
+RUBBED = [Friction("a", "b", 6.0, 9.0), Spring("a", "w", 100.0, offset=-0.5), Spring("t", "b", 30.0, 2.0)]
 
 
 def test_friction_holds_its_nodes_with_equal_accelerations(kernels):

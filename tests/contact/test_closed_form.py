@@ -10,9 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 
 from strikewave.contact import Contact, exact, li_ma_printed, reduced_mass, restitution, solve_impact
-from strikewave.contact._kernels import (
-    _double_exponential,
-)
+from strikewave.contact._kernels import _double_exponential
 
 
 def span_to_thirty_digits(e):

@@ -53,12 +53,7 @@ def as_gmsh(meshio, mesh, turn=False):
     top, foot = mesh.sides["bar.top"], mesh.sides["base.z-"]
     hexahedra = mesh.hexahedra[:, FLIPPED] if turn else mesh.hexahedra
     cells = [("quad", top[:, ::-1]), ("hexahedron", hexahedra), ("quad", foot), ("line", foot[:, :2])]
-    tags = [
-        np.full(len(top), 11),
-        mesh.part.astype(int) + 1,
-        np.full(len(foot), 12),
-        np.zeros(len(foot), int),
-    ]
+    tags = [np.full(len(top), 11), mesh.part.astype(int) + 1, np.full(len(foot), 12), np.zeros(len(foot), int)]
     points = np.concatenate([mesh.points, [[99.0, 99.0, 99.0]]])
     named = {"base": [1, 3], "bar": [2, 3], "top": [11, 2], "z-": [12, 2]}
     return meshio.Mesh(
@@ -431,11 +426,7 @@ def test_a_file_that_is_cut_off_or_garbled_ends_in_an_input_error(meshio, tmp_pa
 
 @pytest.mark.parametrize(
     ("name", "content", "word"),
-    [
-        ("nothing.msh", None, "no such file"),
-        ("mesh.stl", b"solid", "ends in"),
-        ("empty.inp", b"", "0 hexahedra"),
-    ],
+    [("nothing.msh", None, "no such file"), ("mesh.stl", b"solid", "ends in"), ("empty.inp", b"", "0 hexahedra")],
 )
 def test_files_that_are_no_meshes_are_refused(tmp_path, name, content, word):
     path = tmp_path / name

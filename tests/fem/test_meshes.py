@@ -57,10 +57,7 @@ ROUND = {
     "cup": (lambda h, sector="whole": tube("a", CUP, h, h, sector), math.pi * (69e-6 * 0.03 + 1e-4 * 0.004)),
     "shell": (lambda h, sector="whole": tube("a", SHELL, h, h, sector), math.pi * (69e-6 * 0.03 + 1e-4 * 0.007)),
     "ball": (lambda h, sector="whole": ball("a", 0.01, h, sector), 4.0 / 3.0 * math.pi * 1e-6),
-    "graded ball": (
-        lambda h, sector="whole": ball("a", 0.01, Grading(h, h / 4), sector),
-        4.0 / 3.0 * math.pi * 1e-6,
-    ),
+    "graded ball": (lambda h, sector="whole": ball("a", 0.01, Grading(h, h / 4), sector), 4.0 / 3.0 * math.pi * 1e-6),
     "half ball": (
         lambda h, sector="whole": ball("a", 0.01, Grading(h, h / 4), sector, lower_half=True),
         2.0 / 3.0 * math.pi * 1e-6,

@@ -7,16 +7,7 @@ import numpy as np
 import pytest
 
 from strikewave.fem.mesh import Mesh, joined, volumes
-from strikewave.fem.model import (
-    Controls,
-    Driven,
-    Fixed,
-    Model,
-    RigidWall,
-    SurfaceContact,
-    Symmetry,
-    TimeCurve,
-)
+from strikewave.fem.model import Controls, Driven, Fixed, Model, RigidWall, SurfaceContact, Symmetry, TimeCurve
 from strikewave.fem.shapes import block, cylinder, moved
 from strikewave.fem.snapshots import (
     PER_TRANSIT,

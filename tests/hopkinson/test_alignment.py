@@ -9,14 +9,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.signal.windows import hann
 
-from strikewave.hopkinson import (
-    Bar,
-    Carrier,
-    GaugeTrace,
-    align,
-    carried,
-    find_pulses,
-)
+from strikewave.hopkinson import Bar, Carrier, GaugeTrace, align, carried, find_pulses
 from strikewave.hopkinson.alignment import (
     _averaged,
     _late_by_balance,

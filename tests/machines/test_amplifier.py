@@ -260,11 +260,7 @@ def test_nothing_happens_after_the_duration():
 # --- gains ---
 
 
-@given(
-    masses=st.lists(st.floats(0.1, 10.0), min_size=2, max_size=5),
-    e=st.floats(0.3, 1.0),
-    speed=st.floats(0.1, 20.0),
-)
+@given(masses=st.lists(st.floats(0.1, 10.0), min_size=2, max_size=5), e=st.floats(0.3, 1.0), speed=st.floats(0.1, 20.0))
 def test_line_at_rest_against_its_closed_form(masses, e, speed):
     masses = sorted(masses, reverse=True)
     count = len(masses)
@@ -577,18 +573,7 @@ def test_slow_bodies_stay_together_with_their_momentum():
     above = collide(line((1.0, 3.0, 2.0, 1.0), 0.5, (1e-9, 0.1, 1.0), (1.5e-8, 0.0, 0.0, 10.0)), duration=2.0)
     assert above.final_speeds[:2] == pytest.approx([1.5e-8 * (1.0 - 1.5 * 0.75), 1.5e-8 * 1.5 * 0.25], rel=1e-9)
     # one that comes to a wall is stopped by it
-    wall = collide(
-        line(
-            (
-                2.0,
-                INF,
-            ),
-            0.5,
-            (1e-9,),
-            (slow, 0.0),
-        ),
-        duration=2.0,
-    )
+    wall = collide(line((2.0, INF), 0.5, (1e-9,), (slow, 0.0)), duration=2.0)
     assert wall.final_speeds.tolist() == pytest.approx([-0.5 * slow, 0.0])
     ceiling = collide(line((1.0, 2.0, INF), 0.5, (1.0, 1e-9), (-10.0, slow, 0.0)), duration=2.0)
     assert ceiling.final_speeds.tolist() == [-10.0, 0.0, 0.0]

@@ -43,14 +43,7 @@ from strikewave.machines.machine import energy, machine_system
 from strikewave.machines.strike import _ease, _end_force, _settle_in, _Strike, _supports, strike
 from strikewave.machines.struck_object import LayeredObject, machine_grid
 from strikewave.waves import Branch, Joint, Layer, Stack
-from strikewave.waves._kernels import (
-    END_BETA,
-    END_RESISTANCE,
-    END_SIGMA,
-    advance,
-    arriving_at_face,
-    force_and_velocity,
-)
+from strikewave.waves._kernels import END_BETA, END_RESISTANCE, END_SIGMA, advance, arriving_at_face, force_and_velocity
 from strikewave.waves._kernels import momentum as waves_momentum
 from strikewave.waves._press_kernels import CLOSED, CONTACT_SIZE, COUNT, DEPTH, LOST, QUIET
 from strikewave.waves._press_kernels import FORCE as CONTACT_FORCE

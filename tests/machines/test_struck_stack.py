@@ -398,10 +398,7 @@ def test_blow_is_force_impulse_and_momentum_at_once(base, name):
         # masses times speeds gain what went in, less what went through the end, and the weight
         gained = sum(
             m * (history[:, c] - history[0, c])
-            for m, c in (
-                (span.struck.nose_mass, column.NOSE_SPEED),
-                (span.struck.assembly_mass, column.ASSEMBLY_SPEED),
-            )
+            for m, c in ((span.struck.nose_mass, column.NOSE_SPEED), (span.struck.assembly_mass, column.ASSEMBLY_SPEED))
         )
         weight = mass * span.struck.gravity * step * np.arange(len(history))
         assert gained == pytest.approx(entered - history[:, column.END_IMPULSE] + weight, abs=1e-11 * entered[-1])

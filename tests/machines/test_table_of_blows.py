@@ -180,11 +180,7 @@ def test_blow_below_half_the_nominal_speed_is_glancing():
 
 @pytest.mark.parametrize(
     ("gap", "share", "kind", "end"),
-    [
-        (1.01e-4, 0.101, "double", 0.213),
-        (1.01e-4, 0.099, "full", 0.21),
-        (0.99e-4, 0.9, "full", 0.213),
-    ],
+    [(1.01e-4, 0.101, "double", 0.213), (1.01e-4, 0.099, "full", 0.21), (0.99e-4, 0.9, "full", 0.213)],
 )
 def test_second_group_of_contacts_makes_a_double_blow_by_its_impulse(gap, share, kind, end):
     """A width later, with a tenth of the impulse; else it is none of the blow, which ends with its first group."""

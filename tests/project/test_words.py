@@ -98,10 +98,7 @@ WORDS = (
     ),
 )
 """One row for each old word of what users see, in the order of the glossary."""
-FIRST_USE = {
-    "restitution": r"coefficients? of restitution",
-    "engagement": r"engagement.{0,60}radial overlap",
-}
+FIRST_USE = {"restitution": r"coefficients? of restitution", "engagement": r"engagement.{0,60}radial overlap"}
 """A term, and how it stands where a page of ``docs``, the README or the help of a command first uses it."""
 
 

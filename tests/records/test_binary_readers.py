@@ -13,18 +13,7 @@ import pytest
 from strikewave.base.errors import InputError
 from strikewave.records.readers import FORMATS, Options, common, read_record
 
-from .samples import (
-    BOARD,
-    FRAME,
-    NEEDS,
-    RAW,
-    SAMPLES,
-    SIZE,
-    START,
-    STEP,
-    TIME,
-    uff_set,
-)
+from .samples import BOARD, FRAME, NEEDS, RAW, SAMPLES, SIZE, START, STEP, TIME, uff_set
 
 READERS = {form: importlib.import_module(f"strikewave.records.readers.{module}") for form, module in FORMATS.items()}
 

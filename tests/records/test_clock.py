@@ -169,9 +169,7 @@ def test_without_time_a_rate_is_asked_for(step):
         even(Channel("board", np.ones(20), step))
 
 
-@given(
-    st.lists(st.one_of(st.floats(), st.integers(0, 100).map(lambda k: 1e-3 * k)), max_size=60),
-)
+@given(st.lists(st.one_of(st.floats(), st.integers(0, 100).map(lambda k: 1e-3 * k)), max_size=60))
 def test_any_stamps_end_in_an_even_clock(stamps):
     channel, findings = put_even(stamps, np.ones(len(stamps)))
     assert channel.stamps is None

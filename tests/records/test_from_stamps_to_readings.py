@@ -604,9 +604,7 @@ def test_the_coupling_of_a_response_is_the_one_stated_or_recognised(monkeypatch)
     )
     channel = Channel("a", np.zeros(3), 1e-3, 3.0)
     monkeypatch.setattr(
-        reading,
-        "examine",
-        lambda examined: [HealthNotice("x", "", 9.0), HealthNotice("ac-coupling", "", 0.25)],
+        reading, "examine", lambda examined: [HealthNotice("x", "", 9.0), HealthNotice("ac-coupling", "", 0.25)]
     )
     plain, (said,) = reading._response_without_coupling(channel, record, "auto")
     assert (plain.values.tolist(), said.value, calls) == ([5.0, 7.0, 9.0], 0.25, [(0.25, 200)])

@@ -680,8 +680,7 @@ def test_a_train_in_the_period_of_the_mains_of_blows_too_short_for_it_is_struck(
 
 
 @pytest.mark.parametrize(
-    ("how", "blips"),
-    [({}, True), ({"jitter": 0.005}, False), ({"scatter": 0.06}, False), ({"after": 2.0}, False)],
+    ("how", "blips"), [({}, True), ({"jitter": 0.005}, False), ({"scatter": 0.06}, False), ({"after": 2.0}, False)]
 )
 def test_long_blows_in_step_with_the_mains_are_struck_where_the_mains_would_not_do_so(rng, how, blips):
     """Of 2 ms a 20 ms: early or late, of several heights, or none where one is due; else one record does not show it."""

@@ -41,15 +41,7 @@ def test_fewer_than_two_clean_boards_in_a_hundred_raise_a_finding(kind, count):
     assert len(silent(found)) <= 0.02 * count, silent(found)
 
 
-TOLD = (
-    "board-clipped",
-    "board-coarse",
-    "board-dead",
-    "board-offset",
-    "board-short",
-    "board-spike",
-    "board-thermal",
-)
+TOLD = ("board-clipped", "board-coarse", "board-dead", "board-offset", "board-short", "board-spike", "board-thermal")
 """Classes of faults without a silent miss; the table in docs/benchmarks.md has the others."""
 
 

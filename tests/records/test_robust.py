@@ -93,11 +93,7 @@ def test_the_spread_of_normal_samples_has_no_bias(rng, n):
 
 
 @settings(derandomize=True, max_examples=100, deadline=None)
-@given(
-    st.lists(st.floats(-1e3, 1e3), min_size=5, max_size=30),
-    st.floats(1e-3, 1e3),
-    st.floats(-1e3, 1e3),
-)
+@given(st.lists(st.floats(-1e3, 1e3), min_size=5, max_size=30), st.floats(1e-3, 1e3), st.floats(-1e3, 1e3))
 def test_spread_and_line_follow_scale_and_shift(values, scale, shift):
     sample = np.array(values)
     assert spread_of(scale * sample + shift) == pytest.approx(

@@ -14,12 +14,7 @@ from strikewave.records.smooth_pulse import SmoothPulse, fit_smooth_pulse
 
 TIME = np.linspace(0.0, 2.0, 121)
 pulses = st.builds(
-    SmoothPulse,
-    st.floats(0.5, 1.5),
-    st.floats(0.4, 0.6),
-    st.floats(0.6, 1.2),
-    st.floats(0.2, 0.8),
-    st.floats(0.5, 3.0),
+    SmoothPulse, st.floats(0.5, 1.5), st.floats(0.4, 0.6), st.floats(0.6, 1.2), st.floats(0.2, 0.8), st.floats(0.5, 3.0)
 )
 
 

@@ -250,11 +250,7 @@ def test_without_a_header_channels_are_numbered(read):
 
 
 def test_tektronix_settings_beside_the_data_are_left_out(read):
-    beside = [
-        "Record Length,4,Points",
-        "Sample Interval,1e-06,s",
-        'Note,"",',
-    ]
+    beside = ["Record Length,4,Points", "Sample Interval,1e-06,s", 'Note,"",']
     rows = [f"{k * 1e-6:.6e},{0.5 * k}" for k in range(40)]
     record = read("\n".join(f"{beside[k] if k < 3 else ',,'},{row}" for k, row in enumerate(rows)) + "\n")
     assert values(record) == [[0.5 * k for k in range(40)]]

@@ -10,15 +10,7 @@ from hypothesis import strategies as st
 
 from strikewave.records import Channel, Record, Request, find_pulses, read_file, trains
 from strikewave.records._pulse_kernels import best_chains
-from strikewave.records.trains import (
-    BlowTrain,
-    Contacts,
-    find_train,
-    gaps_of,
-    mains_period,
-    missing_of,
-    sort_contacts,
-)
+from strikewave.records.trains import BlowTrain, Contacts, find_train, gaps_of, mains_period, missing_of, sort_contacts
 
 RATE, DURATION, PEAK = 100e3, 300e-6, 1000.0
 WIDTH = 0.936 * DURATION

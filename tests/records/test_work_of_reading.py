@@ -10,16 +10,7 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.records import (
-    Channel,
-    FileReading,
-    Record,
-    Request,
-    compare,
-    find_pulses,
-    read_file,
-    summed,
-)
+from strikewave.records import Channel, FileReading, Record, Request, compare, find_pulses, read_file, summed
 from strikewave.records.health import examine, limits
 from strikewave.records.health.limits import BlowShape
 from strikewave.records.health.sampled_record import BlowRecord

@@ -173,9 +173,7 @@ CASES = [(command, ("A4", "letter")[k % 2]) for k, command in enumerate(COMMANDS
 
 @pytest.mark.verify
 @pytest.mark.parametrize(
-    ("command", "paper"),
-    CASES,
-    ids=[f"{'-'.join(command[:2])}-{paper}".replace("/", "-") for command, paper in CASES],
+    ("command", "paper"), CASES, ids=[f"{'-'.join(command[:2])}-{paper}".replace("/", "-") for command, paper in CASES]
 )
 def test_no_word_of_a_head_is_cut_or_broken_in_a_report(command, paper, measured, tmp_path, strikewave):
     folder = str(measured("smd-5kg-impacts")) if "{" in command[1] else ""

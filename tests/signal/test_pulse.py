@@ -9,14 +9,7 @@ from hypothesis import strategies as st
 
 from strikewave.signal import measure_pulse
 from strikewave.signal import pulse as module
-from strikewave.signal.pulse import (
-    area_between,
-    crossing,
-    foot_to_foot,
-    front,
-    largest,
-    refine_peak,
-)
+from strikewave.signal.pulse import area_between, crossing, foot_to_foot, front, largest, refine_peak
 
 
 def test_half_sine_changes_velocity_by_two_a_t_over_pi():

@@ -16,11 +16,7 @@ from strikewave.uncertainty.known import known_inputs
 RUBBER = "iec-60068-2-27-rubber"
 LOSSES = {
     "retardation": ["contact.restitution=1", "contact.cushion.retardation=50 us"],
-    "loss factor": [
-        "contact.restitution=1",
-        "contact.cushion.loss_factor=0.1",
-        "contact.cushion.loss_frequency=80 Hz",
-    ],
+    "loss factor": ["contact.restitution=1", "contact.cushion.loss_factor=0.1", "contact.cushion.loss_frequency=80 Hz"],
     "felt": [
         "machine.follow=30 ms",
         "contact.restitution=1",

@@ -177,11 +177,7 @@ CORRELATION = ((1.0, 0.6, -0.3), (0.6, 1.0, 0.2), (-0.3, 0.2, 1.0))
 
 def fitted(case, correlation=CORRELATION, to="a pulse", errors=ERRORS):
     table = FitTable(
-        fields=tuple(errors),
-        to=to,
-        under={"machine.speed": "730 rpm"},
-        standard_error=errors,
-        correlation=correlation,
+        fields=tuple(errors), to=to, under={"machine.speed": "730 rpm"}, standard_error=errors, correlation=correlation
     )
     return case.model_copy(update={"fit": (table,)})
 

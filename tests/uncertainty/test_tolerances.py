@@ -80,9 +80,7 @@ def test_a_published_number_takes_no_tolerance():
 
 @settings(max_examples=8)
 @given(
-    share=st.floats(1e-6, 100.0),
-    absolute=st.floats(1e-9, 0.75),
-    distribution=st.sampled_from(["normal", "uniform"]),
+    share=st.floats(1e-6, 100.0), absolute=st.floats(1e-9, 0.75), distribution=st.sampled_from(["normal", "uniform"])
 )
 def test_what_is_written_reads_back(share, absolute, distribution):
     given = {"value": "1 kg", "tolerance": f"{share!r} %", "distribution": distribution}

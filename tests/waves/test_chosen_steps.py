@@ -151,15 +151,7 @@ def test_layers_that_a_grid_would_change_by_more_than_half_are_refused_with_what
         (TWO, LOAD, 60.0, 2, 0.25, 0.25 / 50.0, 60.0 * 2 / 1e7),
         (TWO, LOAD, 60.0, 2, 1e-6, 60.0 * 2 / 4e6, 60.0 * 2 / 1e7),  # as far as four million samples go
         (TWO, LoadPulse("rectangle", 7.0, 400.0), 600.0, 2, math.inf, 8.0 / 50.0, 600.0 * 2 / 1e7),
-        (
-            Stack((layer("a", 8.0 / 150),) * 150, (BONDED,) * 149),
-            LOAD,
-            60.0,
-            1,
-            math.inf,
-            RISE / 50,
-            60.0 / 1e5,
-        ),
+        (Stack((layer("a", 8.0 / 150),) * 150, (BONDED,) * 149), LOAD, 60.0, 1, math.inf, RISE / 50, 60.0 / 1e5),
     ],
 )
 def test_the_first_step_resolves_what_changes_first(tried, stack, load, duration, taps, period, largest, smallest):

@@ -421,12 +421,7 @@ def scipy_striker(law, mass, speed, z, transit, t):
 @pytest.mark.verify
 @pytest.mark.parametrize(
     ("mass", "law"),
-    [
-        (0.1, (4.7e9, 10 / 9, 0.0)),
-        (0.1, (4.7e9, 10 / 9, 0.6)),
-        (0.1, (5e10, 1.5, 0.8)),
-        (1.0, (2e11, 1.5, 0.0)),
-    ],
+    [(0.1, (4.7e9, 10 / 9, 0.0)), (0.1, (4.7e9, 10 / 9, 0.6)), (0.1, (5e10, 1.5, 0.8)), (1.0, (2e11, 1.5, 0.0))],
     ids=["elastic line", "lossy line", "lossy point", "heavy striker"],
 )
 @pytest.mark.parametrize("length", ["endless", "short"])

@@ -117,11 +117,7 @@ def test_group_speed_is_the_slope_of_the_branch():
     assert group_speed(w, rod) == pytest.approx(slope, rel=2e-5)
 
 
-@given(
-    st.floats(-0.9, 0.5),
-    st.lists(st.floats(-20.0, 20.0), min_size=1, max_size=8),
-    st.sampled_from(THEORIES),
-)
+@given(st.floats(-0.9, 0.5), st.lists(st.floats(-20.0, 20.0), min_size=1, max_size=8), st.sampled_from(THEORIES))
 def test_wave_numbers_are_odd_in_frequency_and_in_any_order(nu, frequencies, theory):
     w = np.array(frequencies) - 0.05j
     k = wave_number(w, Rod(1.0, 1.0, nu), theory)

@@ -290,11 +290,7 @@ def test_chosen_grid_is_the_coarsest_or_else_the_best(transits, mismatch, larges
         assert round(shortest / grid.step) <= first + len(tried) - 1
 
 
-@given(
-    st.lists(st.integers(1, 300), min_size=1, max_size=6),
-    st.floats(1e-9, 1e-7),
-    st.floats(0.02, 1.0),
-)
+@given(st.lists(st.integers(1, 300), min_size=1, max_size=6), st.floats(1e-9, 1e-7), st.floats(0.02, 1.0))
 def test_whole_steps_are_found(counts, unit, part):
     """Transits that are multiples of a unit: the largest step within the limit that divides them all, exactly."""
     common = math.gcd(*counts)

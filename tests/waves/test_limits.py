@@ -72,11 +72,7 @@ def test_the_bandwidth_that_is_named_gives_the_rise_that_is_quoted():
 
 def test_layers_shorter_than_thick_beyond_yield_or_strained_by_a_tenth():
     stack = Stack(
-        (
-            layer("disc", 0.5, yield_strength=0.3),
-            layer("coin", 0.25, yield_strength=0.3),
-            layer("bar", 1.0),
-        ),
+        (layer("disc", 0.5, yield_strength=0.3), layer("coin", 0.25, yield_strength=0.3), layer("bar", 1.0)),
         (BONDED, BONDED),
     )
     found = told(layer_notices(stack, np.array([0.3, 0.31, 0.4])))

@@ -6,14 +6,7 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.cases.case import parse_case
 from strikewave.cases.stack_of_case import build_stack
 from strikewave.web.case_state import JOINTS, CaseSource
-from strikewave.web.case_values import (
-    listed_stack,
-    rearranged,
-    with_joint,
-    with_layer,
-    without_joint,
-    without_layer,
-)
+from strikewave.web.case_values import listed_stack, rearranged, with_joint, with_layer, without_joint, without_layer
 
 JOINED = """
 schema = 1

@@ -97,8 +97,7 @@ def test_numbers_of_a_file_that_names_no_unit_are_not_called_g(shots):
 
 
 @pytest.mark.parametrize(
-    ("head", "peak", "of_integral"),
-    [("channel", "500.0 (no unit)", "(no unit)"), ("force [N]", "0.5000 kN", "N s")],
+    ("head", "peak", "of_integral"), [("channel", "500.0 (no unit)", "(no unit)"), ("force [N]", "0.5000 kN", "N s")]
 )
 @pytest.mark.parametrize("first", [True, False])
 def test_a_file_in_another_unit_or_none_changes_no_number_of_the_others(shots, head, peak, of_integral, first):

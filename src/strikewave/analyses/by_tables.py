@@ -19,11 +19,6 @@ def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = F
     """Run a case or a set-up file, write and print its result, and return the exit code.
 
     With ``band``, a machine or a layered bar gets the bands of its results.
-
-    Raises
-    ------
-    InputError
-        If the file is neither, or what its analysis raises.
     """
     if holds_setup(read_case_text(name)[0]):
         from strikewave.analyses.hopkinson.build import load_setup
@@ -64,13 +59,7 @@ def holds_setup(text: str) -> bool:
 
 
 def check_case(case: Case) -> None:
-    """Build all parts of a case, so that what does not fit together is said.
-
-    Raises
-    ------
-    InputError
-        As the builders do.
-    """
+    """Build all parts of a case, so that what does not fit together is said."""
     if case.machine is not None:
         from strikewave.analyses.machine.build import build_machine
 

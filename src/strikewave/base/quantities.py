@@ -58,9 +58,7 @@ class StatedValue:
 
     value: float = declare.word("SI")
     typed: str | int | float = declare.word("as typed")
-    provenance: str = declare.word(
-        "where it comes from: published, measured, inferred, assumed, fitted or user",
-    )
+    provenance: str = declare.word("where it comes from: published, measured, inferred, assumed, fitted or user")
     note: str = declare.word("what the file says of it")
     tolerance: float | None = declare.word("half width of its tolerance, SI", default=None, optional=True)
     distribution: str | None = declare.word("of the tolerance: normal or uniform", default=None, optional=True)

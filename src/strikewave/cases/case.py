@@ -215,13 +215,7 @@ class Case(CaseTable):
         return StrikeTables(*parts)  # type: ignore[arg-type]
 
     def rotary_tables(self) -> RotaryTables:
-        """Return the tables of a rotary machine.
-
-        Raises
-        ------
-        InputError
-            If the case is that of a bar alone, or of another machine.
-        """
+        """Return the tables of a rotary machine."""
         striker, struck, contact, recorder = self.impact()
         if not (
             isinstance(self.machine, RotaryTable)
@@ -317,13 +311,7 @@ class Case(CaseTable):
         return entries
 
     def with_values(self, changes: Mapping[str, Value], keep_tolerances: bool = True) -> Case:
-        """Return the case with some quantities replaced, by path; a value keeps the tolerance of the one before it.
-
-        Raises
-        ------
-        InputError
-            If there is no such quantity, or the tolerance does not suit the new value.
-        """
+        """Return the case with some quantities replaced, by path; a value keeps the tolerance of the one before it."""
         mine, new = self.values(), dict[str, Value]()
         for path, value in changes.items():
             if path not in mine:
@@ -518,13 +506,7 @@ class StaleFit:
 
 
 def check_fit(fit: FitTable, form: Form, path: str) -> None:
-    """Refuse a fit that names what is no field, or gives one what it cannot be.
-
-    Raises
-    ------
-    InputError
-        If so.
-    """
+    """Refuse a fit that names what is no field, or gives one what it cannot be."""
     for name in fit.fields:
         if form.range_at(name.split(".")) is None:
             raise InputError(f"{path}.fields", name, f"a quantity of the {form.name}", _like(name, form))

@@ -49,25 +49,13 @@ _NOT_OF_A_CUSHION = ("reference_force", "reference_depth", "exponent", "datum_de
 
 
 def contact_stiffness(case: Case) -> Stiffness | LogarithmicStiffness:
-    """Return the contact stiffness of a case's striker on its object.
-
-    Raises
-    ------
-    InputError
-        If the law or a material is unknown.
-    """
+    """Return the contact stiffness of a case's striker on its object."""
     parts = case.impact()
     return face_stiffness(parts.striker, parts.contact, struck_material(case))
 
 
 def struck_material(case: Case) -> Material:
-    """Return the material of the face that a striker meets: that of the object, of a bar alone that of its first layer.
-
-    Raises
-    ------
-    InputError
-        If it is unknown.
-    """
+    """Return the material of the struck face: that of the object, or of a bar's first layer."""
     if case.object is not None:
         return material(case.object.material, "object.material")
     first = case.stack.layer[0]
@@ -200,13 +188,7 @@ def face_contact(striker: AnyStriker, contact: ContactTable, face: Material) -> 
 
 
 def cushion_of_contact(contact: ContactTable) -> Cushion:
-    """Return the cushion of [contact].
-
-    Raises
-    ------
-    InputError
-        If it has none, or fields that a cushion does not take.
-    """
+    """Return the cushion of [contact]."""
     if contact.cushion is None:
         raise InputError(
             CUSHION_PATH, MISSING, "a pad for the law cushion", f"add [{CUSHION_PATH}] with its thickness and area"
@@ -221,13 +203,7 @@ def cushion_of_contact(contact: ContactTable) -> Cushion:
 
 
 def cushion_contact(contact: ContactTable) -> AnyContact:
-    """Return the force law of the cushion of [contact], with the damping of the contact.
-
-    Raises
-    ------
-    InputError
-        If parts of it do not fit together.
-    """
+    """Return the force law of the cushion of [contact], with the damping of the contact."""
     loss = _second_loss(contact)
     try:
         cushion = cushion_of_contact(contact)
@@ -249,26 +225,14 @@ def _second_loss(contact: ContactTable) -> list[str]:
 
 
 def _refuse_stray_cushion(contact: ContactTable) -> None:
-    """Refuse a pad beside another contact law, which would do nothing.
-
-    Raises
-    ------
-    InputError
-        If there is one.
-    """
+    """Refuse a pad beside another contact law, which would do nothing."""
     if contact.cushion is not None:
         allowed = f'"{CUSHION}" where the case has [{CUSHION_PATH}]'
         raise InputError("contact.law", contact.law, allowed, f"or remove [{CUSHION_PATH}]")
 
 
 def refuse_sliding(contact: ContactTable) -> None:
-    """Refuse friction across the face where no nose slides: in all but the rotary machine.
-
-    Raises
-    ------
-    InputError
-        With the first field that is given.
-    """
+    """Refuse friction across the face where no nose slides: in all but the rotary machine."""
     for key in ("friction", "sliding_damping"):
         value = getattr(contact, key)
         if value is not None:

@@ -37,13 +37,7 @@ T = TypeVar("T")
 
 
 def cushion_of(table: CushionTable, path: str, area: float) -> Cushion:
-    """Return the cushion of an area (m^2) that a table describes, as the blows before leave it.
-
-    Raises
-    ------
-    InputError
-        If its law or material is unknown, or a property is missing or foreign.
-    """
+    """Return the cushion of an area (m^2) that a table describes, as the blows before leave it."""
     row = _material_of(table, path)
     law = _law_of(table, row, path)
     properties = dict(row.properties) if row else {}
@@ -127,11 +121,6 @@ WORTH_SHOWING = 0.05
 def capped_pressure(given: ContactPressure, one: Material, other: Material, field: str) -> float:
     """Return the largest pressure that a contact bears, Pa: the one given, or that of the softer of two materials.
 
-    Raises
-    ------
-    InputError
-        If it is to follow from the materials, and one of them is no metal, or has neither hardness nor yield strength.
-
     Examples
     --------
     >>> from strikewave.base.constants import material
@@ -143,13 +132,7 @@ def capped_pressure(given: ContactPressure, one: Material, other: Material, fiel
 
 
 def pressure_of_materials(one: Material, other: Material, field: str) -> AutomaticPressure:
-    """Return the largest pressure that the softer of two materials bears, with its range, Pa.
-
-    Raises
-    ------
-    InputError
-        If one of them is no metal, or has neither hardness nor yield strength.
-    """
+    """Return the largest pressure that the softer of two materials bears, with its range, Pa."""
     for body in (one, other):
         missing = _missing(body)
         if missing:
@@ -199,11 +182,6 @@ def refuse_beyond_law(
         Value as typed, and its field.
     pressure : float, optional
         Pressure of the cap, Pa; without it, the typed value is the load at which it yields.
-
-    Raises
-    ------
-    InputError
-        If it does.
 
     Examples
     --------

@@ -36,13 +36,7 @@ def _nearest_case(path: Path, name: str) -> str:
 
 
 def read_case_text(name: str) -> tuple[str, str]:
-    """Return the TOML text and the name of a case file, or of a built-in case.
-
-    Raises
-    ------
-    InputError
-        If there is neither, or the file is too large or not text.
-    """
+    """Return the TOML text and the name of a case file, or of a built-in case."""
     if name in bundled_cases():
         return (resources.files("strikewave.cases") / "published" / f"{name}.toml").read_text("utf-8"), name
     path = Path(name)
@@ -71,13 +65,7 @@ LARGEST_SMALL_FILE = 100_000
 
 
 def read_small_file(file: Path, field: str, allowed: str) -> dict[str, Any]:
-    """Return the tables of a TOML file; ``allowed`` says what it is to hold.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, is none, or is too large.
-    """
+    """Return the tables of a TOML file; ``allowed`` says what it is to hold."""
     try:
         with file.open("rb") as opened:
             data = opened.read(LARGEST_SMALL_FILE + 1)

@@ -94,11 +94,6 @@ class Form(Generic[Held]):
         It keeps its tolerance, which ``path.tolerance=value`` changes; a share of nothing is nothing: 0 goes without.
         ``path=none`` takes a quantity out.
 
-        Raises
-        ------
-        InputError
-            If it is no change, or its path leads through what is no table.
-
         Examples
         --------
         >>> from strikewave.cases.tables.machine import RotaryTable

@@ -86,13 +86,7 @@ class Matter(NamedTuple):
 
 
 def need(value: Value | None, path: str, allowed: str, hint: str = "") -> float:
-    """Return the SI value of a field that this kind of part needs.
-
-    Raises
-    ------
-    InputError
-        If it is absent.
-    """
+    """Return the SI value of a field that this kind of part needs."""
     if value is None:
         raise InputError(path, MISSING, allowed, hint)
     return value.si
@@ -157,13 +151,7 @@ def _poissons_ratio(table: LayerTable, matter: Matter) -> float | None:
 
 
 def layer_material(table: LayerTable, path: str) -> Material:
-    """Return the material of a layer as a contact law needs it: its own numbers, and those of the named one.
-
-    Raises
-    ------
-    InputError
-        If it has neither a material nor density, modulus and Poisson's ratio.
-    """
+    """Return the material of a layer as a contact law needs it: its own numbers, and those of the named one."""
     matter = matter_of(table, path)
     density, modulus, ratio = matter.density, matter.modulus, _poissons_ratio(table, matter)
     if density is None or modulus is None or ratio is None:
@@ -299,11 +287,6 @@ def typed(value: Any) -> Any:
 def build_stack(case: Case) -> Stack:
     """Return the stack of a case.
 
-    Raises
-    ------
-    InputError
-        If a layer, joint or the end cannot be as it is said to be.
-
     Examples
     --------
     >>> from strikewave import load_case
@@ -367,13 +350,7 @@ def build_taps(case: Case) -> tuple[tuple[str, Tap], ...]:
 
 
 def check_route(case: Case, taps: Sequence[tuple[str, Tap]], channels: Sequence[SensorChannel]) -> None:
-    """Refuse a route of the paper where the first tap, or one that a sensor sits at, has no neighbour on one side.
-
-    Raises
-    ------
-    InputError
-        If so.
-    """
+    """Refuse a route of the paper where the first tap, or one that a sensor sits at, has no neighbour on one side."""
     if case.solver.route == EXACT:
         return
     last = len(case.stack.layer) - 1
@@ -393,11 +370,6 @@ def read_load(path: str) -> Sampled:
 
     A channel without a unit is a force in N. One in m/s or m/s^2 is the speed or acceleration of the face, which
     is at rest at the first sample.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, has no time, or its first channel is no such quantity.
     """
     try:
         channel = _first(path)
@@ -434,13 +406,7 @@ _RECORDER_FIELDS = {"sampling_rate": float, "cutoff": float, "order": int, "bits
 
 
 def build_channels(case: Case) -> tuple[SensorChannel, ...]:
-    """Return the measuring channels of a case.
-
-    Raises
-    ------
-    InputError
-        If a sensor names what is not there, or has values that do not fit together.
-    """
+    """Return the measuring channels of a case."""
     once("sensor", [sensor.name for sensor in case.sensor])
     return tuple(_channel(case, table) for table in case.sensor)
 
@@ -457,13 +423,7 @@ def _channel(case: Case, table: SensorTable) -> SensorChannel:
 
 
 def chain_of(table: SensorTable, rate: float | None = None) -> tuple[Sensor, Recorder]:
-    """Return the sensor of a table on its mounting, and its recorder; ``rate`` is the sampling rate of [recorder], Hz.
-
-    Raises
-    ------
-    InputError
-        If it names no known accelerometer, or has values that do not fit together.
-    """
+    """Return the mounted sensor of a table, and its recorder; ``rate`` is that of [recorder], Hz."""
     path = f"sensor.{table.name}"
     known = accelerometer(table.model, f"{path}.model") if table.model else None
     sensor = known.mounted() if known else Sensor()
@@ -569,11 +529,6 @@ class StatedSensor(NamedTuple):
 
 def stated_sensor(asked: str, field: str) -> StatedSensor:
     """Return the accelerometer of a name, directly mounted, or the sensor of a file that ends in ``.toml``.
-
-    Raises
-    ------
-    InputError
-        If the table has no such accelerometer, or the file cannot be used.
 
     Examples
     --------

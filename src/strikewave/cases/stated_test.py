@@ -227,13 +227,7 @@ TABLES_FORM = Form(ReportTables, "test", 'report.number="2026-117"')
 
 
 def load_test(file: Path, option: str = "--test") -> StatedTest:
-    """Read what a TOML file states of a test: a [test] table, or its keys alone, and tables of a test report.
-
-    Raises
-    ------
-    InputError
-        With one line for each thing that is wrong, after ``option``.
-    """
+    """Read what a TOML file states of a test: a [test] table, or its keys alone, and tables of a test report."""
     document = read_small_file(file, option, 'a TOML file with [test], such as item = "board 7"')
     table = document.pop("test", {})
     if not isinstance(table, dict):
@@ -349,13 +343,7 @@ class Photograph:
 
 
 def read_photograph(folder: Path, file: str, caption: str, field: str) -> Photograph:
-    """Read a PNG or JPEG file in a folder, or below it.
-
-    Raises
-    ------
-    InputError
-        If it lies elsewhere, is no such picture, or is too large.
-    """
+    """Read a PNG or JPEG file in a folder, or below it."""
     try:
         place = (folder / file).resolve()
         if not place.is_relative_to(folder.resolve()):

@@ -97,13 +97,7 @@ COMPILER_SETTINGS = ".numba_config.yaml"
 
 
 def _leave_settings_beside() -> None:
-    """Take no settings of libraries from the folder that the program is run in, which holds data.
-
-    Raises
-    ------
-    InputError
-        If there are some that cannot be left aside: numba reads its file each time it compiles.
-    """
+    """Take no settings of libraries from the folder that the program is run in, which holds data."""
     if Path(COMPILER_SETTINGS).exists():
         asked = "no settings of numba in the folder that strikewave is run in: they would change what is computed"
         raise InputError("folder", COMPILER_SETTINGS, asked)

@@ -185,11 +185,7 @@ def _show(name: str, title: str, values: Mapping[str, Value], notices: Sequence[
     counts = ", ".join(f"{counted[provenance]} {provenance}" for provenance in PROVENANCES if counted[provenance])
     tell(f"valid: {counts}")
     shown = [[path, _typed(v), v.provenance, v.note] for path, v in values.items()]
-    table(
-        title or name,
-        [*keys("field"), *texts("value"), *texts("provenance"), *texts("note", priority=MORE)],
-        shown,
-    )
+    table(title or name, [*keys("field"), *texts("value"), *texts("provenance"), *texts("note", priority=MORE)], shown)
     show_notices(notices)
 
 

@@ -51,9 +51,7 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
         "deck": ("strikewave.analyses.fem.command:deck", "Write a model for LS-DYNA or OpenRadioss."),
         "ls-dyna": ("strikewave.analyses.fem.command:ls_dyna", "Read the results of an LS-DYNA run."),
     },
-    "Look": {
-        "app": ("strikewave.web.command", "Open the app in a browser."),
-    },
+    "Look": {"app": ("strikewave.web.command", "Open the app in a browser.")},
     "Cases": {
         "new": ("strikewave.cli.case_commands:new_case", "Write a new case file to edit."),
         "validate": ("strikewave.cli.case_commands:validate_case", "Check a case without running it."),
@@ -214,11 +212,6 @@ def spread(command: Callable[..., int]) -> Callable[..., int]:
         A parameter annotated with a dataclass is a group; the fields of the dataclass are annotated as parameters of a
         command are, and have defaults where not required. Its ``panel``, a class variable, heads them in the help. The
         command runs in the context that its method ``in_force`` returns, if it has one.
-
-    Raises
-    ------
-    ValueError
-        If two options have one name.
 
     Examples
     --------

@@ -242,11 +242,6 @@ def copy_examples(folder: Path) -> list[Path]:
     list of Path
         The files, relative to the folder.
 
-    Raises
-    ------
-    InputError
-        If something stands in its place, or the folder above it is not there.
-
     Examples
     --------
     >>> with tempfile.TemporaryDirectory() as place:

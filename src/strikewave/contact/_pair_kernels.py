@@ -12,15 +12,7 @@ from numba.extending import overload
 
 from strikewave.base.compiled import LEAF, called_kernel, kernel
 from strikewave.contact import _integrator
-from strikewave.contact._chain_kernels import (
-    PUSHING,
-    SLACK,
-    SWITCHES,
-    YIELDING,
-    contact_force,
-    contact_switches,
-    is_a,
-)
+from strikewave.contact._chain_kernels import PUSHING, SLACK, SWITCHES, YIELDING, contact_force, contact_switches, is_a
 from strikewave.contact._integrator import CONTINUE, STOP, STOPPED, Control, advance, evaluate
 from strikewave.contact._law_kernels import (
     DAMPER,

@@ -366,10 +366,7 @@ def factor(name: str, restitution_asked: ArrayLike) -> Array:
 
 
 def named_contact(
-    stiffness: Stiffness | LogarithmicStiffness,
-    law: str,
-    restitution_asked: ArrayLike,
-    cap: PressureCap | None = None,
+    stiffness: Stiffness | LogarithmicStiffness, law: str, restitution_asked: ArrayLike, cap: PressureCap | None = None
 ) -> AnyContact:
     """Return a contact whose hysteresis a named law gives; its impacts report a restitution missed.
 

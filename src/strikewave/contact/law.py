@@ -261,10 +261,7 @@ def check(contact: AnyContact) -> dict[int, Any]:
         row |= _damper(contact)
     row[YIELD_LOAD] = np.inf
     if contact.cap is not None:
-        row |= {
-            YIELD_LOAD: positive("the yield load", contact.cap.yield_load),
-            SHAPE: _one_of(CAPS, contact.cap.shape),
-        }
+        row |= {YIELD_LOAD: positive("the yield load", contact.cap.yield_load), SHAPE: _one_of(CAPS, contact.cap.shape)}
         if contact.cap.shape == "crush":
             row[LIMIT] = _crush_limit(contact)
     return row

@@ -118,13 +118,7 @@ class Restraint:
 
 
 def checked(model: Model) -> TieState:
-    """Prepare a model as a run would, so that what strikewave would not run is no deck; return its tied nodes.
-
-    Raises
-    ------
-    InputError
-        If the model could not be run, or its numbers do not go into eight columns.
-    """
+    """Prepare a model as a run would, so that what strikewave would not run is no deck; return its tied nodes."""
     check_controls(model)
     for name, solid in model.solids.items():
         check_solid(solid, name)
@@ -133,25 +127,13 @@ def checked(model: Model) -> TieState:
 
 
 def check_ids(largest: int) -> None:
-    """Refuse more nodes or elements than eight columns can number.
-
-    Raises
-    ------
-    InputError
-        If there are more.
-    """
+    """Refuse more nodes or elements than eight columns can number."""
     if largest > LARGEST_ID:
         raise InputError("mesh", f"{largest} nodes or elements", f"at most {LARGEST_ID}, eight columns of a deck")
 
 
 def check_solid(solid: AnySolid, name: str) -> None:
-    """Refuse a solid that decks do not hold.
-
-    Raises
-    ------
-    InputError
-        If it follows Zerilli & Armstrong, or begins hot.
-    """
+    """Refuse a solid that decks do not hold."""
     hint = "run it here: strikewave fem"
     if isinstance(solid, ZerilliArmstrong):
         raise InputError(f"mesh.part.{name}.solid.law", "zerilli-armstrong", "elastic, bilinear or johnson-cook", hint)
@@ -203,13 +185,7 @@ def tie_distance(tie: Tie, mesh: Mesh) -> float:
 
 
 def restraints(model: Model, ties: TieState) -> list[Restraint]:
-    """Return all held nodes, each once, by what they are held along.
-
-    Raises
-    ------
-    InputError
-        As `strikewave.fem.boundary.held_nodes` does.
-    """
+    """Return all held nodes, each once, by what they are held along."""
     holding = [b for b in model.boundaries if isinstance(b, Fixed | Symmetry | Guided)]
     restrained = held_nodes(model.mesh, holding, ties)
     if restrained is None:
@@ -281,11 +257,6 @@ def axes_from(direction: Sequence[float]) -> Array:
 
 def real(value: float, width: int) -> str:
     """Write a number with as many digits as go into some columns.
-
-    Raises
-    ------
-    InputError
-        If it is not finite, or does not go into the columns.
 
     Examples
     --------

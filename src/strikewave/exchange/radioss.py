@@ -353,11 +353,6 @@ def radioss_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
     """Return the deck of a model, as two files ``_0000.rad`` and ``_0001.rad``.
 
     Nodes, elements and parts are numbered from 1 in the order of the mesh; the main nodes of rigid parts follow.
-
-    Raises
-    ------
-    InputError
-        If the model could not be run, or has more nodes than eight columns can number.
     """
     ties, groups = checked(model), Groups(model.mesh)
     left_out, differs = tuple(_left_out(model)), tuple(_differs(model))

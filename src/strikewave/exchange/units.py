@@ -107,13 +107,7 @@ SYSTEMS = {
 
 
 def unit_system(name: str, field: str = "units") -> UnitSystem:
-    """Return a system of units by its name; ``field`` is where that was stated.
-
-    Raises
-    ------
-    InputError
-        If there is none of that name.
-    """
+    """Return a system of units by its name; ``field`` is where that was stated."""
     if name not in SYSTEMS:
         raise InputError(field, name, ", ".join(SYSTEMS), nearest(name, SYSTEMS))
     return SYSTEMS[name]

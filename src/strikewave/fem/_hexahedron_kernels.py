@@ -106,46 +106,22 @@ def gradients(s, j):
     """
     ax, ay, az = cross_rows(s, 1, 2, j)
     bx, by, bz = cross_rows(s, 5, 4, j)
-    s[GX[0] + j], s[GY[0] + j], s[GZ[0] + j] = (
-        8.0 * ax + MIXED * bx,
-        8.0 * ay + MIXED * by,
-        8.0 * az + MIXED * bz,
-    )
+    s[GX[0] + j], s[GY[0] + j], s[GZ[0] + j] = (8.0 * ax + MIXED * bx, 8.0 * ay + MIXED * by, 8.0 * az + MIXED * bz)
     ax, ay, az = cross_rows(s, 2, 0, j)
     bx, by, bz = cross_rows(s, 3, 5, j)
-    s[GX[1] + j], s[GY[1] + j], s[GZ[1] + j] = (
-        8.0 * ax + MIXED * bx,
-        8.0 * ay + MIXED * by,
-        8.0 * az + MIXED * bz,
-    )
+    s[GX[1] + j], s[GY[1] + j], s[GZ[1] + j] = (8.0 * ax + MIXED * bx, 8.0 * ay + MIXED * by, 8.0 * az + MIXED * bz)
     ax, ay, az = cross_rows(s, 0, 1, j)
     bx, by, bz = cross_rows(s, 4, 3, j)
-    s[GX[2] + j], s[GY[2] + j], s[GZ[2] + j] = (
-        8.0 * ax + MIXED * bx,
-        8.0 * ay + MIXED * by,
-        8.0 * az + MIXED * bz,
-    )
+    s[GX[2] + j], s[GY[2] + j], s[GZ[2] + j] = (8.0 * ax + MIXED * bx, 8.0 * ay + MIXED * by, 8.0 * az + MIXED * bz)
     ax, ay, az = cross_rows(s, 2, 4, j)
     bx, by, bz = cross_rows(s, 5, 1, j)
-    s[GX[3] + j], s[GY[3] + j], s[GZ[3] + j] = (
-        MIXED * (ax + bx),
-        MIXED * (ay + by),
-        MIXED * (az + bz),
-    )
+    s[GX[3] + j], s[GY[3] + j], s[GZ[3] + j] = (MIXED * (ax + bx), MIXED * (ay + by), MIXED * (az + bz))
     ax, ay, az = cross_rows(s, 0, 5, j)
     bx, by, bz = cross_rows(s, 3, 2, j)
-    s[GX[4] + j], s[GY[4] + j], s[GZ[4] + j] = (
-        MIXED * (ax + bx),
-        MIXED * (ay + by),
-        MIXED * (az + bz),
-    )
+    s[GX[4] + j], s[GY[4] + j], s[GZ[4] + j] = (MIXED * (ax + bx), MIXED * (ay + by), MIXED * (az + bz))
     ax, ay, az = cross_rows(s, 1, 3, j)
     bx, by, bz = cross_rows(s, 4, 0, j)
-    s[GX[5] + j], s[GY[5] + j], s[GZ[5] + j] = (
-        MIXED * (ax + bx),
-        MIXED * (ay + by),
-        MIXED * (az + bz),
-    )
+    s[GX[5] + j], s[GY[5] + j], s[GZ[5] + j] = (MIXED * (ax + bx), MIXED * (ay + by), MIXED * (az + bz))
 
 
 @fused_leaf_kernel

@@ -19,17 +19,7 @@ from strikewave.base.errors import InputError
 from strikewave.fem import _node_kernels as kernels
 from strikewave.fem.contact import TieState
 from strikewave.fem.mesh import Array, Index, Mesh
-from strikewave.fem.model import (
-    Driven,
-    Fixed,
-    Guided,
-    Model,
-    NonReflecting,
-    Pressure,
-    Symmetry,
-    TimeCurve,
-    Vector,
-)
+from strikewave.fem.model import Driven, Fixed, Guided, Model, NonReflecting, Pressure, Symmetry, TimeCurve, Vector
 from strikewave.fem.solids import AnySolid
 
 Flags = NDArray[np.bool_]

@@ -307,11 +307,7 @@ def momentum(reduction: Reduction) -> Momentum:
     last = int(np.flatnonzero(reduction.loading)[-1])
     came, back, on = (
         bar.stiffness * float(reduction.integral(strain)[last])
-        for bar, strain in (
-            (bars[0], waves.incident),
-            (bars[0], waves.reflected),
-            (bars[1], waves.transmitted),
-        )
+        for bar, strain in ((bars[0], waves.incident), (bars[0], waves.reflected), (bars[1], waves.transmitted))
     )
     mass = reduction.specimen.mass
     mean = 0.5 * float(reduction.first_velocity[last] + reduction.second_velocity[last])

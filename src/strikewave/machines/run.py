@@ -19,15 +19,7 @@ from strikewave.contact.motion import MotionState, integrate
 from strikewave.machines._kernels import RETRACTING, MachineSystem
 from strikewave.machines._layout import FEED_SWITCH, StateLayout, layout_of
 from strikewave.machines.drive import braking_time, expected_time, spin_up_time
-from strikewave.machines.machine import (
-    BEFORE_TOUCH,
-    Launch,
-    Machine,
-    RotaryDrive,
-    energy,
-    machine_system,
-    start_state,
-)
+from strikewave.machines.machine import BEFORE_TOUCH, Launch, Machine, RotaryDrive, energy, machine_system, start_state
 from strikewave.machines.spans import ChainSpan, Impulses, Moments, Span, StackSpan, end_at_touch, top_of_flight
 from strikewave.machines.strike import strike
 

@@ -69,11 +69,7 @@ def kept_step(grid: TimeGrid) -> float:
 
 
 def strike(
-    layered: LayeredObject,
-    struck: StruckObject,
-    system: MachineSystem,
-    start: MotionState,
-    field: bool = False,
+    layered: LayeredObject, struck: StruckObject, system: MachineSystem, start: MotionState, field: bool = False
 ) -> tuple[StackSpan, MotionState]:
     """Follow one blow on a stack, from the state at first touch to the state once it has settled.
 

@@ -82,11 +82,6 @@ class Calibration:
     def scale(self, file_unit: str = "", field: str = "calibration") -> Scale:
         """Return the factor to SI and its unit.
 
-        Raises
-        ------
-        InputError
-            If the parts do not fit together, or one cannot be read.
-
         Examples
         --------
         >>> Calibration(sensitivity="2 mV/N", gain="10").scale("V")
@@ -160,13 +155,7 @@ def known_unit(text: str) -> tuple[str, float] | None:
 
 
 def check_unit(unit: str, field: str) -> None:
-    """Refuse a unit that is stated and not known.
-
-    Raises
-    ------
-    InputError
-        If it is none.
-    """
+    """Refuse a unit that is stated and not known."""
     if known_unit(unit) is None:
         allowed = 'a unit, or a number with a unit such as "1000 g", of ' + ", ".join(MEASURED[:-1])
         hint = ambiguous(unit) or nearest(unit, ("g", "m/s^2", "mV", "V", "kN", "N", "MPa", "Pa", "ustrain", "mm"))
@@ -174,13 +163,7 @@ def check_unit(unit: str, field: str) -> None:
 
 
 def check_part(name: str, text: str, field: str) -> None:
-    """Refuse a part of a calibration, named as in `Calibration`, that can be none.
-
-    Raises
-    ------
-    InputError
-        If it is none, by the name of the field.
-    """
+    """Refuse a part of a calibration, named as in `Calibration`, that can be none."""
     if name == "unit":
         check_unit(text, field)
     elif name == "sensitivity":
@@ -221,11 +204,6 @@ def calibrated(
     channel: Channel, calibration: Calibration, field: str = "calibration"
 ) -> tuple[Channel, list[HealthNotice]]:
     """Return a channel in SI; its unit stays empty where the unit of the file is not known.
-
-    Raises
-    ------
-    InputError
-        As `Calibration.scale` does.
 
     Examples
     --------
@@ -302,13 +280,7 @@ def _sensitivity(text: str, field: str) -> tuple[str, float, str]:
 
 
 def calibrations_beside(path: str | Path) -> dict[str, dict[str, Any]]:
-    """Return what the small files beside a record state: a table a channel, ``all`` for all of them.
-
-    Raises
-    ------
-    InputError
-        If such a file is too large, is not TOML, or has a key that is not known.
-    """
+    """Return what the small files beside a record state: a table a channel, ``all`` for all of them."""
     path = Path(path)
     beside = (path.with_name(FOLDER_FILE), path.with_name(path.name + ".toml"))
     return laid_over(*(read_calibrations(file) for file in beside if file.is_file()))
@@ -332,13 +304,7 @@ def laid_over(*layers: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, A
 
 
 def read_calibrations(file: Path) -> dict[str, dict[str, Any]]:
-    """Read a calibration file: ``schema = 1``, then ``[all]`` and ``[channel.NAME]`` tables.
-
-    Raises
-    ------
-    InputError
-        If the file is too large, is not TOML, or has a key that is not known.
-    """
+    """Read a calibration file: ``schema = 1``, then ``[all]`` and ``[channel.NAME]`` tables."""
     try:
         if file.stat().st_size > LARGEST_FILE:
             raise InputError(str(file), f"{file.stat().st_size} bytes", f"at most {LARGEST_FILE} bytes")

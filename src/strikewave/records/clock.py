@@ -33,11 +33,6 @@ TINIEST = 1e-200
 def even(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
     """Return a channel with uniform sampling and without missing samples, and what had to be mended.
 
-    Raises
-    ------
-    InputError
-        If the file gives no time and no rate is stated.
-
     Examples
     --------
     >>> stamps = np.array([0.0, 1.0, 2.0, 3.0, 5.0, 6.0])

@@ -211,13 +211,7 @@ class FileReading:
 
 
 def read_channel(channel: Channel, number: int, calibration: Calibration, request: Request) -> ChannelReading:
-    """Calibrate a channel, resample it uniformly, find and measure its blows, and examine it.
-
-    Raises
-    ------
-    InputError
-        If the calibration does not fit, neither time nor rate is given, or the filter is beyond the sampling rate.
-    """
+    """Calibrate a channel, resample it uniformly, find and measure its blows, and examine it."""
     channel, unit_findings = calibrated(channel, calibration, f"calibration of {channel.name}")
     holes = holes_of(channel)
     channel, mended = even(channel)
@@ -279,13 +273,7 @@ def _as_body_motion(
 
 
 def filtered_channel(channel: Channel, request: Request) -> Channel:
-    """Return a channel through the high-pass and the low-pass that are wanted.
-
-    Raises
-    ------
-    InputError
-        If a cutoff is not between half a period a record and half the sampling rate.
-    """
+    """Return a channel through the high-pass and the low-pass that are wanted."""
     half = frequency_text(0.5 * channel.sampling_rate)
     for option, one in (("--high-pass", request.high_pass), ("--filter", request.filter)):
         if one is None:
@@ -525,11 +513,6 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
     request : Request
         Evaluation that is wanted.
 
-    Raises
-    ------
-    InputError
-        As `read_channel` and `Record.channel` do.
-
     Examples
     --------
     >>> import numpy as np
@@ -633,13 +616,7 @@ def check_amounts(budget: Budget, reading: ChannelReading, field: str = "--uncer
 
 
 def with_budget(files: Sequence[FileReading], budget: Budget, field: str = "--uncertainty") -> list[FileReading]:
-    """Return records with the uncertainty of each blow; Monte Carlo validates that of the largest one of each channel.
-
-    Raises
-    ------
-    InputError
-        If the budget states an acceleration, and a channel with blows measures something else.
-    """
+    """Return records with the uncertainty of each blow; Monte Carlo validates the largest one of each channel."""
     largest: dict[int, tuple[ChannelReading, int]] = {}
     for reading in (reading for file in files for reading in file.channels if reading.pulses):
         check_amounts(budget, reading, field)

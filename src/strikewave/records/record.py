@@ -93,11 +93,6 @@ class Record:
     def channel(self, wanted: str | int = 1, field: str = "--channel") -> Channel:
         """Return a channel by its name, or by its number counted from 1; ``field`` is what an error calls it.
 
-        Raises
-        ------
-        InputError
-            If there is no such channel.
-
         Examples
         --------
         >>> record = Record("a.csv", "text", (Channel("board", np.zeros(3)), Channel("frame", np.ones(3))))

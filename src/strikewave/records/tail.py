@@ -196,11 +196,7 @@ def model_of(tail: Tail) -> TailModel:
         return coupled
     n = tail.time.size
     ones = np.ones(n)
-    fits = {
-        "rest": (np.zeros(n), 0),
-        "shift": (_on(tail.level, ones), 1),
-        "line": (_on(tail.level, tail.time), 1),
-    }
+    fits = {"rest": (np.zeros(n), 0), "shift": (_on(tail.level, ones), 1), "line": (_on(tail.level, tail.time), 1)}
     decay, constant = _decay(tail.time, tail.level)
     fits["decay"] = (decay, 2)
     squares = {kind: float(np.sum((tail.level - fitted) ** 2)) for kind, (fitted, _) in fits.items()}

@@ -169,11 +169,7 @@ def own_unit_cell(one: Declaration, value: Any, row: Any) -> str | None:
 
 
 def cell_of(
-    one: Declaration,
-    value: Any,
-    bands: Sequence[Band] = (),
-    label: str = "",
-    given: GivenUnits = MappingProxyType({}),
+    one: Declaration, value: Any, bands: Sequence[Band] = (), label: str = "", given: GivenUnits = MappingProxyType({})
 ) -> float | str | Tag | None:
     """Return what a cell shows of a value, as its declaration says it."""
     si, usual, _, decimals, digits, _, signed = one.quantity.within(given)
@@ -258,12 +254,7 @@ def part_tables(result: Result, name: str, caption: str = "") -> list[Table]:
 
 
 def line_table(
-    value: Any,
-    table: str,
-    caption: str,
-    head: str,
-    given: GivenUnits = MappingProxyType({}),
-    kind: type | None = None,
+    value: Any, table: str, caption: str, head: str, given: GivenUnits = MappingProxyType({}), kind: type | None = None
 ) -> Table:
     """Return what a declared value and its parts have of one of their tables, a line each; none of what is missing.
 

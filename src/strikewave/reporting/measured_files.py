@@ -53,11 +53,6 @@ def _words(value: Stated | None) -> list[str] | None:
 def read_time_unit(word: str, field: str) -> float:
     """Return the seconds of a unit of time, or of a number of them.
 
-    Raises
-    ------
-    InputError
-        If it is none.
-
     Examples
     --------
     >>> read_time_unit("ms", "--time-unit"), read_time_unit("10 us", "--time-unit")
@@ -100,8 +95,7 @@ class MeasurementOptions:
         list[str] | None, _of_channels("--excitation", 'Bridge voltage in the test, such as "5 V".')
     ] = None
     rated_excitation: Annotated[
-        list[str] | None,
-        _of_channels("--rated-excitation", "Bridge voltage that the sensitivity is stated for."),
+        list[str] | None, _of_channels("--rated-excitation", "Bridge voltage that the sensitivity is stated for.")
     ] = None
     count: Annotated[list[str] | None, _of_channels("--count", 'Voltage of one ADC count, such as "305 uV".')] = None
     polarity: Annotated[
@@ -149,11 +143,6 @@ class MeasurementOptions:
     ) -> MeasurementOptions:
         """Return the options that stand for the arguments of a call.
 
-        Raises
-        ------
-        InputError
-            If rate or unit of time are none.
-
         Examples
         --------
         >>> MeasurementOptions.in_python([1], {"unit": {"frame": "mV"}}, "1 kHz", None, None).rate
@@ -173,11 +162,6 @@ class MeasurementOptions:
         """Return what was typed of the calibration, a table a channel; ``all`` for values without one.
 
         A bare voltage is in V.
-
-        Raises
-        ------
-        InputError
-            If a polarity is neither 1 nor -1, or another value can be none.
 
         Examples
         --------
@@ -231,13 +215,7 @@ def named_for_python() -> Iterator[None]:
 
 
 def files_of(paths: str | Path | Sequence[str | Path]) -> list[str]:
-    """Return the files that a call names, as `ordered` does.
-
-    Raises
-    ------
-    InputError
-        If there are none.
-    """
+    """Return the files that a call names, as `ordered` does."""
     several = [paths] if isinstance(paths, str | Path) else paths
     files = ordered([str(path) for path in several])
     if not files:
@@ -305,13 +283,7 @@ def is_bare(text: str) -> bool:
 
 
 def check_channels(stated: Mapping[str, Any], known: Iterable[str]) -> None:
-    """Refuse a calibration of a channel that no record has, of all that ``known`` names.
-
-    Raises
-    ------
-    InputError
-        If there is one.
-    """
+    """Refuse a calibration of a channel that no record has, of all that ``known`` names."""
     known = set(known)
     for channel, table in stated.items():
         if channel != "all" and channel not in known:
@@ -349,11 +321,6 @@ def read_channels(
         As for `examined_channel`.
     filters : Request, optional
         Whose filters are taken; none by default.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or has no such channel.
     """
     from strikewave.records import Request, calibrations_beside, read_file, read_record
 
@@ -390,11 +357,6 @@ def examined_channel(
         The same in words, such as "the spectrum".
     filters : Request, optional
         Whose filters are taken; none by default.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, or has no such channel.
     """
     record, reading = read_channels(file, stated, options, filters)
     for notice in reading.all_findings:
@@ -467,13 +429,7 @@ def source_of_records(name: str, paths: Sequence[Path], output: Output, usual: s
 
 
 def source_in_python(name: str, test: StatedTest | str | Path | None = None) -> Source:
-    """Return the source of a result of measured files that a call makes; ``test`` is a file as ``--test`` takes it.
-
-    Raises
-    ------
-    InputError
-        If that file cannot be used.
-    """
+    """Return the source of a result of measured files that a call makes; ``test`` is a file as ``--test`` takes it."""
     from strikewave.cases.stated_test import NO_TEST, load_test
 
     read = load_test(Path(test)) if isinstance(test, str | Path) else test

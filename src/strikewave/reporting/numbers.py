@@ -63,13 +63,7 @@ class ShownUnits:
 
     @classmethod
     def read(cls, words: str, option: str = "--show") -> ShownUnits:
-        """Return the units of a list such as ``g,us,kN``.
-
-        Raises
-        ------
-        InputError
-            If one is unknown, or two are of one kind.
-        """
+        """Return the units of a list such as ``g,us,kN``."""
         units: dict[str, str] = {}
         for word in words.split(","):
             unit = plain_unit(word)

@@ -139,13 +139,7 @@ def typed_value(*names: str, si: str, highest: float, help: str) -> Any:
 
 
 def read_value(word: str, field: str, si: str, highest: float) -> Value:
-    """Return a typed quantity as a value of a case.
-
-    Raises
-    ------
-    InputError
-        If it is none, of another dimension, or not above zero and at most ``highest``.
-    """
+    """Return a typed quantity as a value of a case."""
     from strikewave.base.quantities import Range
 
     try:
@@ -191,11 +185,6 @@ def share(*names: str, help: str) -> Any:
 def read_share(word: str, field: str) -> float:
     """Return a typed share.
 
-    Raises
-    ------
-    InputError
-        If it is no number, or not between 0 and 1.
-
     Examples
     --------
     >>> read_share("2 %", "--want-cv")
@@ -215,11 +204,6 @@ def grid_size(*names: str, help: str) -> Any:
 
 def read_size(word: str, field: str) -> Size:
     """Return points along x and y.
-
-    Raises
-    ------
-    InputError
-        If they are no whole numbers.
 
     Examples
     --------
@@ -435,8 +419,7 @@ class LowPassOptions:
     panel: ClassVar[str] = "Filters"
 
     cutoff: Annotated[
-        float | None,
-        quantity("--filter", si="Hz", help="Zero-phase low-pass, -3 dB for both passes; none by default."),
+        float | None, quantity("--filter", si="Hz", help="Zero-phase low-pass, -3 dB for both passes; none by default.")
     ] = None
     cfc: Annotated[
         Typed | None,
@@ -449,13 +432,7 @@ class LowPassOptions:
     ] = None
 
     def low_pass(self) -> Filter | None:
-        """Return the low-pass; None where none is asked for.
-
-        Raises
-        ------
-        InputError
-            If two are.
-        """
+        """Return the low-pass; None where none is asked for."""
         from strikewave.signal.filters import Filter
 
         if self.cutoff is not None and self.cfc is not None:
@@ -467,11 +444,6 @@ class LowPassOptions:
 
 def cutoff_of(value: str | float, field: str, allowed: str) -> float:
     """Return a cutoff that a call names, Hz.
-
-    Raises
-    ------
-    InputError
-        If it is none.
 
     Examples
     --------
@@ -489,11 +461,6 @@ def cutoff_of(value: str | float, field: str, allowed: str) -> float:
 
 def low_pass_of(value: str | float | Filter | None) -> Filter | None:
     """Return the low-pass that a call names by its cutoff or its class.
-
-    Raises
-    ------
-    InputError
-        If it names none.
 
     Examples
     --------

@@ -133,13 +133,7 @@ class Shown:
     quiet: Quiet = False
 
     def in_force(self) -> AbstractContextManager[None]:
-        """Return the context in which that much is shown.
-
-        Raises
-        ------
-        InputError
-            If all and nothing is wanted.
-        """
+        """Return the context in which that much is shown."""
         if self.verbose and self.quiet:
             raise InputError("--quiet", "--verbose beside it", "either --quiet or --verbose", "leave one out")
         return screen(Screen(self.wide, self.verbose, self.quiet))
@@ -179,56 +173,26 @@ class Output(Shown):
 
     @functools.cached_property
     def performed(self) -> StatedTest:
-        """What ``--test`` states, read once.
-
-        Raises
-        ------
-        InputError
-            If its file cannot be used.
-        """
+        """What ``--test`` states, read once."""
         from strikewave.cases.stated_test import NO_TEST, load_test
 
         return NO_TEST if self.test is None else load_test(self.test)
 
     def stated_test(self) -> dict[str, str]:
-        """Return what the table [test] of ``--test`` states; nothing without it.
-
-        Raises
-        ------
-        InputError
-            If its file cannot be used.
-        """
+        """Return what the table [test] of ``--test`` states; nothing without it."""
         return self.performed.test.stated()
 
     def tested(self, case: Case) -> Case:
-        """Return a case with the test that ``--test`` states in the place of its own; the case itself without it.
-
-        Raises
-        ------
-        InputError
-            If its file cannot be used.
-        """
+        """Return a case with the test that ``--test`` states in the place of its own; the case itself without it."""
         return case if self.test is None else case.model_copy(update={"test": self.performed.test})
 
     def check_animation(self, animate: bool) -> None:
-        """Refuse an animation that has no folder to go to.
-
-        Raises
-        ------
-        InputError
-            If there is none.
-        """
+        """Refuse an animation that has no folder to go to."""
         if animate and self.json and self.out is None:
             raise InputError("--animate", "--json without --out", "a folder for the animation", "add --out DIR")
 
     def check_files(self, usual: str | None) -> None:
-        """Refuse files that cannot be written, before the work; ``usual`` as of `place`.
-
-        Raises
-        ------
-        InputError
-            If there is no folder for them, or what writes them is not installed.
-        """
+        """Refuse files that cannot be written, before the work; ``usual`` as of `place`."""
         if self.pdf is not None:
             from strikewave.reporting.pdf import check_pdf
 
@@ -247,13 +211,7 @@ class Output(Shown):
             raise InputError(option, got, "a folder for the files", "add --out DIR")
 
     def write_more(self, result: Result, folder: Path) -> list[str]:
-        """Write what was asked for beside the usual files of a result, and return the names of the files.
-
-        Raises
-        ------
-        InputError
-            If a PDF is wanted of a report that is not written.
-        """
+        """Write what was asked for beside the usual files of a result, and return the names of the files."""
         names = []
         if self.pdf is not None:
             from strikewave.reporting.pdf import write_pdf
@@ -323,13 +281,7 @@ class RunOutput(StudyOutput):
     histories: Histories = None
 
     def check_files(self, usual: str | None) -> None:
-        """Refuse histories that have no folder.
-
-        Raises
-        ------
-        InputError
-            If there is none, or what `Output.check_files` raises.
-        """
+        """Refuse histories that have no folder."""
         super().check_files(usual)
         if self.histories:
             self._check_folder("--histories", usual)
@@ -407,13 +359,7 @@ def _absolute(name: str | Path) -> Path:
 
 
 def check_inputs_stay(folder: Path) -> None:
-    """Refuse to replace a result that holds an input of the new one, but for its case, which the new one has too.
-
-    Raises
-    ------
-    InputError
-        With the input.
-    """
+    """Refuse to replace a result that holds an input of the new one, but for its case, which the new one has too."""
     home = _absolute(folder)
     for name in command_inputs():
         path = _absolute(name)  # of "history.csv#2" the file is below that folder too
@@ -434,11 +380,6 @@ def check_inputs(folder: Path, identity: str | None) -> None:
         The folder.
     identity : str or None
         The text that will mark it, where it is known: the very same result is replaced from wherever it was asked.
-
-    Raises
-    ------
-    InputError
-        If the result there is of none of the inputs, or of one that is no longer among them beside another new one.
     """
     now, before = _places(command_inputs()), _inputs_of(folder)
     known = _places(before)

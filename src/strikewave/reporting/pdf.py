@@ -52,13 +52,7 @@ _NEEDED = "Debian, Ubuntu: apt-get install libpango-1.0-0 libpangoft2-1.0-0 libh
 
 
 def check_pdf(field: str, word: str) -> None:
-    """Refuse an option where PDF cannot be written.
-
-    Raises
-    ------
-    InputError
-        If the extra ``pdf``, or a library of the system that it calls, is not installed.
-    """
+    """Refuse an option where PDF cannot be written."""
     try:
         with contextlib.redirect_stdout(io.StringIO()):  # what it says there would spoil a JSON document
             import weasyprint  # noqa: F401

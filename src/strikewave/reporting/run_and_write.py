@@ -100,11 +100,6 @@ def run_and_write(command: Command[R], output: Output, usual: str | None, identi
     identity : str or None
         The text that will mark the folder, or its first line, so that a place which holds something else is refused
         before the work; None where only the result knows it, and another result is refused after it.
-
-    Raises
-    ------
-    InputError
-        If the place is taken, or what `Command.solve` raises.
     """
     if output.test is not None and not command.of_test:
         raise InputError("--test", str(output.test), "none here: this is not of a test that was made", "leave it out")

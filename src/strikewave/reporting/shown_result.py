@@ -47,13 +47,7 @@ OWN_PAGE, HEAD_OF_PAGE = b'<meta name="generator" content="strikewave', 2000
 
 
 def html_place(path: Path | str, usual: str) -> Path:
-    """Return the HTML file that a path means: itself, or the usual one of a folder.
-
-    Raises
-    ------
-    InputError
-        If it is no HTML file in a folder that exists, or a folder that has a page of somebody else of that name.
-    """
+    """Return the HTML file that a path means: itself, or the usual one of a folder."""
     place = Path(path)
     if place.is_dir():
         place = place / usual
@@ -199,11 +193,6 @@ class ShownResult(Result):
     def plot(self) -> Figure:
         """Return its picture, the one that its command writes, as a matplotlib figure.
 
-        Raises
-        ------
-        StrikewaveError
-            If it has none.
-
         Examples
         --------
         >>> from strikewave import load_case, run_case
@@ -233,11 +222,6 @@ class ShownResult(Result):
         Path
             Of the file.
 
-        Raises
-        ------
-        InputError
-            If the place is no HTML file in a folder that exists.
-
         Examples
         --------
         >>> import tempfile
@@ -253,11 +237,6 @@ class ShownResult(Result):
 
     def to_dataframe(self) -> pandas.DataFrame:
         """Return its main table in SI; ``attrs["units"]`` holds the unit of each column.
-
-        Raises
-        ------
-        StrikewaveError
-            If it has none.
 
         Examples
         --------

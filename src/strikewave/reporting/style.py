@@ -57,10 +57,7 @@ def mark_runs(axes: Any, x: Any, y: Any, verdicts: Verdicts, noun: str = "run", 
     """
     if not verdicts.texts:
         return
-    for status, marker, words in (
-        (RUN_BROKEN, "D", f"{noun} failed a check"),
-        (RUN_FAILED, "x", f"{noun} failed"),
-    ):
+    for status, marker, words in ((RUN_BROKEN, "D", f"{noun} failed a check"), (RUN_FAILED, "x", f"{noun} failed")):
         chosen = np.array([one == status for one in verdicts.statuses], dtype=bool)
         chosen &= np.isfinite(np.asarray(x, dtype=float)) & np.isfinite(np.asarray(y, dtype=float))
         if chosen.any():
@@ -253,12 +250,7 @@ def spread(places: Array, least: float, most: float) -> Array:
     return np.concatenate([middle + step * (np.arange(size) - 0.5 * (size - 1)) for middle, size in groups])
 
 
-TRACED = {
-    "g": ("acceleration", "m/s^2"),
-    "kN": ("force", "N"),
-    "MPa": ("stress", "Pa"),
-    "m/s": ("velocity", "m/s"),
-}
+TRACED = {"g": ("acceleration", "m/s^2"), "kN": ("force", "N"), "MPa": ("stress", "Pa"), "m/s": ("velocity", "m/s")}
 """Usual unit of traced quantities: their name and SI unit."""
 
 

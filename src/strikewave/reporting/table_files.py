@@ -153,13 +153,7 @@ Rows = Iterator[Sequence[Any]]
 
 
 def check_workbook() -> None:
-    """Refuse a workbook where its writer is not installed.
-
-    Raises
-    ------
-    InputError
-        If it is not.
-    """
+    """Refuse a workbook where its writer is not installed."""
     if importlib.util.find_spec("openpyxl") is None:
         hint = "pip install 'strikewave[formats]'"
         raise InputError("--xlsx", "no openpyxl", "an installation that writes workbooks", hint)

@@ -144,13 +144,7 @@ class WaveField:
     since: str
 
     def values(self, quantity: str) -> Array:
-        """Return stress (Pa), force (N) or velocity (m/s), shape (times, places).
-
-        Raises
-        ------
-        ValueError
-            If it is the velocity, and none was kept.
-        """
+        """Return stress (Pa), force (N) or velocity (m/s), shape (times, places)."""
         if quantity == "velocity":
             if self.velocity is None:
                 raise ValueError("this field holds no velocity")
@@ -656,11 +650,7 @@ def layer_table(setup: WaveSetup) -> Table:
     caption = f"Layers, rounded to whole time steps of {amount(STEP, setup.step)}"
     caption += f"; {more} more in the JSON" if more > 0 else ""
     lengths = [headed(name, *LENGTH.units) for name in ("length in the case", "length used")]
-    return Table(
-        caption,
-        ["layer", *lengths, "relative difference", "time steps of a transit"],
-        rows,
-    )
+    return Table(caption, ["layer", *lengths, "relative difference", "time steps of a transit"], rows)
 
 
 def field_pictures(field: WaveField, quantity: str = "stress") -> list[Part]:

@@ -328,8 +328,7 @@ class PassBand:
         tables="screen",
     )
     largest: float = declare.number(
-        RATIO,
-        "largest |H| below 200 kHz; one where the sensor follows exactly, null where nothing has loss",
+        RATIO, "largest |H| below 200 kHz; one where the sensor follows exactly, null where nothing has loss"
     )
     largest_at: float = declare.number(
         BANDWIDTH,

@@ -296,12 +296,7 @@ def rolling_srs(
 
 
 def response_history(
-    values: ArrayLike,
-    step: float,
-    frequency: float,
-    q: float = QUALITY,
-    kind: str = "absolute",
-    initial: str = "rest",
+    values: ArrayLike, step: float, frequency: float, q: float = QUALITY, kind: str = "absolute", initial: str = "rest"
 ) -> Array:
     """Return what an oscillator does while the record lasts: its response at each sample.
 

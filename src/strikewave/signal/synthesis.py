@@ -281,10 +281,7 @@ def _compensating(lowest: float, time: Array) -> tuple[tuple[Component, Array], 
 
 
 def _sum(
-    amplitudes: Array,
-    shapes: list[Array],
-    pulses: tuple[tuple[Component, Array], tuple[Component, Array]],
-    time: Array,
+    amplitudes: Array, shapes: list[Array], pulses: tuple[tuple[Component, Array], tuple[Component, Array]], time: Array
 ) -> tuple[Array, tuple[float, float]]:
     """Return a sum that ends at rest where it began, and the amplitudes of its compensating pulses.
 

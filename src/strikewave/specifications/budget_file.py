@@ -79,18 +79,7 @@ FIELDS_OF_KINDS: dict[str, KindFields] = {
     "coupling": KindFields(("time_constant",), RECTANGULAR),
 }
 """Fields of the kinds that are not one share, or amount, alone."""
-FIELDS = (
-    "value",
-    "per_kelvin",
-    "range",
-    "motion",
-    "bands",
-    "frequency",
-    "quality",
-    "cutoff",
-    "order",
-    "time_constant",
-)
+FIELDS = ("value", "per_kelvin", "range", "motion", "bands", "frequency", "quality", "cutoff", "order", "time_constant")
 
 
 def _value(raw: Any) -> StatedNumber:
@@ -207,11 +196,6 @@ def _name(table: ContributionTable) -> str:
 
 def load_budget(asked: str, field: str = "--uncertainty") -> Budget:
     """Return the budget of a share, which is an expanded uncertainty with k = 2, or of a file that ends in ``.toml``.
-
-    Raises
-    ------
-    InputError
-        With one line for each thing that is wrong.
 
     Examples
     --------

@@ -244,11 +244,6 @@ def judge_records(
         How they are judged.
     filter_ : Filter or None, optional
         The low-pass that was taken.
-
-    Raises
-    ------
-    InputError
-        If no channel holds an acceleration, or a cross-axis channel is not there.
     """
     limits = specification.pulse_limits()
     check_directions(asked.directions, [(file.path, [_keys(reading) for reading in file.channels]) for file in files])

@@ -127,11 +127,6 @@ class Specification:
     def pulse_limits(self) -> PulseLimits:
         """Return what it asks of a shock.
 
-        Raises
-        ------
-        InputError
-            If it is a specification of a spectrum.
-
         Examples
         --------
         >>> limits = load_specification("mil-std-810h-sawtooth:ground").pulse_limits()
@@ -245,13 +240,7 @@ class Specification:
         return Limits(low, high, weakest(*(self._status(one, table) for one in stated)))
 
     def spectrum_limits(self) -> SpectrumLimits:
-        """Return what it asks of a spectrum.
-
-        Raises
-        ------
-        InputError
-            If it states no spectrum, or no breakpoints of it.
-        """
+        """Return what it asks of a spectrum."""
         table = self.file.srs
         if table is None:
             known = [name for name in specification_names() if read_built_in(name)[0].srs is not None]
@@ -333,11 +322,6 @@ def load_specification(asked: str, field: str = "--spec") -> Specification:
         condition, such as ``jesd22-b110:B``.
     field : str, optional
         Option or field that asks for it, for errors.
-
-    Raises
-    ------
-    InputError
-        With one line for each thing that is wrong.
 
     Examples
     --------
@@ -425,13 +409,7 @@ def _file_text(path: Path, field: str) -> str:
 
 
 def parse_specification(text: str, where: str) -> SpecificationFile:
-    """Return the tables of a specification.
-
-    Raises
-    ------
-    InputError
-        With one line for each thing that is wrong, after ``where``.
-    """
+    """Return the tables of a specification."""
     try:
         document: Mapping[str, Any] = read_toml(text)
     except ValueError as error:

@@ -54,11 +54,6 @@ class CountedShock(NamedTuple):
 def read_direction(word: str, field: str = "--direction") -> StatedDirection:
     """Return what ``[FILES][#CHANNEL]=DIRECTION``, or a direction alone, states.
 
-    Raises
-    ------
-    InputError
-        If it is no direction.
-
     Examples
     --------
     >>> read_direction("+x")[:2], read_direction("up*.csv#2=-Z")[:2]
@@ -109,13 +104,7 @@ def _file_fits(pattern: str, path: str) -> bool:
 
 
 def check_directions(stated: Sequence[StatedDirection], files: Sequence[tuple[str, Sequence[set[str]]]]) -> None:
-    """Refuse a direction whose pattern means no channel of any file; of a file without channels it may mean any.
-
-    Raises
-    ------
-    InputError
-        With the files, or the channels, that there are.
-    """
+    """Refuse a direction whose pattern means no channel of any file; of a file without channels it may mean any."""
     for one in stated:
         if any(direction_fits(one.place, path, keys) for path, channels in files for keys in channels or [set()]):
             continue

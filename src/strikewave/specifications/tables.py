@@ -70,11 +70,6 @@ class NumberReader:
     def read(self, raw: Any) -> Any:
         """Turn what a file holds into a number.
 
-        Raises
-        ------
-        InputError
-            Its field is empty here; the file fills in the path.
-
         Examples
         --------
         >>> NumberReader("m/s^2").read("1 g").si, NumberReader("%").read("20 %").si, NumberReader("dB").read("-6 dB").si

@@ -85,13 +85,7 @@ class Axis:
 
 
 def axis_of(case: Case, path: str, ends: tuple[Value, Value] | None, points: int, log: bool) -> Axis:
-    """Return an axis: a quantity of the case from one value to another, `HALF_TO_TWICE` where none are given.
-
-    Raises
-    ------
-    InputError
-        If the case has no such quantity, or the range is none.
-    """
+    """Return an axis: a quantity of the case from one value to another, `HALF_TO_TWICE` where none are given."""
     values = case.values()
     if path not in values:
         raise InputError(path, path, "a quantity of the case", nearest(path, values))
@@ -103,11 +97,6 @@ def axis_of(case: Case, path: str, ends: tuple[Value, Value] | None, points: int
 
 def range_axis(path: str, ends: tuple[Value, Value], points: int, log: bool) -> Axis:
     """Return an axis from one value to another, in the unit in which the first was typed.
-
-    Raises
-    ------
-    InputError
-        If that is no range.
 
     Examples
     --------

@@ -193,13 +193,7 @@ class StudyCommand(ResumableCommand[Made]):
         return f"{self.name}-{case_folder(self.case.name, dump_case(self.case), changes)}"
 
     def run(self, changes: Sequence[str], output: Output) -> int:
-        """Make the study, write and print it, and return the exit code.
-
-        Raises
-        ------
-        InputError
-            If the place is taken, or the study cannot be made.
-        """
+        """Make the study, write and print it, and return the exit code."""
         return run_and_write(self, output, self.usual_folder(changes), self.marked_text)
 
 

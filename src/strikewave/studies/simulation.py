@@ -200,11 +200,6 @@ def checked_number(case: Case, word: str, option: str = "--to") -> tuple[str, st
     """Return name, sensor and SI unit of a number that a case gives: ``first.sensor_peak NAME`` is that of a sensor.
 
     Of elements, ``first.width NAME`` is that of a part.
-
-    Raises
-    ------
-    InputError
-        If it gives none of that name.
     """
     name, _ = name_and_owner(word)
     units = number_units(case)
@@ -214,13 +209,7 @@ def checked_number(case: Case, word: str, option: str = "--to") -> tuple[str, st
 
 
 def checked_owner(case: Case, word: str, option: str = "--to") -> str:
-    """Return the sensor or part that stands behind the name of a number; empty where none does.
-
-    Raises
-    ------
-    InputError
-        If one is missing, or none of the case, or the number is of none.
-    """
+    """Return the sensor or part that stands behind the name of a number; empty where none does."""
     name, sensor = name_and_owner(word)
     of = owners(case, name)
     if of is None and sensor:

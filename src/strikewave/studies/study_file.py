@@ -35,11 +35,6 @@ def read_study(path: Path, form: Form[Stated], allowed: str) -> Stated:
         Form of the file.
     allowed : str
         Kind of file that is allowed.
-
-    Raises
-    ------
-    InputError
-        With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     return form.read(read_small_file(path, "FILE", allowed), f"{path.name}: ")
 

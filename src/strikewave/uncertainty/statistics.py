@@ -31,8 +31,7 @@ class RunSpread:
     low: float = declare.number(VARIATION, "low bound of the median at 95 %")
     high: float = declare.number(VARIATION, "high bound of the median at 95 %")
     limit: float = declare.number(
-        VARIATION,
-        "what 95 % of all runs keep, with 95 % confidence; null where so few runs can tell nothing",
+        VARIATION, "what 95 % of all runs keep, with 95 % confidence; null where so few runs can tell nothing"
     )
     n: int = declare.count("runs that have it")
 

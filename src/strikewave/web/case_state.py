@@ -58,13 +58,7 @@ class CaseState:
 
     @classmethod
     def of_file(cls, path: Path) -> CaseState:
-        """Return what a dropped case file says.
-
-        Raises
-        ------
-        StrikewaveError
-            If it is no text.
-        """
+        """Return what a dropped case file says."""
         try:
             return cls(path.name[: -len(CASE_FILE)], path.read_text("utf-8-sig"))
         except UnicodeDecodeError:
@@ -108,11 +102,6 @@ class CaseState:
     @classmethod
     def read(cls, parts: Iterable[tuple[str, str]], usual: str, changes_key: str = "set") -> CaseState:
         """Return what an address says.
-
-        Raises
-        ------
-        InputError
-            If what it holds is damaged, or too much.
 
         Examples
         --------

@@ -26,13 +26,7 @@ from strikewave.web.case_state import CaseSource, EditedField, ListedStack, Stac
 
 
 def loaded(source: CaseSource) -> Case:
-    """Return the case.
-
-    Raises
-    ------
-    InputError
-        If it is none, or names a file that lies elsewhere.
-    """
+    """Return the case."""
     if source.text:
         case = parse_case(source.text, source.name, source.changes)
     elif source.name in bundled_cases():
@@ -337,13 +331,7 @@ def with_joint(source: CaseSource, behind: str, kind: str, fields: Sequence[str]
 
 
 def without_joint(source: CaseSource, behind: str) -> str:
-    """Return the case with bonded faces behind a layer, as a file.
-
-    Raises
-    ------
-    InputError
-        If there is no such layer.
-    """
+    """Return the case with bonded faces behind a layer, as a file."""
     case = loaded(source)
     _place(case, behind)
 

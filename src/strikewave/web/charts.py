@@ -297,11 +297,7 @@ def _named(options: dict[str, Any]) -> dict[str, Any]:
 
 def _frame(title: str, x: str, y: str, x_kind: str, y_kind: str) -> dict[str, Any]:
     """Return quiet axes with their labels: no box, a faint grid, and a picture that can be taken away."""
-    axis = {
-        "nameLocation": "middle",
-        "nameTextStyle": {"color": SOFT, "fontSize": 11},
-        "axisLabel": NUMBERS,
-    }
+    axis = {"nameLocation": "middle", "nameTextStyle": {"color": SOFT, "fontSize": 11}, "axisLabel": NUMBERS}
     return {
         "animation": False,
         "aria": {"enabled": True, "label": {"description": f"{title}. Horizontal: {x}. Vertical: {y}."}},
@@ -314,14 +310,7 @@ def _frame(title: str, x: str, y: str, x_kind: str, y_kind: str) -> dict[str, An
             "itemSize": 13,
             "feature": {"saveAsImage": {"title": "save as PNG", "pixelRatio": 2}},
         },
-        "xAxis": {
-            **axis,
-            "type": x_kind,
-            "name": x,
-            "nameGap": 26,
-            "splitLine": {"show": False},
-            "scale": True,
-        },
+        "xAxis": {**axis, "type": x_kind, "name": x, "nameGap": 26, "splitLine": {"show": False}, "scale": True},
         "yAxis": {**axis, "type": y_kind, "name": y, "nameGap": 42, "splitLine": {"lineStyle": {"color": LINE}}},
     }
 

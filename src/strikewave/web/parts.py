@@ -25,13 +25,7 @@ from strikewave.web.case_state import EditedField
 from strikewave.web.guard import LARGEST_UPLOAD
 from strikewave.web.sessions import KEPT, Session
 
-PAGES = {
-    "/": "Machine",
-    "/target": "Target",
-    "/record": "Record",
-    "/study": "Fit and study",
-    "/elements": "Elements",
-}
+PAGES = {"/": "Machine", "/target": "Target", "/record": "Record", "/study": "Fit and study", "/elements": "Elements"}
 """Address and name of each page."""
 LONGEST_NOTE = 400
 """Characters of a note that passes: as many as are read in its quarter of a minute."""

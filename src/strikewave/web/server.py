@@ -97,13 +97,7 @@ def make_app(folder: Path | None, token: str = "", host: str = "", port: int = 0
 
 
 def serve(host: str, port: int, folder: Path | None, browser: bool) -> None:
-    """Serve the app until it is stopped.
-
-    Raises
-    ------
-    InputError
-        If the port is taken, or the host is none of this machine.
-    """
+    """Serve the app until it is stopped."""
     listening = _listen(host, port)
     bound, port = listening.getsockname()[:2]
     token = "" if is_loopback(bound) else secrets.token_urlsafe(16)

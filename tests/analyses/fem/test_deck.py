@@ -7,10 +7,7 @@ import pytest
 
 @pytest.mark.parametrize(
     ("code", "names"),
-    [
-        ("ls-dyna", {"taylor-bar-fem.k"}),
-        ("openradioss", {"taylor-bar-fem_0000.rad", "taylor-bar-fem_0001.rad"}),
-    ],
+    [("ls-dyna", {"taylor-bar-fem.k"}), ("openradioss", {"taylor-bar-fem_0000.rad", "taylor-bar-fem_0001.rad"})],
 )
 def test_deck_and_its_case_are_written(strikewave, tmp_path, code, names):
     status, out, _ = strikewave("deck", "taylor-bar-fem", "--code", code, "--units", "mm-g-us", "--out", "deck")

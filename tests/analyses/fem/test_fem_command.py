@@ -570,10 +570,7 @@ def test_the_bundled_taylor_bar_ends_as_published():
 @pytest.mark.verify
 @pytest.mark.parametrize(
     ("case", "table", "row", "length_off", "foot_off"),
-    [
-        ("taylor-steel-fem", "StJohnson", 0, 0.01, 0.08),
-        ("taylor-copper-fem", "CuZerilli", 2, 0.04, 0.06),
-    ],
+    [("taylor-steel-fem", "StJohnson", 0, 0.01, 0.08), ("taylor-copper-fem", "CuZerilli", 2, 0.04, 0.06)],
 )
 def test_the_built_in_measured_bars_end_near_what_was_measured(measured, case, table, row, length_off, foot_off):
     """Constants are those of the literature. The foot may be off by more: no friction, and its edge wants a fine mesh."""

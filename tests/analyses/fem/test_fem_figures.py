@@ -452,12 +452,7 @@ def test_the_report_stands_alone_and_says_the_numbers(mesh, run):
     assert not any(f'{word}="http' in page for word in ("src", "xlink:href"))
     assert "A ball on &lt;b&gt;brass&lt;/b&gt; &amp; steel" in page
     found = contact_measure(run, "ball.all-block.top")
-    for words in (
-        f"{found.peak / 1e3:.4g}",
-        f"{found.impulse:.4g}",
-        "all checks passed",
-        "within its limit of 1 %",
-    ):
+    for words in (f"{found.peak / 1e3:.4g}", f"{found.impulse:.4g}", "all checks passed", "within its limit of 1 %"):
         assert words in page
     assert f"{run.parts['ball'].mass * 1e3:.4g}" in page
     assert "bilinear" in page

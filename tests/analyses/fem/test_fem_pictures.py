@@ -16,14 +16,7 @@ from strikewave.analyses.fem.result import place_words
 from strikewave.analyses.fem.run import run_fem
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import SurfaceContact
-from strikewave.fem.snapshots import (
-    WAVE_INSTANTS,
-    Snapshot,
-    SnapshotRecorder,
-    faces_on,
-    recorder_from_frames,
-    skin_of,
-)
+from strikewave.fem.snapshots import WAVE_INSTANTS, Snapshot, SnapshotRecorder, faces_on, recorder_from_frames, skin_of
 
 from ...fem import synthetic
 

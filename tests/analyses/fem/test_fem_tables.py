@@ -238,10 +238,7 @@ def test_johnson_cook_asks_for_all_five_constants(lacking):
 
 @pytest.mark.parametrize(
     ("given", "lacking"),
-    [
-        ('melting_temperature = "1356 K"', "specific_heat"),
-        ('specific_heat = "383 J/kg/K"', "melting_temperature"),
-    ],
+    [('melting_temperature = "1356 K"', "specific_heat"), ('specific_heat = "383 J/kg/K"', "melting_temperature")],
 )
 def test_heat_needs_both_of_its_constants(given, lacking):
     with pytest.raises(InputError, match=f"solid.{lacking}: missing"):
@@ -630,11 +627,7 @@ def test_a_part_of_a_file_without_a_row_is_named(filed):
     ("change", "code", "words"),
     [
         ("mesh.part.ball.velocity.z=-7 km/s", "faster-than-wave", "mesh.part.ball.velocity"),
-        (
-            "mesh.part.ball.solid.density=7.82 kg/m^3",
-            "material-far",
-            "mesh.part.ball.solid.density = 7.82 kg/m^3",
-        ),
+        ("mesh.part.ball.solid.density=7.82 kg/m^3", "material-far", "mesh.part.ball.solid.density = 7.82 kg/m^3"),
     ],
 )
 def test_a_speed_above_the_wave_speed_and_a_modulus_of_no_material_are_named_before_the_run(

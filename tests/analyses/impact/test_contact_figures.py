@@ -5,11 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.analyses.impact.figures import (
-    asked_given,
-    impact_sheet,
-    stiffness_over_load,
-)
+from strikewave.analyses.impact.figures import asked_given, impact_sheet, stiffness_over_load
 from strikewave.base.constants import material
 from strikewave.contact import (
     Contact,

@@ -81,11 +81,7 @@ def test_a_machine_of_the_same_materials_and_shape_strikes_as_fast_and_as_much_l
 
 @pytest.mark.parametrize("kind", ["drop", "pendulum", "dual-mass-amplifier"])
 @settings(max_examples=4)
-@given(
-    mass=st.floats(0.1, 10.0),
-    time=st.floats(0.3, 3.0),
-    data=st.data(),
-)
+@given(mass=st.floats(0.1, 10.0), time=st.floats(0.3, 3.0), data=st.data())
 def test_machines_that_fall_are_alike_where_lengths_go_as_squares_of_times(kind, mass, time, data):
     """Froude's similarity, by gravity that stays: masses by any factor, with the contact given by a point of its curve.
 

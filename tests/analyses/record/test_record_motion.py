@@ -90,7 +90,7 @@ def test_the_command_gives_histories_and_where_they_end(strikewave):
     with open("a/motion.csv") as file:
         head, *rows = csv.reader(file)
     assert head[2:] == [
-        *("time [s]", "velocity [m/s]", "displacement [m]", "velocity_drift [m/s]", "displacement_drift [m]"),
+        *("time [s]", "velocity [m/s]", "displacement [m]", "velocity_drift [m/s]", "displacement_drift [m]")
     ]
     assert float(rows[-1][4]) == pytest.approx(one["displacement"], rel=1e-8)
     again, _, err = strikewave("record", "a.csv", "--motion", "--out", "a", "--json")

@@ -77,7 +77,7 @@ def test_loss_and_dispersion_take_the_spectral_solver_and_say_how_well_the_loss_
             end='kind = "free"',
             load="",
             solver='dispersion = "pochhammer-chree"',
-        ),
+        )
     )
     document = run_wave(case).document()
     assert document["method"] == "spectral"

@@ -109,12 +109,7 @@ def test_verdicts_are_those_of_the_numbers(rows):
             assert row.verdict == "misprint" or row.number == "(2)"
             continue
         off = abs(row.deviation)
-        wanted = {
-            "right": off < 1e-6,
-            "definition": off < 1e-6,
-            "approximate": 1e-6 < off < 0.15,
-            "wrong": off > 1e-3,
-        }
+        wanted = {"right": off < 1e-6, "definition": off < 1e-6, "approximate": 1e-6 < off < 0.15, "wrong": off > 1e-3}
         assert wanted[row.verdict], (row.number, row.verdict, off)
 
 

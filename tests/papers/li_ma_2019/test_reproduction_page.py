@@ -17,13 +17,7 @@ from strikewave.base.texts import percent
 from strikewave.papers.li_ma_2019 import answers as known
 from strikewave.papers.li_ma_2019 import figures as draw
 from strikewave.papers.li_ma_2019 import reproduce as whole_run
-from strikewave.papers.li_ma_2019.element_pulses import (
-    BodyPulse,
-    element_numbers,
-    rise_slope,
-    struck_body,
-    whole_force,
-)
+from strikewave.papers.li_ma_2019.element_pulses import BodyPulse, element_numbers, rise_slope, struck_body, whole_force
 from strikewave.papers.li_ma_2019.figures import PublishedMark
 from strikewave.papers.li_ma_2019.published import published_numbers
 from strikewave.papers.li_ma_2019.report import (

@@ -306,11 +306,7 @@ def test_draws_without_a_tolerance_are_refused():
         design(BALL, HEIGHT, ["approach_speed < 4 m/s"], analysis="impact", runs=16, robust=8)
 
 
-@given(
-    st.lists(st.floats(-10.0, 10.0), min_size=1, max_size=20),
-    st.floats(-5.0, 5.0),
-    st.floats(0.1, 5.0),
-)
+@given(st.lists(st.floats(-10.0, 10.0), min_size=1, max_size=20), st.floats(-5.0, 5.0), st.floats(0.1, 5.0))
 def test_a_margin_is_above_zero_within_the_limits_and_one_in_the_middle(values, low, width):
     goal = Goal("", "x", low, low + width)
     shares = goal.share(np.array([*values, low + 0.5 * width]))

@@ -10,13 +10,7 @@ from scipy.stats import multivariate_normal, qmc
 
 from strikewave import load_case
 from strikewave.base.errors import InputError
-from strikewave.studies.design.gaussian_process import (
-    LENGTHS,
-    NUGGET,
-    GaussianProcess,
-    correlations,
-    fitted_process,
-)
+from strikewave.studies.design.gaussian_process import LENGTHS, NUGGET, GaussianProcess, correlations, fitted_process
 from strikewave.studies.design.plan import plan_of
 from strikewave.studies.design.report import design_report
 from strikewave.studies.design.study import design

@@ -196,11 +196,6 @@ def agreement(
         One of `RULES`, or ``none``.
     between : (float, float), optional
         Begin and end of the interval, s, in the time of A.
-
-    Raises
-    ------
-    InputError
-        If they cannot be aligned, or do not overlap.
     """
     shift = _shift(a, b, align)
     one, other = a.history, b.history._replace(start=b.history.start + shift.shift)

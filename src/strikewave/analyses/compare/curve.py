@@ -129,13 +129,7 @@ class ComparedCurve:
         return found._replace(peak=self.sign * found.peak, area=self.sign * foot_to_foot(upright, step))
 
     def filtered(self, low_pass: Filter | None) -> ComparedCurve:
-        """Return it through a low-pass.
-
-        Raises
-        ------
-        InputError
-            If the cutoff is not below half its sampling rate.
-        """
+        """Return it through a low-pass."""
         if low_pass is None:
             return self
         half = 0.5 / self.history.step
@@ -147,13 +141,7 @@ class ComparedCurve:
 
 
 def checked_curve(option: str, curve: ComparedCurve) -> ComparedCurve:
-    """Return a curve that can be compared.
-
-    Raises
-    ------
-    InputError
-        If it has too few samples, one that is no number, or is zero throughout.
-    """
+    """Return a curve that can be compared."""
     values = curve.history.values
     if values.size < FEWEST:
         raise InputError(option, f"{curve.name}, {values.size} samples", f"a history of {FEWEST} samples or more")
@@ -192,13 +180,7 @@ less than it can be aligned."""
 
 
 def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: Sequence[float]) -> ComparedCurve:
-    """Return the mean of curves that are shifted to lie on the first one, over the time that all have, and deviations.
-
-    Raises
-    ------
-    InputError
-        If they have no time in common.
-    """
+    """Return the mean and the deviations of curves shifted onto the first one, over the time that all have."""
     first = curves[0].history
     begin = max(one.history.start + shift for one, shift in zip(curves, shifts, strict=True))
     end = min(one.history.end + shift for one, shift in zip(curves, shifts, strict=True))
@@ -287,11 +269,6 @@ class SpecificationVerdict:
 
 def specified_curve(option: str, word: str) -> tuple[ComparedCurve, Specification]:
     """Return the ideal pulse of a specification as a history, time 0 where it begins.
-
-    Raises
-    ------
-    InputError
-        If there is no such specification, or it is one of a spectrum.
 
     Examples
     --------

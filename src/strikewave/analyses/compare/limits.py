@@ -90,11 +90,6 @@ class Judged:
 def read_limit(word: str, field: str = "--limit") -> ComparisonLimit:
     """Return a limit that was typed.
 
-    Raises
-    ------
-    InputError
-        If it names nothing that is computed, or holds no number.
-
     Examples
     --------
     >>> read_limit("iso18571 > 0.8").value, read_limit("shift < 2 us").value, read_limit("peak < 5 %").relation

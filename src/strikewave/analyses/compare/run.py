@@ -175,11 +175,6 @@ def compared(a: Compared, b: Compared, request: CompareRequest, origin: Source) 
     """Read both and return how well they agree.
 
     A measured history is read first, so that of a part of a simulation the same quantity is taken.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        If one cannot be read, or the two cannot be compared.
     """
     if str(a).startswith(PREFIX):
         raise InputError("A", str(a), "a history", "name the specification second: it is what A is held against")
@@ -238,13 +233,7 @@ def compared_curves(
     origin: Source,
     specified: SpecificationVerdict | None = None,
 ) -> CompareResult:
-    """Return how well two histories agree.
-
-    Raises
-    ------
-    InputError
-        If they cannot be compared.
-    """
+    """Return how well two histories agree."""
     begin, end = request.between
     between = None
     if begin is not None or end is not None:

@@ -30,13 +30,7 @@ LONGEST_NAME = 40
 
 
 def compare_sources(a: str, b: str, request: CompareRequest, output: Output) -> int:
-    """Compare two histories, write and print how well they agree, and return the exit code.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        If one cannot be read, or the two cannot be compared.
-    """
+    """Compare two histories, write and print how well they agree, and return the exit code."""
     short = [re.sub(r"[^\w.+-]+", "-", Path(name).name).strip("-.")[:LONGEST_NAME] or "source" for name in (a, b)]
     usual = f"compare-{short[0]}-{short[1]}"
     paths = [path for name in (a, b) for path in paths_of(parse_name(name))] if output.writes(usual) else []

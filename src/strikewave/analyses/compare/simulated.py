@@ -86,11 +86,6 @@ def simulated_curve(option: str, place: str, part: str, blow: int, unit: str, ba
         SI unit that is preferred; empty for an acceleration.
     band : bool
         True to find the bands of a run.
-
-    Raises
-    ------
-    InputError
-        If the case cannot be run, the file is none of a result, or the part is none of its.
     """
     if place.lower().endswith(".nc"):
         name, parts, checked = _kept(place)
@@ -100,13 +95,7 @@ def simulated_curve(option: str, place: str, part: str, blow: int, unit: str, ba
 
 
 def solution_curve(option: str, solution: Result, part: str, blow: int, unit: str) -> ComparedCurve:
-    """Return a history of a solution of run, wave or fem; the arguments are those of `simulated_curve`.
-
-    Raises
-    ------
-    InputError
-        If it is none, or the part is none of its.
-    """
+    """Return a history of a solution of run, wave or fem; the arguments are those of `simulated_curve`."""
     arrays = solution.arrays
     if arrays is None or not {"pulse_acceleration", "tap_acceleration", "momentum"} & set(arrays.variables):
         raise InputError(option, type(solution).__name__, "a solution of run, wave or fem, or a name")
@@ -150,13 +139,7 @@ def _parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[Simula
 
 
 def _curve(
-    option: str,
-    name: str,
-    parts: Sequence[SimulatedPart],
-    checked: CheckedRun,
-    part: str,
-    blow: int,
-    unit: str,
+    option: str, name: str, parts: Sequence[SimulatedPart], checked: CheckedRun, part: str, blow: int, unit: str
 ) -> ComparedCurve:
     """Return one of some histories."""
     chosen = _chosen(option, name, parts, part, blow, unit)

@@ -118,11 +118,6 @@ def read_source(option: str, word: str, reading: SourceOptions, unit: str = "") 
         How it is read.
     unit : str, optional
         SI unit of the other history: of several quantities of a part that one is taken.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        If it stands for nothing, cannot be read, or is no history that can be compared.
     """
     name = parse_name(word)
     built_in = name.place in bundled_cases() and not os.path.lexists(name.place)
@@ -245,13 +240,7 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int, budget: 
 
 
 def read_shots(option: str, word: str, reading: SourceOptions) -> tuple[list[ComparedCurve], list[Notice]]:
-    """Return every record, or every blow (@all), that a name of measured files stands for, and what was left out.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        If it stands for nothing, for what is simulated, or a single record cannot be read.
-    """
+    """Return every record, or every blow (@all), that a name of measured files stands for, and what was left out."""
     name = parse_name(word)
     paths = paths_of(name)
     if is_simulated(word) or (len(paths) < 2 and name.blow != ALL):

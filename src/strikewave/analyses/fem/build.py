@@ -102,12 +102,6 @@ _KINDS: dict[type, tuple[type[Elastic], tuple[str, ...]]] = {
 def build_model(case: Case, threads: int = 1) -> Model:
     """Return the model of a case with [mesh] and [fem].
 
-    Raises
-    ------
-    InputError
-        If parts do not fit together: sides that there are not, too many elements, or a material lacks what its
-        law needs.
-
     Examples
     --------
     >>> from strikewave import load_case
@@ -149,14 +143,7 @@ def build_model(case: Case, threads: int = 1) -> Model:
 
 
 def check_elements(case: Case) -> tuple[MeshTable, FemTable]:
-    """Check all that can be checked without a mesh, and return the tables.
-
-    Raises
-    ------
-    InputError
-        If the case has no mesh, a part is named that there is not, a material lacks what its law needs, or there would
-        be too many elements.
-    """
+    """Check all that can be checked without a mesh, and return the tables."""
     if case.mesh is None or case.fem is None:
         hint = f"this case has none: `strikewave {case.command}` runs it" if case.machine or case.stack.layer else ""
         raise InputError("mesh", MISSING, "[mesh] with its parts and [fem]", hint)
@@ -205,13 +192,7 @@ def part_of(side: str) -> str:
 
 
 def solid_of(part: AnyPart) -> AnySolid:
-    """Return the solid of a part; constants that it does not give are those of its material.
-
-    Raises
-    ------
-    InputError
-        If the material is unknown, or neither it nor the solid has a constant that is needed.
-    """
+    """Return the solid of a part; constants that it does not give are those of its material."""
     path, table = f"mesh.part.{part.name}", part.solid
     row = material(part.material, f"{path}.material") if part.material else None
     if row is None and table is None:
@@ -442,13 +423,7 @@ def vector(table: Any) -> Vector:
 
 
 def direction(table: Any, path: str) -> Vector:
-    """Return the unit vector of a direction.
-
-    Raises
-    ------
-    InputError
-        If it points nowhere.
-    """
+    """Return the unit vector of a direction."""
     x, y, z = vector(table)
     length = math.hypot(x, y, z)
     if length == 0.0:
@@ -475,11 +450,6 @@ def check_apart(mesh: Mesh, pairs: Iterable[tuple[str, str, str]]) -> None:
         Before the blow.
     pairs : iterable of (str, str, str)
         Path of the field, and the names of two parts.
-
-    Raises
-    ------
-    InputError
-        If a place within an element of one lies inside an element of the other.
     """
     for path, first, second in pairs:
         for this, that in ((first, second), (second, first)):
@@ -539,13 +509,7 @@ LENGTHS = ("width", "depth", "height", "length", "diameter", "outer_diameter", "
 
 
 def built_parts(table: MeshTable) -> list[Mesh]:
-    """Return the meshes of all parts, in their order; those of a file come where the first of them stands.
-
-    Raises
-    ------
-    InputError
-        If a shape is impossible, or a file lacks a part that is named.
-    """
+    """Return the meshes of all parts, in their order; those of a file come where the first of them stands."""
     meshes, read_files = [], set()
     for part in table.part:
         if not isinstance(part, FilePart):
@@ -558,13 +522,7 @@ def built_parts(table: MeshTable) -> list[Mesh]:
 
 
 def _from_file(rows: Sequence[FilePart]) -> Mesh:
-    """Return the parts of a mesh in a file under the names of their rows.
-
-    Raises
-    ------
-    InputError
-        If a part of the file has no row or two, a row no part, or the rows differ in their unit.
-    """
+    """Return the parts of a mesh in a file under the names of their rows."""
     from strikewave.fem.mesh_files import read_mesh
 
     first, units = rows[0], {row.unit.si if row.unit else 1.0 for row in rows}
@@ -591,13 +549,7 @@ def _from_file(rows: Sequence[FilePart]) -> Mesh:
 
 
 def estimated_elements(table: MeshTable) -> float:
-    """Return about how many elements the parts of our own shapes will have, without making any.
-
-    Raises
-    ------
-    InputError
-        If elements are larger than their part, or a line of them would be too long.
-    """
+    """Return about how many elements the parts of our own shapes will have, without making any."""
     shaped = [part for part in table.part if not isinstance(part, FilePart)]
     for part in shaped:
         longest = max((getattr(part, key) for key in LENGTHS if hasattr(part, key)), key=lambda length: length.si)

@@ -93,13 +93,7 @@ def marked_text(case: Case, code: str, system: UnitSystem) -> str:
 
 
 def write_deck(case: Case, changes: list[str], code: str, system: UnitSystem, output: Output) -> int:
-    """Write the deck of a case, print what differs, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If the case has no mesh, parts of it do not fit together, or the code has no word for one.
-    """
+    """Write the deck of a case, print what differs, and return the exit code."""
     text = marked_text(case, code, system)
     model = build_model(case)
     command = DeckCommand(case, model, code, system)

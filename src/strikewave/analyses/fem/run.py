@@ -134,13 +134,7 @@ def run_model(case: Case, model: Model, options: RunOptions | None = None, snaps
 
 
 def check_model(model: Model) -> None:
-    """Prepare a model as a run would, up to its first step: contacts that overlap, ties that reach nothing, sections.
-
-    Raises
-    ------
-    InputError
-        If it could not be run.
-    """
+    """Prepare a model as a run would, up to its first step, and refuse what would stop it there."""
     from strikewave.fem.solve import check_controls
 
     with fields_of_case(model):

@@ -79,13 +79,7 @@ class FemOptions:
 
 
 def run_element_case(case: Case, changes: Sequence[str], output: Output, choice: FemOptions | None = None) -> int:
-    """Run an element case, write and print its result, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If there is no folder for an animation or to go on from, no such device, or what the run raises.
-    """
+    """Run an element case, write and print its result, and return the exit code."""
     choice = choice or FemOptions()
     output.check_animation(choice.animate)
     if choice.restart and output.json and output.out is None:
@@ -328,13 +322,7 @@ STATE_FILE = "state.h5"
 
 @contextlib.contextmanager
 def unfinished_run(folder: Path, text: str, restart: bool, anew: bool) -> Iterator[Path]:
-    """Give a folder for a run that is under way, ``FOLDER.unfinished``; it stays where there is a state to go on from.
-
-    Raises
-    ------
-    InputError
-        If there is nothing to go on from, it belongs to another case, or unfinished work would be lost unasked.
-    """
+    """Make a folder for an unfinished run, ``FOLDER.unfinished``; it stays where a state to resume from is kept."""
     home = folder.with_name(f"{folder.name}.unfinished")
     case = home / "case.toml"
     begun = (home / STATE_FILE).is_file() and case.is_file()

@@ -59,13 +59,7 @@ class Standing(NamedTuple):
     disk: Layer | None = None
 
     def motion(self, strain: Array, step: float, bar: Bar) -> EndMotion:
-        """Return how it moves under an incident strain at the end of a bar.
-
-        Raises
-        ------
-        InputError
-            If a disk is so thin that its waves would take too many steps.
-        """
+        """Return how it moves under an incident strain at the end of a bar."""
         if self.disk is not None:
             try:
                 return elastic_disk(strain, step, bar, self.disk, self.mass)
@@ -214,12 +208,6 @@ def compare_at_end(
         Bar, what stands on its end, theory of dispersion.
     wanted : float, optional
         Bandwidth, Hz; chosen where it is left out.
-
-    Raises
-    ------
-    InputError
-        If a trace cannot be used, the pulses overlap, the sensor's record does not hold the pulse, or the bandwidth
-        does not fit.
     """
     endless = replace(bench.bar, length=math.inf)  # the far end's echo meets the reflected wave alone: see _both_waves
     pulses = find_pulses(strain, strain, (endless, endless))

@@ -55,13 +55,7 @@ enters the dispersion."""
 
 
 def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> tuple[Bar, BarMaterial]:
-    """Return a bar, and which of its constants is derived; the rest comes from the incident bar.
-
-    Raises
-    ------
-    InputError
-        If constants are missing or do not fit, or the gauge is not on the bar.
-    """
+    """Return a bar, and which of its constants is derived; the rest comes from the incident bar."""
     own = table
     if incident is not None and not (table.material or table.density or table.modulus or table.speed):
         own = incident
@@ -85,13 +79,7 @@ def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> t
 
 
 def _constants(path: str, name: str, stated: tuple[float | None, float | None, float | None]) -> BarMaterial:
-    """Return density, modulus and speed of a bar from what is stated, over what its material has.
-
-    Raises
-    ------
-    InputError
-        If fewer than two are known, or their speed is that of no solid.
-    """
+    """Return density, modulus and speed of a bar from what is stated, over what its material has."""
     density, modulus, speed = stated
     if name:
         known = material(name)
@@ -112,13 +100,7 @@ def _constants(path: str, name: str, stated: tuple[float | None, float | None, f
 
 
 def build_specimen(table: SpecimenTable) -> Specimen:
-    """Return the specimen.
-
-    Raises
-    ------
-    InputError
-        If it has neither or both of diameter and area.
-    """
+    """Return the specimen."""
     if (table.diameter is None) == (table.area is None):
         raise InputError("specimen", "both or none", "either a diameter or an area")
     area = table.area.si if table.area else 0.25 * math.pi * table.diameter.si**2 if table.diameter else math.nan
@@ -131,13 +113,7 @@ def build_specimen(table: SpecimenTable) -> Specimen:
 
 
 def build_striker(setup: HopkinsonSetup, bar: Bar) -> StrikerBar | None:
-    """Return the striker bar, of the incident bar's constants where it states none of its own; None without one.
-
-    Raises
-    ------
-    InputError
-        If one of density and modulus is missing, or their speed is that of no solid.
-    """
+    """Return the striker bar, of the incident bar's constants where it states none of its own; None without one."""
     table = setup.striker
     if table is None:
         return None
@@ -174,13 +150,7 @@ def recorded_file(case: HopkinsonCase, table: RecordedTable) -> Path:
 
 
 def check_setup(case: HopkinsonCase) -> list[str]:
-    """Build all that needs no file, and return the names of the files that are not there.
-
-    Raises
-    ------
-    InputError
-        If constants are missing or do not fit.
-    """
+    """Build all that needs no file, and return the names of the files that are not there."""
     setup = case.setup
     incident, transmitted = setup.bar.incident, setup.bar.transmitted
     bar, _ = build_bar(incident, "bar.incident")
@@ -211,13 +181,7 @@ class Gauged(NamedTuple):
 
 
 def build_trace(case: HopkinsonCase, table: GaugeTable, path: str, bar: Bar) -> Gauged:
-    """Read the strain of a gauge, and the findings of reading it.
-
-    Raises
-    ------
-    InputError
-        If the file, the channel or its unit cannot be used, or samples are missing.
-    """
+    """Read the strain of a gauge, and the findings of reading it."""
     channel, findings = _channel(case, table, path)
     trace = GaugeTrace(_strain(channel, table, path, bar), channel.step, channel.start)
     is_strain = table.bridge is None and table.strain_per_volt is None
@@ -233,13 +197,7 @@ class AccelerometerSignal(NamedTuple):
 
 
 def build_reading(case: HopkinsonCase, table: AccelerometerTable) -> AccelerometerSignal:
-    """Read the record of an accelerometer: an acceleration where it can be made of it, else the sensor's volts.
-
-    Raises
-    ------
-    InputError
-        If the file, the channel or its unit cannot be used, or samples are missing.
-    """
+    """Read the record of an accelerometer: an acceleration where it can be made of it, else the sensor's volts."""
     path = "accelerometer"
     channel, findings = _channel(case, table, path)
     scale = _calibration(table).scale(channel.unit, path)
@@ -490,13 +448,7 @@ LARGEST_STRESS = 10e9
 
 
 def check_strain(reduction: Reduction, curve: StressStrainCurve) -> None:
-    """Refuse a specimen that is shorter than the way that its faces come together.
-
-    Raises
-    ------
-    InputError
-        If the engineering strain comes to 1 while the incident wave lasts.
-    """
+    """Refuse a specimen that is shorter than the way that its faces come together."""
     on = reduction.loading
     gone = np.flatnonzero(curve.strain[on] >= 1.0)
     if gone.size:

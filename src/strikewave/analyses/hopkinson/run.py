@@ -238,13 +238,7 @@ speed are known to a few per cent."""
 
 
 def compare_accelerometer(case: HopkinsonCase) -> SensorSolution:
-    """Set an accelerometer on the end of a bar beside its strain gauge.
-
-    Raises
-    ------
-    InputError
-        If files, channels, units or pulses cannot be used.
-    """
+    """Set an accelerometer on the end of a bar beside its strain gauge."""
     setup = case.setup
     table, sensor = setup.bar.incident, setup.accelerometer
     assert sensor is not None

@@ -32,13 +32,7 @@ AnySolution = HopkinsonSolution | SensorSolution | EchoSolution
 
 
 def run_setup(case: HopkinsonCase, changes: Sequence[str], output: Output) -> int:
-    """Reduce a set-up, write and print its result, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If files, channels, units or pulses cannot be used.
-    """
+    """Reduce a set-up, write and print its result, and return the exit code."""
     case = with_test(case, output.stated_test())
     text = marked_text(case, digests(case))
     return run_and_write(SetupCommand(case), output, case_folder(case.setup.name or "shot", text, changes), text)

@@ -22,11 +22,7 @@ def impact(
     repeat: Annotated[
         int,
         typer.Option(
-            "--repeat",
-            metavar="COUNT",
-            min=1,
-            max=options.MOST_BLOWS,
-            help="Blows at the same speed on the same spot.",
+            "--repeat", metavar="COUNT", min=1, max=options.MOST_BLOWS, help="Blows at the same speed on the same spot."
         ),
     ] = 1,
     output: Output,
@@ -75,8 +71,7 @@ def identify(
         ),
     ] = None,
     speed: Annotated[
-        float | None,
-        quantity("--speed", si="m/s", help="Approach speed, such as 20 (m/s); estimated by default."),
+        float | None, quantity("--speed", si="m/s", help="Approach speed, such as 20 (m/s); estimated by default.")
     ] = None,
     stiffness: Annotated[
         float | None,

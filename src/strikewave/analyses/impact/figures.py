@@ -195,11 +195,6 @@ def stiffness_over_load(one: ElasticBody, other: ElasticBody, geometry: Geometry
     loads : array_like
         Ascending, N.
 
-    Raises
-    ------
-    ValueError
-        If no law is left.
-
     Examples
     --------
     >>> from strikewave.base.constants import material

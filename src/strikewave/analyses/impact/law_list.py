@@ -171,13 +171,7 @@ class LawsResult(measured.AskedResult):
 
 
 def list_laws(name: str | None, output: Output) -> int:
-    """Print the laws of a name, or all of them, write them on request, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If no law has the name.
-    """
+    """Print the laws of a name, or all of them, write them on request, and return the exit code."""
     origin = measured.source_of("command", "laws")
     return run_and_write(LawsCommand(name, origin), output, None, origin.text)
 

@@ -25,11 +25,6 @@ def radius(name: str, help: str) -> Any:
 def second_radius(text: str, field: str = "--radius2") -> float:
     """Return a radius that may be negative, a hole, or inf, a plane.
 
-    Raises
-    ------
-    InputError
-        If it is zero, or no length.
-
     Examples
     --------
     >>> second_radius("-11 mm"), second_radius("inf")
@@ -43,11 +38,6 @@ def second_radius(text: str, field: str = "--radius2") -> float:
 
 def contact_pressure(text: str, field: str = "--yield-pressure") -> float | str:
     """Return the largest pressure of a contact, Pa, or the word for that of the softer body.
-
-    Raises
-    ------
-    InputError
-        If it is neither.
 
     Examples
     --------

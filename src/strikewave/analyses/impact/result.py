@@ -115,11 +115,7 @@ class SpotBlow:
         RESTITUTION, "separation speed over approach speed", column=MAIN, headline="coefficient of restitution"
     )
     max_indentation: float = declare.number(
-        CONTACT_DEPTH,
-        "largest indentation",
-        label="largest indentation",
-        column=MORE,
-        headline="largest indentation",
+        CONTACT_DEPTH, "largest indentation", label="largest indentation", column=MORE, headline="largest indentation"
     )
     residual_indentation: float = declare.number(CONTACT_DEPTH, "indentation that stays", column=MORE + 1)
     peak_force: float = declare.number(CONTACT_FORCE, "largest force", column=MAIN, headline="peak force")

@@ -31,13 +31,7 @@ from strikewave.reporting.terminal import print_rows, report_table, tell
 
 
 def solve_setup(setup: Setup, output: Output) -> int:
-    """Solve an impact, print it and, on request, write it, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If the numbers are beyond what can be solved.
-    """
+    """Solve an impact, print it and, on request, write it, and return the exit code."""
     origin = measured.source_of("command", "impact", test=output.stated_test())
     return run_and_write(ImpactCommand(setup, origin), output, None, origin.text)
 
@@ -97,13 +91,7 @@ def _print_blows(result: ImpactResult) -> None:
 def identify_contact(
     file: str, given: Given, stated: dict[str, dict[str, Any]], options: Options, output: Output
 ) -> int:
-    """Identify the contact of the largest blow of a file, write and print it, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If the file, or what is known of the bodies, cannot be used.
-    """
+    """Identify the contact of the largest blow of a file, write and print it, and return the exit code."""
     origin = measured.source_of_records(Path(file).stem, [Path(file)], output, None)
     return run_and_write(IdentifyCommand(file, given, stated, options, origin), output, None, origin.text)
 

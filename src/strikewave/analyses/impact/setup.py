@@ -80,26 +80,14 @@ class Setup:
 
 
 def read_masses(typed: BodyOptions) -> tuple[float, float]:
-    """Return the masses.
-
-    Raises
-    ------
-    InputError
-        If both are infinite.
-    """
+    """Return the masses."""
     if math.isinf(typed.m1) and math.isinf(typed.m2):
         raise InputError("--m2", "inf", "at most one infinite mass")
     return typed.m1, typed.m2
 
 
 def read_base(typed: StiffnessOptions) -> Base:
-    """Return the stiffness that was typed, or that a law gives.
-
-    Raises
-    ------
-    InputError
-        If there is none or two, the law is not known, or a size is missing or out of range.
-    """
+    """Return the stiffness that was typed, or that a law gives."""
     if (typed.stiffness is None) == (typed.law is None):
         allowed = "either --stiffness with --exponent, or --law"
         raise InputError(
@@ -152,13 +140,7 @@ def _missing(need: str, whose: str) -> InputError:
 
 
 def read_loss(typed: LossOptions, stiffness: AnyStiffness, masses: tuple[float, float]) -> ContactLoss:
-    """Return the damping law or the damper asked for.
-
-    Raises
-    ------
-    InputError
-        If both are, the name is not known, or its number is missing, out of range or of another law.
-    """
+    """Return the damping law or the damper asked for."""
     if typed.damper is not None:
         return _damper(typed, stiffness, masses)
     if typed.time is not None:
@@ -203,13 +185,7 @@ def _number(typed: LossOptions, law: DamperLaw) -> tuple[float | None, float]:
 
 
 def read_cap(typed: YieldOptions, base: Base, damper: str | None) -> PressureCap | None:
-    """Return the cap on the pressure, None where nothing yields.
-
-    Raises
-    ------
-    InputError
-        If a part of it is missing, given twice, or a damper stands beside it.
-    """
+    """Return the cap on the pressure, None where nothing yields."""
     if not typed.typed:
         return None
     if damper is not None:

@@ -31,13 +31,7 @@ from strikewave.waves import Stack
 
 
 def build_machine(case: Case) -> Machine:
-    """Turn a case into the machine that runs: launched machines are built alike, whatever their kind.
-
-    Raises
-    ------
-    InputError
-        With one line for each thing that does not fit together.
-    """
+    """Turn a case into the machine that runs: launched machines are built alike, whatever their kind."""
     kind = kind_of(case)
     return build_launched(case, kind) if isinstance(kind, LaunchedKind) else build_rotary(case)
 
@@ -76,11 +70,6 @@ def build_launched(case: Case, kind: LaunchedKind) -> Machine:
 
 def release(case: Case, mass: float | None = None) -> Release:
     """Return how the machine of a case comes to first touch; ``mass`` is that of the object where it is known, kg.
-
-    Raises
-    ------
-    InputError
-        If it does not come there, or has a drive.
 
     Examples
     --------
@@ -246,13 +235,7 @@ TableT = TypeVar("TableT", bound=BaseModel)
 
 
 def _strikers(tables: RotaryTables) -> Strikers:
-    """Return the strikers, each with what it has for itself.
-
-    Raises
-    ------
-    InputError
-        If a row names a striker that there is not, or one twice.
-    """
+    """Return the strikers, each with what it has for itself."""
     face, count = material(tables.object.material, "object.material"), int(tables.machine.strikers.si)
     own: dict[int, OwnStriker] = {}
     for row in tables.striker.each:
@@ -545,13 +528,7 @@ class Bodies(NamedTuple):
 
 
 def _refuse_waves_alone(case: Case, stack: Stack) -> None:
-    """Refuse what only a bar alone can have: other solvers than delay lines, oscillators, contacts between layers.
-
-    Raises
-    ------
-    InputError
-        If the case has it.
-    """
+    """Refuse what only a bar alone can have: other solvers than delay lines, oscillators, contacts between layers."""
     hint = "`strikewave wave` takes it, for the stack under a [load]"
     if case.solver.method == "spectral":
         raise InputError("solver.method", case.solver.method, "auto or delay lines where a machine strikes", hint)

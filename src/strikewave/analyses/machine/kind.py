@@ -140,13 +140,7 @@ class LaunchedKind(LaunchedTable, MachineKind):
 
     @abstractmethod
     def release(self, case: Case, mass: float) -> Release:
-        """Return how it comes to first touch with an object of so many kg.
-
-        Raises
-        ------
-        InputError
-            If it does not come there.
-        """
+        """Return how it comes to first touch with an object of so many kg."""
 
     def rigid_contact(self, case: Case, machine: Machine) -> tuple[AnyContact, float]:
         """Return the contact law of the case and the mass that strikes, of an arm the effective one."""
@@ -169,11 +163,6 @@ class LaunchedKind(LaunchedTable, MachineKind):
 
 def kind_of(case: Case) -> MachineKind:
     """Return the machine of a case as its kind.
-
-    Raises
-    ------
-    InputError
-        If the case has no machine.
 
     Examples
     --------

@@ -54,13 +54,7 @@ def observe(case: Case, progress: Callable[[float], None] | None = None) -> Obse
 
 
 def check_rates(case: Case, view: ReadingSetup, step: float) -> None:
-    """Refuse a bandwidth or a filter that the histories of a stack, or its short blows, cannot show.
-
-    Raises
-    ------
-    InputError
-        With the field.
-    """
+    """Refuse a bandwidth or a filter that the histories of a stack, or its short blows, cannot show."""
     highest = 0.5 / step
     bandwidth = case.solver.bandwidth
     if bandwidth is not None and not LOWEST_BANDWIDTH <= view.bandwidth < highest:

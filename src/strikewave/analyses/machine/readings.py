@@ -26,14 +26,7 @@ from strikewave.machines.machine import Machine
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import Moments, StackSpan
 from strikewave.sensors import Reading, read
-from strikewave.sensors.trial import (
-    SensorChannel,
-    SensorPulse,
-    sensor_pulse,
-    settling_time,
-    shortest_period,
-    still_on,
-)
+from strikewave.sensors.trial import SensorChannel, SensorPulse, sensor_pulse, settling_time, shortest_period, still_on
 from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest
 from strikewave.waves.li_ma import EXACT, ROUTES, route_history, specimen_of, superposed

@@ -19,12 +19,7 @@ from strikewave.analyses.machine.notices import (
     wave_notices,
 )
 from strikewave.analyses.machine.observe import contact_answers, observe
-from strikewave.analyses.machine.readings import (
-    BlowReading,
-    Observed,
-    build_dataset,
-    without_peaks,
-)
+from strikewave.analyses.machine.readings import BlowReading, Observed, build_dataset, without_peaks
 from strikewave.analyses.machine.result import RigidReference, Solution, figures_of, sensor_figures
 from strikewave.base import citations
 from strikewave.base.compiled import is_cold

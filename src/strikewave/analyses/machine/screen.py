@@ -39,13 +39,7 @@ from strikewave.reporting.terminal import (
 def run_machine_case(
     case: Case, changes: Sequence[str], output: Output, animate: bool = False, band: bool = True
 ) -> int:
-    """Run a machine case, write and print its result, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If there is no folder for an animation, or what the run raises.
-    """
+    """Run a machine case, write and print its result, and return the exit code."""
     output.check_animation(animate)
     case = output.tested(case)
     text = dump_case(case)

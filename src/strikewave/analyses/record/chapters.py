@@ -318,11 +318,7 @@ def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter |
     filters = filters if advised is None else [("advised: ", advised), *filters]
     duration = median(widths) / HALF_SINE_WIDTH
     rows: list[list[Cell]] = [
-        [
-            f"{name}{one}",
-            f"{one.half_power(1e-3 / one.cutoff) / 1e3:.4g}",
-            *_left(one, duration),
-        ]
+        [f"{name}{one}", f"{one.half_power(1e-3 / one.cutoff) / 1e3:.4g}", *_left(one, duration)]
         for name, one in filters
     ]
     long = faces.amount(MICROSECONDS, duration)
@@ -365,11 +361,7 @@ def _nearest(pulse: RecordedPulse, others: Sequence[RecordedPulse]) -> RecordedP
     return best if best is not None and abs(best.time - pulse.time) <= pulse.end - pulse.begin else None
 
 
-def calibration_section(
-    files: Sequence[FileReading],
-    names: Names,
-    stated: Sequence[tuple[str, str]],
-) -> Section:
+def calibration_section(files: Sequence[FileReading], names: Names, stated: Sequence[tuple[str, str]]) -> Section:
     """List the calibrations, and where they come from."""
     groups: dict[tuple[str, str, str], list[str]] = {}
     for file, reading in rows_of(files):

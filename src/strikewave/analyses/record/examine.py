@@ -213,11 +213,6 @@ def examined(
         True if the channels of a file are repeats of one test.
     fail_on : str, optional
         Status that counts as a failed check; empty for none.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        If not one file can be read.
     """
     known: dict[str, int] = {}
     read: list[FileReading] = []
@@ -276,11 +271,6 @@ def completed(
         Statements about the test.
     budget : Budget or None, optional
         By which the uncertainties of the blows are found.
-
-    Raises
-    ------
-    InputError
-        If the records have no such channels, or no acceleration to try or to judge.
     """
     result = dataclasses.replace(result, motion=motion, pair=pair)
     result = result if budget is None else budgeted(result, budget)

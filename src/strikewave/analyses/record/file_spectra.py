@@ -80,13 +80,7 @@ class FilesAsked(NamedTuple):
 def judged_spectra_of(
     asked: FilesAsked, wanted: SpectrumRequest, origin: Source, judge: SpectraJudge | None
 ) -> SpectrumResult:
-    """Return the spectra of measured files, and the verdict on those that a specification means where one judges.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        If `spectra_of` or `SpectraJudge` raises it.
-    """
+    """Return the spectra of measured files, and the verdict on those that a specification means where one judges."""
     found = spectra_of(asked, wanted if judge is None else judge.wanted(wanted), origin)
     if found.budget is not None and found.budget.contributions:
         notices = (*found.notices, *budget_notices(found.budget))
@@ -95,13 +89,7 @@ def judged_spectra_of(
 
 
 def spectra_of(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> SpectrumResult:
-    """Return the spectra of measured files.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        If no file can be read, or a frequency, a window or the end of the shock cannot be used.
-    """
+    """Return the spectra of measured files."""
     if len(asked.files) == 1 and len(asked.options.channels) < 2 and not wanted.options.resultant:
         return _one(asked, wanted, origin)
     unread: list[Notice] = []
@@ -123,24 +111,12 @@ def _one(asked: FilesAsked, wanted: SpectrumRequest, origin: Source) -> Spectrum
         say(f"the shock is taken to end with its last blow, at {reading.pulses[-1].end:.6g}\xa0s (--end)")
     shock = _shock(file, reading, wanted, (frequencies, scope), MOST_WINDOWS, several=False)
     return SpectrumResult(
-        shock,
-        reading,
-        scope,
-        budget=wanted.options.budget,
-        origin=origin,
-        notices=_notices(reading),
-        citations=CITED,
+        shock, reading, scope, budget=wanted.options.budget, origin=origin, notices=_notices(reading), citations=CITED
     )
 
 
 def _readings(asked: FilesAsked, store: SampleStore, unread: list[Notice]) -> list[tuple[str, ChannelReading]]:
-    """Return the wanted channels of all files; those that cannot be read are named, and added to ``unread``.
-
-    Raises
-    ------
-    StrikewaveError
-        If none can be read.
-    """
+    """Return the wanted channels of all files; those that cannot be read are named, and added to ``unread``."""
     failed: StrikewaveError | None = None
     files: list[FileReading] = []
     for file in asked.files:

@@ -81,13 +81,7 @@ class FilterOptions(LowPassOptions):
     ] = None
 
     def on(self, request: Request) -> Request:
-        """Return a request with these filters.
-
-        Raises
-        ------
-        InputError
-            If two of them exclude one another.
-        """
+        """Return a request with these filters."""
         high_pass = None if self.high_pass is None else HighPass(self.high_pass)
         coupling = "" if self.ac_coupling is None else self.ac_coupling
         return dataclasses.replace(request, filter=self.low_pass(), ac_coupling=coupling, high_pass=high_pass)
@@ -114,11 +108,6 @@ def filtered(
     high_pass: str | float | None,
 ) -> Request:
     """Return a request with the filters that a call names; a bare number is in Hz, of a time constant in s.
-
-    Raises
-    ------
-    InputError
-        If a value is none that it can be.
 
     Examples
     --------
@@ -167,13 +156,7 @@ class SpecificationOptions:
     def in_python(
         cls, spec: str | None, decision: Rule, uncertainty: str | float | Path | None, strict: bool, **more: Any
     ) -> Self:
-        """Return the options of a call in plain values.
-
-        Raises
-        ------
-        InputError
-            If one is none that it can be.
-        """
+        """Return the options of a call in plain values."""
         if decision not in get_args(Rule):
             raise wrong_choice(decision, "decision", get_args(Rule))
         budget = budget_in_python(uncertainty)
@@ -182,13 +165,7 @@ class SpecificationOptions:
         return cls(spec, decision, budget, strict, **lists)
 
     def specification(self) -> Specification | None:
-        """Return the specification that is asked for; None for none.
-
-        Raises
-        ------
-        InputError
-            If it cannot be used, or is not named and something else of it is asked for.
-        """
+        """Return the specification that is asked for; None for none."""
         from strikewave.specifications.reading import load_specification
 
         if self.spec is None:
@@ -208,10 +185,7 @@ class SpecificationOptions:
 
     def _nothing_else(self) -> None:
         """Refuse what makes no sense without a specification."""
-        given = [
-            ("--decision", self.decision != "simple"),
-            ("--strict", self.strict),
-        ]
+        given = [("--decision", self.decision != "simple"), ("--strict", self.strict)]
         for option, is_given in given:
             if is_given:
                 raise InputError(option, "no --spec", "only with a specification", "add --spec NAME")

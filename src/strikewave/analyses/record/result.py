@@ -140,11 +140,6 @@ class RecordResult(AskedResult):
         ----------
         path : Path or str
             The file, which ends in ``.html``, or a folder, where it is called ``test-report.html``.
-
-        Raises
-        ------
-        StrikewaveError
-            If the records were not judged by a specification.
         """
         page = self._drawn("test_page")
         if page is None or self.verdict is None:
@@ -159,13 +154,7 @@ class RecordResult(AskedResult):
         return all_pairs(self.readings, self.pair) if self.pair else []
 
     def on_sensor(self, stated: StatedSensor, field: str) -> RecordResult:
-        """Return the same with the blows tried on a sensor; ``field`` is what an error calls it.
-
-        Raises
-        ------
-        InputError
-            If the records hold no acceleration.
-        """
+        """Return the same with the blows tried on a sensor; ``field`` is what an error calls it."""
         found = try_records(self.readings, self.filter, stated, field)
         notices = (*self.notices, *found.notices)
         citations = tuple(

@@ -24,11 +24,6 @@ class Rolling(NamedTuple):
 def read_rolling(word: str, field: str) -> Rolling:
     """Return a window, and a hop after a comma.
 
-    Raises
-    ------
-    InputError
-        If they are no times above zero.
-
     Examples
     --------
     >>> read_rolling("20 ms,5 ms", "--rolling")[:2], read_rolling("20 ms", "--rolling")[:2]

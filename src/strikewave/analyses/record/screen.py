@@ -587,11 +587,6 @@ def examine_records(
         On what the blows are tried.
     budget : Budget or None
         By which the uncertainties of the blows are found.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        If not one file can be read.
     """
     files = measured.ordered(files)
     paths = [Path(measured.shown(file)) for file in files]

@@ -164,11 +164,6 @@ class RecordPair:
 def read_pair(word: str, field: str = "--pair") -> tuple[str, str]:
     """Return the two channels that a pair names.
 
-    Raises
-    ------
-    InputError
-        If they are not two.
-
     Examples
     --------
     >>> read_pair("1,2"), read_pair("left , right")
@@ -181,13 +176,7 @@ def read_pair(word: str, field: str = "--pair") -> tuple[str, str]:
 
 
 def all_pairs(files: Sequence[FileReading], pair: tuple[str, str], field: str = "--pair") -> list[RecordPair]:
-    """Return what two channels of each file do together.
-
-    Raises
-    ------
-    InputError
-        If no file has both.
-    """
+    """Return what two channels of each file do together."""
     found = [_paired(file, pair) for file in files if file.channels]
     if found and all(one.first is None or one.second is None for one in found):
         names = [reading.channel.name for file in files[:1] for reading in file.channels]

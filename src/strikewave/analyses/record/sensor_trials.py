@@ -210,13 +210,7 @@ class SensorTrials:
 def try_records(
     readings: Sequence[FileReading], filter_: Filter | None, stated: StatedSensor, field: str
 ) -> SensorTrials:
-    """Try every blow of every acceleration on a sensor; ``filter_`` was taken before the blows were measured.
-
-    Raises
-    ------
-    InputError
-        If the records hold no acceleration.
-    """
+    """Try every blow of every acceleration on a sensor; ``filter_`` was taken before the blows were measured."""
     rows = rows_of(readings)
     own = [(file, reading) for file, reading in rows if reading.channel.unit == "m/s^2"]
     if not own:

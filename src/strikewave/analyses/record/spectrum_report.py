@@ -208,12 +208,7 @@ def _calibration_section(result: SpectrumResult) -> Section:
     unit = spelled(reading.channel.unit) or "file's own numbers"
     rows: list[list[Cell]] = [[reading.channel.name, stated or "nothing was stated", unit]]
     findings: list[list[Cell]] = [
-        [
-            status_tag(one.severity, one.code),
-            one.message,
-            ", ".join(one.harms) or NONE,
-        ]
-        for one in reading.findings
+        [status_tag(one.severity, one.code), one.message, ", ".join(one.harms) or NONE] for one in reading.findings
     ]
     stated_table = Table("What the channel was taken as", ["channel", "stated", "SI unit"], rows)
     if result.shocks:

@@ -33,13 +33,7 @@ SHOWN_ROWS = 24
 def compute_spectra(
     asked: FilesAsked, wanted: SpectrumRequest, output: Output, judge: SpectraJudge | None = None
 ) -> int:
-    """Compute the spectra of files, write and print them, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If no file, or a frequency, a window or the end of the shock cannot be used.
-    """
+    """Compute the spectra of files, write and print them, and return the exit code."""
     asked = asked._replace(files=measured.ordered(asked.files))
     paths = [Path(measured.shown(file)) for file in asked.files]
     name = name_of(paths)

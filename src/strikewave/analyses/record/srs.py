@@ -21,11 +21,7 @@ def command(
     *,
     q: Annotated[
         float,
-        bare_number(
-            "--q",
-            allowed=ALLOWED_Q,
-            help="Quality factor 1 / (2 damping ratio), or inf; 10 by default.",
-        ),
+        bare_number("--q", allowed=ALLOWED_Q, help="Quality factor 1 / (2 damping ratio), or inf; 10 by default."),
     ] = 10.0,
     low: Annotated[float, quantity("--from", si="Hz", help="Lowest natural frequency; 10 Hz by default.")] = 10.0,
     high: Annotated[
@@ -61,10 +57,7 @@ def command(
     end: Annotated[
         Typed | None,
         quantity(
-            "--end",
-            si="s",
-            signed=True,
-            help="End of the shock in the file's time; its last blow's end by default.",
+            "--end", si="s", signed=True, help="End of the shock in the file's time; its last blow's end by default."
         ),
     ] = None,
     resultant: Annotated[

@@ -31,23 +31,14 @@ if TYPE_CHECKING:
 
 
 def with_verdict(result: RecordResult, specification: Specification, asked: Asked) -> RecordResult:
-    """Return the result of records with the verdict by a specification; a fail is a failed check.
-
-    Raises
-    ------
-    InputError
-        If the records cannot be judged by it.
-    """
+    """Return the result of records with the verdict by a specification; a fail is a failed check."""
     found = judge_records(result.readings, specification, asked, result.filter)
     notices = verdict_notices(
         specification.title, found.verdict, found.by_indicative, [one for one, _ in found.clauses]
     )
     citations = ("jcgm-106", "iso-14253-1") if asked.rule == "guarded" else ()
     return dataclasses.replace(
-        result,
-        verdict=found,
-        notices=(*result.notices, *notices),
-        citations=(*result.citations, *citations),
+        result, verdict=found, notices=(*result.notices, *notices), citations=(*result.citations, *citations)
     )
 
 
@@ -73,13 +64,7 @@ class SpectraJudge:
     asked: Asked
 
     def wanted(self, request: SpectrumRequest) -> SpectrumRequest:
-        """Return what spectra are computed: those that the specification means, as far as sampling carries them.
-
-        Raises
-        ------
-        InputError
-            If it states no spectrum, or another part, kind or set of frequencies was asked for.
-        """
+        """Return what spectra are computed: those that the specification means, as far as sampling carries them."""
         limits = self.specification.spectrum_limits()
         first, last = limits.frequency[0], limits.frequency[-1]
         if request.frequencies:
@@ -106,13 +91,7 @@ class SpectraJudge:
         return request._replace(q=limits.q, grid=grid, side=limits.side, own_range=True, options=options)
 
     def judged(self, result: SpectrumResult) -> SpectrumResult:
-        """Return a result with its verdict; a fail is a failed check.
-
-        Raises
-        ------
-        InputError
-            If the records hold no acceleration.
-        """
+        """Return a result with its verdict; a fail is a failed check."""
         if result.reading.channel.unit != "m/s^2":
             unit = result.reading.channel.unit or "no known unit"
             raise InputError("--spec", unit, "records of an acceleration", "state the unit, such as --unit g")

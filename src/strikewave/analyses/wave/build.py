@@ -28,13 +28,7 @@ def of_the_paper(case: Case) -> bool:
 
 
 def build_load(case: Case, stack: Stack) -> Load:
-    """Return what loads the stack of a bar alone.
-
-    Raises
-    ------
-    InputError
-        If the load lacks a field, or has one that its shape does not take.
-    """
+    """Return what loads the stack of a bar alone."""
     load = case.load
     if load is None and any(layer.speed for layer in stack.layers):
         return LoadPulse("rectangle", 0.0, NO_LOAD)

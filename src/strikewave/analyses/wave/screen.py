@@ -31,21 +31,11 @@ from strikewave.reporting.waves import MOST_LAYERS
 
 
 def run_wave_case(
-    case: Case,
-    changes: Sequence[str],
-    output: Output,
-    field: str = "stress",
-    animate: bool = False,
-    band: bool = True,
+    case: Case, changes: Sequence[str], output: Output, field: str = "stress", animate: bool = False, band: bool = True
 ) -> int:
     """Run a stack under its load, write and print its result, and return the exit code.
 
     ``field`` is what the pictures along the stack show: stress, force or velocity.
-
-    Raises
-    ------
-    InputError
-        If there is no stack, no folder for an animation, or what the run raises.
     """
     output.check_animation(animate)
     if not case.stack.layer:

@@ -253,13 +253,7 @@ class RunComparison:
 
 
 def read_strikewave(folder: Path) -> StrikewaveRun:
-    """Return what a folder that `strikewave fem` wrote holds.
-
-    Raises
-    ------
-    InputError
-        If there is no such result, or a file is damaged.
-    """
+    """Return what a folder that `strikewave fem` wrote holds."""
     path = folder / "histories.nc"
     if not path.is_file() or path.stat().st_size > LARGEST_FILE:
         raise InputError("--compare", str(folder), "a folder that strikewave fem wrote, with histories.nc")
@@ -292,11 +286,6 @@ def compare_runs(
         Both runs.
     contacts, parts : mapping of str to int, optional
         Number in LS-DYNA by name in strikewave. Others are paired by name, or where there is one of each.
-
-    Raises
-    ------
-    InputError
-        If a name or number is not there.
     """
     numbers = {contact.name: contact.number for contact in ls_dyna.contacts}
     titles = {contact.name: contact.title for contact in ls_dyna.contacts}

@@ -100,11 +100,6 @@ class D3plot:
         """Yield the states in the order of time, one in memory at a time.
 
         A state that is cut off, as where a run was killed, and all after it, is left out.
-
-        Raises
-        ------
-        InputError
-            If a file cannot be read, or a state holds what is no finite number.
         """
         last = -np.inf
         for place, file in enumerate(self._files):
@@ -160,11 +155,6 @@ def read_d3plot(path: Path, units: UnitSystem) -> D3plot:
         The first file, ``d3plot``; the others, ``d3plot01`` and so on, stand beside it.
     units : UnitSystem
         Units of the model.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is no d3plot or damaged, or holds what cannot be stepped over.
     """
     reader = _Reader(path)
     control = reader.control

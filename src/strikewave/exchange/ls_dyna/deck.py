@@ -380,11 +380,6 @@ def ls_dyna_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
 
     Nodes, elements and parts are numbered from 1 in the order of the mesh.
 
-    Raises
-    ------
-    InputError
-        If the model could not be run, or has more nodes than eight columns can number.
-
     Examples
     --------
     >>> import numpy as np

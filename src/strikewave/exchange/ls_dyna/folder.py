@@ -188,11 +188,6 @@ def read_folder(folder: Path, units: UnitSystem) -> LsDynaRun:
     """Return what a folder of LS-DYNA holds: ``rcforc``, ``glstat``, ``binout...`` and ``d3plot...``.
 
     The text files count where both they and a binout are there. All may begin with the name of a job, ``JOB.rcforc``.
-
-    Raises
-    ------
-    InputError
-        If there is no such folder, nothing of LS-DYNA in it or that of several jobs, or a file cannot be read.
     """
     if not folder.is_dir():
         raise InputError("FOLDER", str(folder), "a folder with rcforc, glstat, binout or d3plot")

@@ -115,11 +115,6 @@ def read_rcforc(path: Path) -> tuple[ContactForce, ...]:
 
     Contacts of a surface with itself have no resultant and are left out.
 
-    Raises
-    ------
-    InputError
-        If the file is missing, too large, holds no force, or a line is not as LS-DYNA writes it.
-
     Examples
     --------
     >>> import tempfile
@@ -155,11 +150,6 @@ def read_rcforc(path: Path) -> tuple[ContactForce, ...]:
 
 def read_glstat(path: Path) -> GlobalEnergies:
     """Return the energies of a file ``glstat``.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, too large, holds no output, or a line is not as LS-DYNA writes it.
 
     Examples
     --------
@@ -311,11 +301,6 @@ def archived(path: Path) -> Iterator[Archived]:
     """Yield the arrays of an archive in the order of the file; numbers are views that end with the next one.
 
     A record that is cut off at the end of the file, and all after it, is left out.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read or is no archive.
     """
     try:
         if not path.is_file() or path.stat().st_size < 8:
@@ -407,13 +392,7 @@ Held = dict[str, dict[str, NDArray[Any]]]
 
 
 def read_binout(paths: Sequence[Path]) -> tuple[tuple[ContactForce, ...], GlobalEnergies | None]:
-    """Return the contact forces and energies of one run's files ``binout``; empty and None where there are none.
-
-    Raises
-    ------
-    InputError
-        If a file cannot be read, is no archive, or its arrays do not fit together.
-    """
+    """Return the contact forces and energies of one run's files ``binout``; empty and None where there are none."""
     branches: dict[str, Held] = {"rcforc": {}, "glstat": {}}
     for path in paths:
         for values in archived(path):

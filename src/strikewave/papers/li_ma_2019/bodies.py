@@ -319,11 +319,6 @@ class SimpleAnswer:
 def frame_blow(case: Case) -> FrameBlow:
     """Return the bodies of a case: one half-cylinder, one frame, and cylinders or tubes as the column.
 
-    Raises
-    ------
-    InputError
-        If the case has no such parts, or parts of another shape.
-
     Examples
     --------
     >>> from strikewave import load_case

@@ -384,11 +384,6 @@ def solid_bar_speed(bar: Layer, angular_frequency: float = LOW_FREQUENCY) -> flo
 
         (2/a) (q^2 + k^2) s I1(s a) J1(q a) + (q^2 - k^2)^2 I0(s a) J1(q a) - 4 k^2 q s I1(s a) J0(q a) = 0.
 
-    Raises
-    ------
-    ValueError
-        If the bar has no Poisson's ratio above 0, where c lies between c2 and c1.
-
     Examples
     --------
     >>> bar = WaveExample().specimen

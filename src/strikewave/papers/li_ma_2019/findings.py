@@ -107,13 +107,7 @@ def _worst(rows: Rows, *numbers: str) -> float:
 
 
 def _value(row: EquationRow, column: str) -> float:
-    """Return a number of a row.
-
-    Raises
-    ------
-    ValueError
-        If the row does not have it.
-    """
+    """Return a number of a row."""
     value = getattr(row, column)
     if value is None:
         raise ValueError(f"equation {row.number} has no {column} value")
@@ -121,13 +115,7 @@ def _value(row: EquationRow, column: str) -> float:
 
 
 def _check(checks: Sequence[Consistency], quantity: str, used: str) -> Consistency:
-    """Return the check of a quantity that rests on a published number.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
+    """Return the check of a quantity that rests on a published number."""
     for check in checks:
         if check.quantity == quantity and used in check.uses:
             return check

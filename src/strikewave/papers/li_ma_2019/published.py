@@ -54,11 +54,6 @@ def published_numbers() -> tuple[PublishedNumber, ...]:
 def published_number(name: str) -> PublishedNumber:
     """Return a published number by its name.
 
-    Raises
-    ------
-    InputError
-        If none has that name.
-
     Examples
     --------
     >>> published_number("force simulated").value
@@ -150,11 +145,6 @@ def _materials() -> tuple[PublishedNumber, ...]:
 def printed_material(name: str) -> Material:
     """Return a material as Tables 1 and 2 print it.
 
-    Raises
-    ------
-    InputError
-        If they have none of that name.
-
     Examples
     --------
     >>> round(printed_material("65Mn").bar_speed, 2)
@@ -209,11 +199,6 @@ def elastic_stiffness(force: float, duration: float, mass: float) -> float:
 @functools.cache
 def nose() -> tuple[float, float]:
     """Return radius of the nose and length of the line of contact, m, of the case `ELEMENTS`.
-
-    Raises
-    ------
-    ValueError
-        If the case has no half-cylinder and no frame under these names.
 
     Examples
     --------

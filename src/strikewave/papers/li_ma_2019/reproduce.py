@@ -87,13 +87,7 @@ def reproduce(
 
 
 def run_reproduction(command: ReproduceCommand, output: Output) -> int:
-    """Reproduce the paper, write and print the result, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If the place is taken.
-    """
+    """Reproduce the paper, write and print the result, and return the exit code."""
     usual = f"{PAPER}-reproduced"
     return run_and_write(command, output, usual, marked_text(command.effort))
 
@@ -135,11 +129,7 @@ class ReproduceCommand(ResumableCommand[Reproduction]):
         columns += [*numerals("difference"), *texts("role", priority=MORE), *texts("by")]
         table("Published numbers and what was computed", columns, rows)
         rows = plain_rows(findings_table(result.findings), ("topic", "found", "verdict"))
-        table(
-            "What the paper gets right, and what not",
-            [*keys("topic"), *texts("found"), *texts("verdict")],
-            rows,
-        )
+        table("What the paper gets right, and what not", [*keys("topic"), *texts("found"), *texts("verdict")], rows)
         tell("")
         tell(f"{len(result.notices)} warnings of the runs; the report lists them")
 

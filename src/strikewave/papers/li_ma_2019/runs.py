@@ -69,13 +69,7 @@ class Execution:
         return replace(self, report=within(self.report, begin, end, what))
 
     def answers(self, words: str, questions: Sequence[OfCase[Answer]]) -> list[Answer]:
-        """Return the answers to questions, in their order.
-
-        Raises
-        ------
-        StrikewaveError
-            If one has none.
-        """
+        """Return the answers to questions, in their order."""
 
         def advance(now: StudyProgress) -> None:
             self.report(now.share, f"{words}: {now.done} of {now.total}")

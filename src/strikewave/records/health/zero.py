@@ -109,10 +109,7 @@ def offset(record: BlowRecord) -> Iterator[Fault]:
     if pulse is not None and share > OfZero.NOTED:
         large = share > OfZero.LARGE
         yield Fault(
-            pulse.offset,
-            {"share": share},
-            severity="" if large else "good",
-            harms=("spectrum",) if large else (),
+            pulse.offset, {"share": share}, severity="" if large else "good", harms=("spectrum",) if large else ()
         )
 
 

@@ -130,11 +130,6 @@ def read_measurements(path: str | Path, options: Options = Options()) -> list[Re
     path, options
         As for `read_record`; ``measurement`` takes one of them.
 
-    Raises
-    ------
-    InputError
-        As `read_record` does, but not for several measurements.
-
     Examples
     --------
     >>> import tempfile
@@ -234,11 +229,6 @@ def apart(record: Record) -> Record:
 
     A record whose time runs backwards in any other way is left as it is, for the checks of health.
 
-    Raises
-    ------
-    InputError
-        If there are more than `MOST_MEASUREMENTS`.
-
     Examples
     --------
     >>> time = np.tile(np.arange(20.0), 2)
@@ -281,13 +271,7 @@ def restarts(stamps: Array) -> list[int]:
 
 
 def parted(record: Record, places: Sequence[int]) -> Record:
-    """Part a record at places that hold for all its channels; what begins without stamps begins at its own start.
-
-    Raises
-    ------
-    InputError
-        If there are more than `MOST_MEASUREMENTS`.
-    """
+    """Part a record at places that hold for all its channels; what begins without stamps begins at its own start."""
     size = max(channel.values.size for channel in record.channels)
     return joined_pieces(
         [
@@ -298,13 +282,7 @@ def parted(record: Record, places: Sequence[int]) -> Record:
 
 
 def joined_pieces(pieces: Sequence[Record]) -> Record:
-    """Return the first of several measurements, with the others behind it.
-
-    Raises
-    ------
-    InputError
-        If there are more than `MOST_MEASUREMENTS`.
-    """
+    """Return the first of several measurements, with the others behind it."""
     first, *further = pieces
     if len(pieces) > MOST_MEASUREMENTS:
         allowed = f"a file with at most {MOST_MEASUREMENTS} measurements"

@@ -182,11 +182,6 @@ def is_comment(line: str) -> bool:
 def find_marks(lines: Sequence[str], path: Path) -> Marks:
     """Find what stands between cells and before decimals: the marks under which most lines are numbers only.
 
-    Raises
-    ------
-    InputError
-        If commas stand both between numbers and within them.
-
     Examples
     --------
     >>> find_marks(["1,5;2,3", "1,6;2,4"], Path("a.csv"))
@@ -248,12 +243,6 @@ def parse(region: Region, grid: CellLayout, expected: int) -> ParsedColumns:
         How lines are cut, and what is wanted.
     expected : int
         About how many lines there are.
-
-    Raises
-    ------
-    InputError
-        If a line is too long or has more cells than the others, if the header comes again, or if the columns
-        would not fit into memory.
     """
     store = _Store(region.path, len(grid.wanted), expected)
     line = region.line + region.skip
@@ -307,13 +296,7 @@ class _Store:
 
 
 def blocks(region: Region) -> Iterator[bytes]:
-    """Give whole lines, in UTF-8 or an encoding that keeps ASCII, in blocks of about `BLOCK` bytes.
-
-    Raises
-    ------
-    InputError
-        If a line is longer than a block.
-    """
+    """Give whole lines, in UTF-8 or an encoding that keeps ASCII, in blocks of about `BLOCK` bytes."""
     lines = carried = b""
     skip = region.skip
     for raw in _raw(region):

@@ -114,15 +114,7 @@ def _columns(path: Path, folder: str, name: str, data: Any) -> list[ArrayColumn]
     step, start = grid_of(named.items())
     index = name == "axis1" and data.dtype.kind == "f"
     scaled = Scaled(lambda key: data.astype(np.float64)[key], data.attrs.get, data.shape)
-    columns = array_columns(
-        folder + name,
-        scaled,
-        _unit(named),
-        folder,
-        step=step,
-        start=start,
-        time=index,
-    )
+    columns = array_columns(folder + name, scaled, _unit(named), folder, step=step, start=start, time=index)
     return [c._replace(name=folder + names[k] if len(names) == len(columns) else c.name) for k, c in enumerate(columns)]
 
 

@@ -125,11 +125,6 @@ def as_long_table(record: Record, columns: Sequence[Labels]) -> Record | None:
     columns : sequence of Labels
         Columns that may name channels, measurements or units.
 
-    Raises
-    ------
-    InputError
-        If one channel has lines in several units.
-
     Examples
     --------
     >>> time = np.repeat(np.arange(20) * 1e-3, 2)

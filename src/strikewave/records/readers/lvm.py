@@ -118,12 +118,6 @@ def read_lvm(path: Path, options: Options = Options()) -> Record:  # noqa: B008 
 
     Segments are joined where their clock goes on; each of the others begins a measurement of its own.
 
-    Raises
-    ------
-    InputError
-        If the header is not whole, the lines below it are not columns of numbers, or it cannot be known where one
-        measurement ends.
-
     Examples
     --------
     >>> import tempfile
@@ -206,11 +200,6 @@ def _cells(path: Path, segment: Segment, key: str, columns: Sequence[tuple[int, 
 
     Where each channel has a column of time, LabVIEW lays the cells out as the columns are, two to a channel, of which
     one is empty; other programs write one to a channel, or the same one twice.
-
-    Raises
-    ------
-    InputError
-        If two different cells stand for one channel.
     """
     cells, count = segment.keys.get(key, []), len(columns)
     if segment.kind == "multi" and any(cells[1:]):
@@ -433,11 +422,6 @@ def _counted(
 
     LabVIEW appends later writes to one header without counting them. Where lines have no time, each write is a
     measurement of its own: the distance between them is not known.
-
-    Raises
-    ------
-    InputError
-        If lines without time do not make whole measurements of that many samples.
     """
     off = next(((size, int(count)) for size, count in sizes if 0.0 < count < 1e15 and size != count), None)
     if off is None:

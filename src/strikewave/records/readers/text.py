@@ -141,11 +141,6 @@ def look_at(path: Path, part: tuple[int, int, int] | None = None, encoding: str 
         First byte and end of a part, and the line in which it begins.
     encoding : str, optional
         Encoding of the whole file, for a part of it.
-
-    Raises
-    ------
-    InputError
-        If it is no text, or its lines are too long.
     """
     begin, end = (0, path.stat().st_size) if part is None else part[:2]
     size = end - begin
@@ -194,13 +189,7 @@ def _decimal_commas(bodies: list[str]) -> bool:
 
 
 def lay_out(look: Look) -> NumberLayout:
-    """Find the marks, the columns and the first line of the numbers, and what stands above them.
-
-    Raises
-    ------
-    InputError
-        If there are no columns of numbers, or too many.
-    """
+    """Find the marks, the columns and the first line of the numbers, and what stands above them."""
     short = len(look.head) <= _SHORT and look.size <= HEAD
     body = [
         line
@@ -452,12 +441,6 @@ def sniff_text(head: bytes) -> bool:
 def read_text(path: Path, options: Options = Options()) -> Record:  # noqa: B008  (a tuple, frozen)
     r"""Read columns of numbers from text.
 
-    Raises
-    ------
-    InputError
-        If the file is no text, holds no columns of numbers, has a line that does not fit the others, or lacks a
-        column or channel that the options name.
-
     Examples
     --------
     >>> import tempfile
@@ -589,13 +572,7 @@ def _wanted(path: str, shown: dict[int, tuple[str, str]], names: Sequence[str]) 
 
 
 def _read_long(look: Look, layout: NumberLayout, rows: Rows, time: int | None, options: Options) -> Record | None:
-    """Read a table in which a column names the channel, or the measurement, of each line; None where there is none.
-
-    Raises
-    ------
-    InputError
-        If a column names channels, and their lines make no records.
-    """
+    """Read a table in which a column names the channel, or the measurement, of each line; None where there is none."""
     names, units, _ = layout.headings
     rest = look.middle + look.tail if look.size > HEAD else look.head[layout.first :][_SHOWN:][-_SHOWN:]
     sample = [*rows, *_rows(rest, layout)]

@@ -418,11 +418,6 @@ def stacks(choice: StackChoices) -> list[GasketStack]:
 
     Neighbours of one material are bonded and are as one gasket of both thicknesses: 0.5 + 1 mm is 1 + 0.5 mm.
 
-    Raises
-    ------
-    InputError
-        If there is nothing to choose from, or far too much.
-
     Examples
     --------
     >>> thin, thick = Value(si=1e-3, typed="1 mm"), Value(si=2e-3, typed="2 mm")

@@ -16,8 +16,7 @@ from strikewave.studies.buffer.defaults import LAYERS, THICKEST, WORST
 
 def command(
     case: Annotated[
-        str | None,
-        case_name("CASE", "Case with the sensor: a case file, or the name of a built-in case."),
+        str | None, case_name("CASE", "Case with the sensor: a case file, or the name of a built-in case.")
     ] = None,
     *,
     limit: Annotated[

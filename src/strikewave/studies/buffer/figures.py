@@ -73,10 +73,7 @@ def peak_bandwidth(study: BufferStudy) -> Figure:
         axes.axhline(height, color=GREY, linewidth=1.0, linestyle=":", label="direct")
     title = f"What {study.site.table.name} reads of {study.motion.name}, and what the buffer passes"
     quiet(
-        axes,
-        _short(title),
-        headed("amplitude within 10 % up to", "Hz", "Hz"),
-        headed("largest reading", "m/s^2", "g"),
+        axes, _short(title), headed("amplitude within 10 % up to", "Hz", "Hz"), headed("largest reading", "m/s^2", "g")
     )
     axes.margins(x=0.05, y=0.08)
     _legend(axes)

@@ -300,13 +300,7 @@ class Blows(NamedTuple):
 
 
 def choose_sensor(case: Case, name: str | None = None) -> SensorTable:
-    """Return the sensor of a case by its name; the only one needs none.
-
-    Raises
-    ------
-    InputError
-        If there is none of that name, or several and no name.
-    """
+    """Return the sensor of a case by its name; the only one needs none."""
     names = [sensor.name for sensor in case.sensor]
     if not names:
         hint = "add [[sensor]] with name, tap, mass and a [[sensor.gasket]]; see docs/sensors.md"
@@ -324,11 +318,6 @@ def mounting_site_of(
     """Return the site of a sensor; its footprint is that of its first gasket where none is given.
 
     Without a case the recorder is ideal.
-
-    Raises
-    ------
-    InputError
-        If mass or footprint are missing, or the sensor makes no sense.
     """
     bare = table.model_copy(update={"gasket": ()})
     if case is not None:
@@ -387,11 +376,6 @@ def blows_of(
         ``worst`` (largest magnitude at the surface), ``first``, or a number from 1.
     progress : callable, optional
         Called with the share of a machine's run done.
-
-    Raises
-    ------
-    InputError
-        If parts of the case do not fit together, or there is no such blow.
     """
     bare = case.model_copy(update={"sensor": (SensorTable(name=table.name, tap=table.tap),)})
     _check_blow(blow, case)

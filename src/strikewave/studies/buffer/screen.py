@@ -16,11 +16,7 @@ from strikewave.base.result import Notice
 from strikewave.base.texts import command_line, file_word, percent
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.tables.stack import SensorTable
-from strikewave.records import (
-    ChannelReading,
-    HealthNotice,
-    Options,
-)
+from strikewave.records import ChannelReading, HealthNotice, Options
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import amount, text_of
 from strikewave.reporting.output_options import Output
@@ -60,13 +56,7 @@ class BlowSource(NamedTuple):
 
 
 def rank_buffers(command: BufferCommand, output: Output) -> int:
-    """Rank the stacks, write and print them, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If the blow cannot be had, or no stack fits the sensor.
-    """
+    """Rank the stacks, write and print them, and return the exit code."""
     source = command.source
     if source.case is not None:
         command = dataclasses.replace(command, source=source._replace(case=output.tested(source.case)))
@@ -251,8 +241,5 @@ def _print(study: BufferStudy) -> None:
         parts += [f"velocity change off by {percent(first.velocity_error, 1, '+')}"]
     elif first.ringing > RINGING or not first.whole:
         parts += ["velocity change not known: the history ends while it still rings"]
-    parts += [
-        f"{text_of(first, 'sag')} of sag",
-        f"loss factors held to {percent(first.loss_error)} from 1 to 100 kHz",
-    ]
+    parts += [f"{text_of(first, 'sag')} of sag", f"loss factors held to {percent(first.loss_error)} from 1 to 100 kHz"]
     tell(f"{first.name}: {', '.join(parts)}")

@@ -130,11 +130,6 @@ def design_buffer(
         Who runs the others; this process where it is left out.
     advance : callable, optional
         Called as stacks come back.
-
-    Raises
-    ------
-    InputError
-        If there are too many stacks, or the sensor's recorder does not fit the history.
     """
     every = stacks(choice)
     small = [stack for stack in every if not _too_large(site.mounting(stack))]
@@ -277,13 +272,7 @@ def buffer(
 
 
 def choices_of(names: Sequence[str] | None, sizes: Sequence[Value] | None, layers: int) -> StackChoices:
-    """Return what stacks may be made of: the usual materials and thicknesses where none are named.
-
-    Raises
-    ------
-    InputError
-        If there is nothing to choose from, or far too much.
-    """
+    """Return what stacks may be made of: the usual materials and thicknesses where none are named."""
     usual = (read_value(text, "--thickness", "m", THICKEST) for text in THICKNESSES)
     choice = StackChoices(tuple(names or usual_materials()), tuple(chosen(size) for size in sizes or usual), layers)
     stacks(choice)

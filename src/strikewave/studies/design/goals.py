@@ -117,11 +117,6 @@ Aim = Goal | Objective
 def read_aim(case: Case, analysis: str, text: str, field: str = "goals") -> Aim:
     """Read a goal or an objective.
 
-    Raises
-    ------
-    InputError
-        If it is neither, the analysis gives no such number, or its value has no such unit.
-
     Examples
     --------
     >>> from strikewave import load_case

@@ -117,13 +117,7 @@ class DesignPlan:
     device: str | None = None
 
     def on(self, device: str | None, cluster: str | None) -> DesignPlan:
-        """Return the plan with the steps of elements taken on a device, here or on a cluster; None: the processor.
-
-        Raises
-        ------
-        InputError
-            If the runs are not of elements, or there is no such device.
-        """
+        """Return the plan with the steps of elements taken on a device, here or on a cluster; None: the processor."""
         return replace(self, device=checked_device(self.analysis, device, cluster))
 
     @property
@@ -270,13 +264,7 @@ def plan_of(
     robust: int = 0,
     search: str = "",
 ) -> DesignPlan:
-    """Return the plan of a design.
-
-    Raises
-    ------
-    InputError
-        If the case has no such setting or number, or there is nothing to reach or to choose.
-    """
+    """Return the plan of a design."""
     chosen = checked_analysis(case, analysis)
     if not aims:
         raise InputError("goals", MISSING, "at least one goal or objective", EXAMPLES)
@@ -359,11 +347,6 @@ def load_design(path: str | Path, changes: Sequence[str] = (), **options: int | 
         Changes of the case, after those of the file.
     **options
         ``runs``, ``seed`` and ``robust``, which take the place of those of the file where they are not None.
-
-    Raises
-    ------
-    InputError
-        With one line for each thing that is wrong: file, table and key, and what is allowed.
     """
     path = Path(path)
     file = read_study(path, FORM, ALLOWED)

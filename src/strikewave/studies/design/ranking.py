@@ -225,11 +225,6 @@ def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Ro
     """Return how many draws within the tolerances of a setting meet all goals, and fail no check.
 
     Source: ``clopper-pearson-1934``.
-
-    Raises
-    ------
-    InputError
-        If the case has no tolerance that a run feels.
     """
     from scipy.stats import binomtest
 

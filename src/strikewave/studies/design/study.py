@@ -427,13 +427,6 @@ def make_design(
         Who runs the others; this process where it is left out.
     advance : callable, optional
         Called as runs come back.
-
-    Raises
-    ------
-    InputError
-        If the store cannot be written, or draws are asked for and nothing has a tolerance.
-    StrikewaveError
-        If the pool is lost.
     """
     with ProcessPool(1) if pool is None else pool as open_pool:
         runs = DesignRuns(plan, store, open_pool, advance)

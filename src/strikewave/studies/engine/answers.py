@@ -112,10 +112,7 @@ def _outcome(question: Question[Any]) -> RunOutcome:
 
 
 def answers(
-    questions: Sequence[Question[Answer]],
-    store: RunStore,
-    pool: Pool,
-    advance: Advance | None = None,
+    questions: Sequence[Question[Answer]], store: RunStore, pool: Pool, advance: Advance | None = None
 ) -> list[Answer | Failure]:
     """Return the answers to questions, in their order; those that a store has are not sought again.
 
@@ -129,13 +126,6 @@ def answers(
         Who finds the others.
     advance : callable, optional
         Called as answers come back.
-
-    Raises
-    ------
-    InputError
-        If the store cannot be written.
-    StrikewaveError
-        If the pool is lost.
     """
     found = store.documents(carry_out(Answering(), questions, store, pool, advance).keys)
     return [

@@ -16,12 +16,7 @@ from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import Verdict
-from strikewave.base.shock_quantities import (
-    PUBLISHED_QUANTITIES,
-    RATIO,
-    VARIATION,
-    usual_unit,
-)
+from strikewave.base.shock_quantities import PUBLISHED_QUANTITIES, RATIO, VARIATION, usual_unit
 from strikewave.cases.case import Case
 from strikewave.machines.blows import KINDS, Blow
 from strikewave.reporting.columns import Column, Values
@@ -103,13 +98,7 @@ def numbers_of(case: Case, analysis: str) -> dict[str, str]:
 
 
 def checked_analysis(case: Case, analysis: str) -> str:
-    """Return the analysis, that of the case where none is named.
-
-    Raises
-    ------
-    InputError
-        If there is none of that name, or it is not for this case.
-    """
+    """Return the analysis, that of the case where none is named."""
     own = case.command
     name = analysis or own
     if name not in ANALYSES:
@@ -124,13 +113,7 @@ def checked_analysis(case: Case, analysis: str) -> str:
 
 
 def checked_device(analysis: str, device: str | None, cluster: str | None) -> str | None:
-    """Return the device of a study, which is here unless the runs are made on a cluster.
-
-    Raises
-    ------
-    InputError
-        If the runs are not of elements, or there is no such device.
-    """
+    """Return the device of a study, which is here unless the runs are made on a cluster."""
     if device is not None and analysis != "fem":
         raise InputError("--device", device, "a study of elements", f"leave it out: these runs are {analysis}")
     if device is not None and cluster is None:
@@ -185,11 +168,6 @@ class CaseEvaluation:
 
 def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation:
     """Return the evaluation that keeps what is named.
-
-    Raises
-    ------
-    InputError
-        If the analysis gives no such number of the case.
 
     Examples
     --------

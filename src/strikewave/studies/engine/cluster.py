@@ -50,13 +50,7 @@ class OfThisVersion(Generic[Asked, Answer]):
     program: str
 
     def __call__(self, rows: Sequence[Asked]) -> list[Answer]:
-        """Return what some rows come to.
-
-        Raises
-        ------
-        StrikewaveError
-            If the worker has another strikewave.
-        """
+        """Return what some rows come to."""
         if program_key() != self.program:
             raise StrikewaveError(_other_version(program_key(), self.program))
         return self.batch(rows)
@@ -170,13 +164,7 @@ class ClusterPool(Pool):
                 future.set_exception(CancelledError())
 
     def renew(self) -> None:
-        """Wait till the scheduler is there again, and has a worker.
-
-        Raises
-        ------
-        StrikewaveError
-            If it does not come back.
-        """
+        """Wait till the scheduler is there again, and has a worker."""
         if self._is_there():
             return
         self._client.close()

@@ -63,13 +63,7 @@ class AxisVariation:
 
 
 def varied(case: Case, variables: Sequence[StudyVariable], note: str) -> AxisVariation:
-    """Return the variation of a case by some variables.
-
-    Raises
-    ------
-    InputError
-        If one is named twice, there are too many words, or they do not go together.
-    """
+    """Return the variation of a case by some variables."""
     paths = [variable.path for variable in variables]
     twice = next((path for k, path in enumerate(paths) if path in paths[:k]), None)
     if twice is not None:
@@ -100,13 +94,7 @@ class DrawVariation:
 
 
 def grid(variables: Sequence[StudyVariable]) -> list[Row]:
-    """Return all values of each variable with all of the others; the first one changes fastest.
-
-    Raises
-    ------
-    InputError
-        If they are too many.
-    """
+    """Return all values of each variable with all of the others; the first one changes fastest."""
     count = math.prod(len(variable.axis.values) for variable in variables)
     if count > MOST_RUNS:
         raise InputError("--vary", f"{count} runs", f"at most {MOST_RUNS}", "fewer values, or --design sobol --runs N")
@@ -115,13 +103,7 @@ def grid(variables: Sequence[StudyVariable]) -> list[Row]:
 
 
 def filled(variables: Sequence[StudyVariable], design: str, runs: int, seed: int) -> list[Row]:
-    """Return rows that fill the ranges of all variables evenly.
-
-    Raises
-    ------
-    InputError
-        If Sobol's sequence is to end at no power of two, where it is not even.
-    """
+    """Return rows that fill the ranges of all variables evenly."""
     if design == HYPERCUBE:
         shares = latin_hypercube(len(variables), runs, seed)
     else:

@@ -13,14 +13,7 @@ import os
 import signal
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import (
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    Future,
-    ProcessPoolExecutor,
-    ThreadPoolExecutor,
-)
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Generic, Self, TypeVar
@@ -184,13 +177,7 @@ class GivenPool(Pool):
         return future
 
     def renew(self) -> None:
-        """Go on where the executor can.
-
-        Raises
-        ------
-        StrikewaveError
-            If it is broken.
-        """
+        """Go on where the executor can."""
         if getattr(self._executor, "_broken", False):
             raise StrikewaveError("a process of the executor ended before its time: give another one, which goes on")
 
@@ -242,11 +229,6 @@ def each_on(pool: Pool, function: Callable[[Asked], Answer], items: Sequence[Ask
         Computes one; what it raises is raised.
     items : sequence
         Items to compute.
-
-    Raises
-    ------
-    StrikewaveError
-        If processes end with it `MOST_DEATHS` times.
 
     Examples
     --------

@@ -117,11 +117,7 @@ class Finished(NamedTuple):
 
 
 def carry_out(
-    job: Work[Asked],
-    rows: Sequence[Asked],
-    store: RunStore,
-    pool: Pool,
-    advance: Advance | None = None,
+    job: Work[Asked], rows: Sequence[Asked], store: RunStore, pool: Pool, advance: Advance | None = None
 ) -> Finished:
     """Run all rows of a job that a store does not have, and keep them there.
 
@@ -142,13 +138,6 @@ def carry_out(
     -------
     Finished
         Keys by which the store has the rows.
-
-    Raises
-    ------
-    InputError
-        If the store cannot be written.
-    StrikewaveError
-        If the pool is lost.
     """
     work = _Unfinished(job, rows, store, advance)
     work.all_on(pool)
@@ -224,13 +213,7 @@ def seconds_each(job: Work[Asked], rows: Sequence[Asked]) -> float:
 class _Unfinished(Generic[Asked]):
     """What is left of a job, and what is out; keys are made as rows are taken, while processes run those before."""
 
-    def __init__(
-        self,
-        job: Work[Asked],
-        rows: Sequence[Asked],
-        store: RunStore,
-        advance: Advance | None,
-    ) -> None:
+    def __init__(self, job: Work[Asked], rows: Sequence[Asked], store: RunStore, advance: Advance | None) -> None:
         self._job, self._store, self._advance = job, store, advance
         self.keys, self.reused = list[bytes](), 0
         self._all, self._known = rows, store.known()

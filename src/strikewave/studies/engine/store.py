@@ -230,13 +230,7 @@ class RunStore:
             return {key for (key,) in self._base.execute("SELECT key FROM runs")}
 
     def keep(self, names: Sequence[str], finished: Iterable[tuple[bytes, RunOutcome]]) -> None:
-        """Keep finished runs, all of them or none; one that is there already stays as it is.
-
-        Raises
-        ------
-        InputError
-            If the disk is full, or the place cannot be written.
-        """
+        """Keep finished runs, all of them or none; one that is there already stays as it is."""
         with self._in_words():
             self._add_columns(names)
             places = "".join(f", {_quoted(name)}" for name in names)

@@ -156,11 +156,6 @@ def read_variable(case: Case, text: str, points: int = POINTS) -> StudyVariable:
     points : int, optional
         Values of a range that names no number of them.
 
-    Raises
-    ------
-    InputError
-        If the case has no such quantity, or the values are none that it takes.
-
     Examples
     --------
     >>> from strikewave import load_case
@@ -183,13 +178,7 @@ def read_variable(case: Case, text: str, points: int = POINTS) -> StudyVariable:
 
 
 def with_word(case: Case, path: str, word: str) -> Case:
-    """Return a case with another word, such as another law.
-
-    Raises
-    ------
-    InputError
-        If it takes no such word.
-    """
+    """Return a case with another word, such as another law."""
     changed = parse_case(dump_case(case), case.name, [f"{path}={word}"])
     check_case(changed)
     return changed
@@ -225,11 +214,6 @@ def _quantity(case: Case, path: str, given: str, points: int) -> StudyVariable:
 def read_ends(case: Case, path: str, given: str) -> tuple[Value, Value] | None:
     """Return the ends of a range of a quantity, such as ``400..900 rpm``; None where that is none.
 
-    Raises
-    ------
-    InputError
-        If the quantity takes no such value.
-
     Examples
     --------
     >>> from strikewave import load_case
@@ -241,13 +225,7 @@ def read_ends(case: Case, path: str, given: str) -> tuple[Value, Value] | None:
 
 
 def read_list(case: Case, path: str, given: str) -> list[Value]:
-    """Return the values of a list of a quantity, such as ``10, 20 N s/m``.
-
-    Raises
-    ------
-    InputError
-        If the quantity takes no such value, or they are too many.
-    """
+    """Return the values of a list of a quantity, such as ``10, 20 N s/m``."""
     parts = [part for part in given.split(",") if part.strip()]
     if len(parts) > MOST_VALUES:
         raise InputError("--vary", f"{len(parts)} values", f"at most {MOST_VALUES}")
@@ -255,13 +233,7 @@ def read_list(case: Case, path: str, given: str) -> list[Value]:
 
 
 def typed_value(case: Case, path: str, text: str) -> Value:
-    """Return a value of a quantity of a case as its file would take it; a bare number is SI.
-
-    Raises
-    ------
-    InputError
-        If it takes no such value.
-    """
+    """Return a value of a quantity of a case as its file would take it; a bare number is SI."""
     allowed: Range = range_of(case, path)
     typed = take_apart(text)
     bare: str | float = text.strip()

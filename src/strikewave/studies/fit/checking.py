@@ -308,11 +308,7 @@ class TriedChoice:
     )
     more_than_noise: int = declare.count("records of which the residual is more than noise", default=0)
     failure: str = declare.word(
-        "why it could not be fitted; empty where it was",
-        label="could not be fitted",
-        default="",
-        column=MORE,
-        order=1,
+        "why it could not be fitted; empty where it was", label="could not be fitted", default="", column=MORE, order=1
     )
     beyond_noise = declare.phrase("more than noise", column=MORE)(
         lambda one: None if one.failure else str(one.more_than_noise)
@@ -326,11 +322,6 @@ class TriedChoice:
 
 def read_tries(case: Case, word: str) -> list[str]:
     """Return the changes that are tried, ``path=choice`` each; ``law`` is short for ``contact.law``.
-
-    Raises
-    ------
-    InputError
-        If the case has no such field, or fewer than two choices are named.
 
     Examples
     --------

@@ -211,13 +211,7 @@ def is_fit_file(name: str) -> bool:
 
 
 def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
-    """Read a file of a whole fit; ``changes`` of its case go before those that it states.
-
-    Raises
-    ------
-    InputError
-        With one line for each thing that is wrong: file, table and key, and what is allowed.
-    """
+    """Read a file of a whole fit; ``changes`` of its case go before those that it states."""
     path = Path(path)
     file = read_study(path, FORM, ALLOWED)
     place = case_place(file.case, path.parent)

@@ -110,11 +110,6 @@ class FreeField:
 def free_fields(case: Case, words: Sequence[str]) -> tuple[FreeField, ...]:
     """Return the fields that are free, each ``path`` or ``path=low..high``; those marked fitted where none are named.
 
-    Raises
-    ------
-    InputError
-        If one is no quantity of the case that may be any number, is named twice, or its bounds do not hold it.
-
     Examples
     --------
     >>> from strikewave import load_case

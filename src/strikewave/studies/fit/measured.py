@@ -91,13 +91,7 @@ class MeasuredNumber:
         return math.nan if found is None else math.copysign(found, self.value)
 
     def residuals(self, run: Simulation) -> Array:
-        """Return by how much a run is above it, in standard uncertainties times `left`.
-
-        Raises
-        ------
-        ValueError
-            If the run has no such number.
-        """
+        """Return by how much a run is above it, in standard uncertainties times `left`."""
         computed = self.computed(run)
         if not math.isfinite(computed):
             raise ValueError(f"the run has no {self.called}")
@@ -222,13 +216,7 @@ def measured_pulse(
     shot: str = "",
     scatter: float = 0.0,
 ) -> MeasuredPulse:
-    """Return the pulse of a record as it is held against runs such as this one.
-
-    Raises
-    ------
-    InputError
-        If the run has no such part or quantity, or the record has no whole pulse, or the other sign.
-    """
+    """Return the pulse of a record as it is held against runs such as this one."""
     curve = run.history(part, blow, record.unit)
     part = curve.name.partition(":")[2].rpartition("@")[0] or curve.name.partition(":")[2]
     if not record.unit:

@@ -97,13 +97,7 @@ class Posterior:
 
 
 def check_sampler() -> None:
-    """Refuse to sample where emcee is not installed.
-
-    Raises
-    ------
-    InputError
-        With what to install.
-    """
+    """Refuse to sample where emcee is not installed."""
     try:
         import emcee  # noqa: F401
     except ImportError:

@@ -47,13 +47,7 @@ EXPECTED = 60
 def run_fit_file(
     path: str, changes: Sequence[str], output: Output, pool: Pool | None, running: Running, bayes: bool = False
 ) -> int:
-    """Do the fit of a file, with its posterior if asked; write and print it, and return the exit code.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        What `load_fit` and `requested` raise, or if the place is taken.
-    """
+    """Do the fit of a file, with its posterior if asked; write and print it, and return the exit code."""
     read = load_fit(path, changes)
     usual = f"fit-{case_folder(read.path.stem, read.path.read_text('utf-8-sig'), changes)}"
     request = dataclasses.replace(read.request, bayes=read.request.bayes or bayes)
@@ -63,13 +57,7 @@ def run_fit_file(
 def run_fit(
     case: Case, changes: Sequence[str], request: FitRequest, output: Output, pool: Pool | None, running: Running
 ) -> int:
-    """Fit a case, write and print the result, and return the exit code.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        What `requested` raises, or if the place is taken.
-    """
+    """Fit a case, write and print the result, and return the exit code."""
     return _run(case, request, output, f"fit-{case_folder(case.name, dump_case(case), changes)}", pool, running)
 
 

@@ -51,11 +51,6 @@ def solve(problem: Problem, advance: Callable[[int, float], None] | None = None)
     """Find the best place, and what the data say of it.
 
     Ctrl-C ends the search at the best place so far.
-
-    Raises
-    ------
-    InputError
-        If the case itself cannot be run, or a field changes nothing that was measured.
     """
     search = Search(problem.residuals, len(problem.fields), advance, problem.stairs)
     stopped, used, ends = False, problem, list[tuple[Array, Array]]()

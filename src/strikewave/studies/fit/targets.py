@@ -78,13 +78,7 @@ def parse_targets(words: Sequence[str | Target], case: Case) -> list[Target]:
 
 
 def target_words(words: Sequence[str]) -> list[str]:
-    """Return targets as typed, and in the place of ``@FILE`` those of its lines; empty ones and those with # are none.
-
-    Raises
-    ------
-    InputError
-        If there is no such file, or it is none of text.
-    """
+    """Return targets as typed, ``@FILE`` replaced by its lines; empty lines and comments are left out."""
     found = list[str]()
     for word in words:
         if not word.startswith("@"):
@@ -101,11 +95,6 @@ def target_words(words: Sequence[str]) -> list[str]:
 
 def parse_target(word: str, case: Case) -> Target:
     """Take a target apart; a file that is called so is a record.
-
-    Raises
-    ------
-    InputError
-        If it is neither number nor record.
 
     Examples
     --------
@@ -151,11 +140,6 @@ def published_targets(case: Case) -> list[Target]:
 
 def read_number(case: Case, target: Target) -> MeasuredNumber:
     """Return a number with its standard uncertainty; without one, half its last digit, 1 % at least, 10 % at most.
-
-    Raises
-    ------
-    InputError
-        If the case gives no such number, or value or uncertainty are none.
 
     Examples
     --------
@@ -221,13 +205,7 @@ class ReadTargets:
 def read_targets(
     option: str, case: Case, targets: Sequence[Target], fields: Sequence[FreeField], reading: SourceOptions
 ) -> ReadTargets:
-    """Read what was measured; targets of the same settings make one experiment.
-
-    Raises
-    ------
-    InputError, StrikewaveError
-        If one cannot be read, is no quantity that the case gives, or changes a field that is free.
-    """
+    """Read what was measured; targets of the same settings make one experiment."""
     grouped: dict[tuple[str, ...], list[Target]] = {}
     for target in targets:
         grouped.setdefault(target.changes, []).append(target)

@@ -47,9 +47,7 @@ def command(
     log: Annotated[
         list[str] | None,
         one_of(
-            "--log",
-            choices=("x", "y"),
-            help="Logarithmic spacing along x or y; linear by default; may be repeated.",
+            "--log", choices=("x", "y"), help="Logarithmic spacing along x or y; linear by default; may be repeated."
         ),
     ] = None,
     blows: Annotated[

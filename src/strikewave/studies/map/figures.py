@@ -55,13 +55,7 @@ are seen and cover no neighbour."""
 
 
 def check_colour(name: str) -> None:
-    """Refuse a colour that no field has.
-
-    Raises
-    ------
-    InputError
-        With the nearest one.
-    """
+    """Refuse a colour that no field has."""
     if name not in COLOURS:
         raise InputError("--colour", name, "a quantity of the map", nearest(name, COLOURS))
 

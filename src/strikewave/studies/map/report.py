@@ -162,11 +162,7 @@ class MapCommand(StudyCommand[MapStudy]):
     def made(self, store: RunStore, report: Report) -> MapStudy:
         """Return the map."""
         study = make_map(
-            self.plan,
-            self.wanted,
-            store=store,
-            progress=lambda now: report(now.share, now.words),
-            pool=self.pool,
+            self.plan, self.wanted, store=store, progress=lambda now: report(now.share, now.words), pool=self.pool
         )
         return dataclasses.replace(study, colour=self.colour)
 

@@ -321,13 +321,7 @@ def _named(name: str, value: float) -> str | float:
 
 
 def check_plan(plan: MapPlan, workers: int) -> float:
-    """Return about how long a map takes, s, and refuse one that is too large.
-
-    Raises
-    ------
-    InputError
-        If it has too many or too few cells or blows, or would take half a day.
-    """
+    """Return about how long a map takes, s, and refuse one that is too large."""
     panels, rows, columns = plan.shape
     sides = all(LEAST_SIDE <= side <= MOST_SIDE for side in (rows, columns))
     if not sides or panels * rows * columns > MOST_CELLS:
@@ -368,13 +362,6 @@ def make_map(
         Called as cells come back.
     pool : Pool, optional
         Who runs them instead, and is ended here.
-
-    Raises
-    ------
-    InputError
-        If the plan is too large, or the case makes no machine.
-    StrikewaveError
-        If a process came to an end before its time.
     """
     check_plan(plan, workers)
     case = parse_case(plan.case)
@@ -422,13 +409,7 @@ def confirmed(study: MapStudy) -> tuple[EvenSetting | None, tuple[Refusal, ...]]
 
 
 def in_full(case: Case, count: int) -> tuple[float, float]:
-    """Return variation and mean of the rigid peaks of a full run with the case's own feed.
-
-    Raises
-    ------
-    StrikewaveError
-        If not all blows came, or the run failed another check.
-    """
+    """Return variation and mean of the rigid peaks of a full run with the case's own feed."""
     machine = machine_of(case)
     own = count == round(case.rotary_tables().feed.blows.si)
     run = run_machine(machine.with_feed(blows=count), RUN_TOLERANCE)

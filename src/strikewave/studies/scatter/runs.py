@@ -180,13 +180,7 @@ class Runner:
     done: int = 0
 
     def __call__(self, rows: Array) -> list[RunResult]:
-        """Return a run for each row of drawn values, in their order.
-
-        Raises
-        ------
-        StrikewaveError
-            If no process can be started again for one that came to an end before its time.
-        """
+        """Return a run for each row of drawn values, in their order."""
         job, begun = Job(DrawVariation(self.case, self.tolerances), TrainEvaluation()), self.done
         places = [tuple(row) for row in rows.tolist()]
         keys = carry_out(job, places, self.store, self.pool, lambda now: self.advance(begun + now.done)).keys

@@ -118,13 +118,7 @@ class ScatterPlan:
     workers: int = 1
 
     def check(self) -> None:
-        """Refuse what cannot be done.
-
-        Raises
-        ------
-        InputError
-            With the option.
-        """
+        """Refuse what cannot be done."""
         for field, got, low, high in (
             ("--runs", self.runs, FEWEST, MOST),
             ("--seed", self.seed, 0, MOST_SEED),
@@ -578,10 +572,7 @@ def _shares_of(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shar
         a, b, *mixed = _in_parts(runner, [drawn(tolerances, part) for part in (first, second, *mixtures_of)])
         return tuple(
             sobol_shares(of, paths, read(a), read(b), np.array([read(one) for one in mixed]), plan.seed)
-            for of, read in (
-                (BETWEEN, _typical),
-                (BETWEEN_CV, _variation),
-            )
+            for of, read in ((BETWEEN, _typical), (BETWEEN_CV, _variation))
         )
     rows = np.repeat(nominal(tolerances), count, axis=0)
     parts, place = [], 0

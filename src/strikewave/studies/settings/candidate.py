@@ -121,11 +121,6 @@ def blow_goal(
 ) -> BlowGoal:
     """Return what blows shall be: as given, or those of a specification, at its rate where no interval is given.
 
-    Raises
-    ------
-    InputError
-        If something is missing, or the specification cannot be read, or is of no half-sine.
-
     Examples
     --------
     >>> from strikewave.base.constants import Material, material

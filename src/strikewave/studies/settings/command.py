@@ -57,8 +57,7 @@ class DropOptions:
         ),
     ] = None
     stroke: Annotated[
-        float | None,
-        quantity("--stroke", si="m", bare=False, help="Largest drop height; 2 m by default."),
+        float | None, quantity("--stroke", si="m", bare=False, help="Largest drop height; 2 m by default.")
     ] = None
 
     def given(self) -> dict[str, object]:
@@ -72,13 +71,7 @@ class DropOptions:
         return {option: value for option, value in named.items() if value}
 
     def choices(self) -> DropChoices:
-        """Return what is tried.
-
-        Raises
-        ------
-        InputError
-            If a programmer is none.
-        """
+        """Return what is tried."""
         from strikewave.studies.settings.drop_table.programmers import read_programmer
         from strikewave.studies.settings.drop_table.study import DropChoices
 
@@ -184,12 +177,7 @@ def command(
     from strikewave.studies.engine.runner import pool_of
     from strikewave.studies.settings.candidate import blow_goal
     from strikewave.studies.settings.report import SearchCommand
-    from strikewave.studies.settings.study import (
-        SettingsChoices,
-        check_changes,
-        check_goal,
-        is_rotary,
-    )
+    from strikewave.studies.settings.study import SettingsChoices, check_changes, check_goal, is_rotary
 
     place = source or (REFERENCE if spec is None else DROP_TABLE)
     if spec is not None:

@@ -80,11 +80,6 @@ def engagement(approach: float, speed: float, radius: float) -> float:
 
     The inverse of `approach_at`. ``approach`` v (m/s), turntable's ``speed`` w (rad/s), ``radius`` R (m).
 
-    Raises
-    ------
-    ValueError
-        If no engagement gives it: v above w R.
-
     Examples
     --------
     >>> round(engagement(3.0, 75.0, 0.2) * 1e3, 3)
@@ -172,11 +167,6 @@ def return_arc(support: Support, mass: float, speed: float, weight: float = 0.0)
     m x'' + c x' + k x + F = 0 with x(0) = 0, x'(0) = u and F = preload - weight (N): with y = x + F/k,
     D = c/2m and L = sqrt(D^2 - k/m) it is y = (F/k) (cosh Lt + (D/L) sinh Lt) e^-Dt + (u/L) e^-Dt sinh Lt, L imaginary
     below critical damping. Without damper it returns after (2/W) atan(u m W/F), W = sqrt(k/m). ``mass`` in kg.
-
-    Raises
-    ------
-    ValueError
-        If the preload does not carry the weight: the object need not come back.
 
     Examples
     --------
@@ -271,11 +261,6 @@ def feed_time(available: float, engagement: float, stroke: float) -> float:
     """Return the longest time of a stroke whose last (or first) ``available`` seconds clear the strikers, s.
 
     In that time the carriage makes 1.25 times the engagement of its stroke (m).
-
-    Raises
-    ------
-    ValueError
-        If the stroke does not clear the strikers, or no time is left.
 
     Examples
     --------

@@ -141,10 +141,7 @@ def picture(study: SettingsStudy) -> Figure:
 
 
 def draw_kinds(
-    axes: Any,
-    kinds: Mapping[str, Sequence[Candidate]],
-    places: Callable[[Sequence[Candidate]], Places],
-    size: float,
+    axes: Any, kinds: Mapping[str, Sequence[Candidate]], places: Callable[[Sequence[Candidate]], Places], size: float
 ) -> None:
     """Draw the candidates of each kind with a marker of its own, filled where they meet the goal."""
     for k, (label, mine) in enumerate(kinds.items()):

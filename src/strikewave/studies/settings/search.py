@@ -82,11 +82,6 @@ OWN_UNIT = "its unit"
 def chosen(path: str, value: float, note: str) -> Value:
     """Return a value of a case that was chosen here, rounded to `DIGITS`.
 
-    Raises
-    ------
-    InputError
-        If a case may not have it.
-
     Examples
     --------
     >>> chosen("machine.engagement", 0.00512345678, "by hand").typed
@@ -107,11 +102,6 @@ def refuse_changes(changes: Iterable[str], chosen_here: Mapping[str, tuple[str, 
     """Refuse a change (``path=value``) of a field that is chosen here: the search would replace it, with no warning.
 
     ``chosen_here`` has for each such field how it is chosen, and what to do instead.
-
-    Raises
-    ------
-    InputError
-        With the field.
     """
     for change in changes:
         path, _, value = (part.strip() for part in change.partition("="))
@@ -344,11 +334,6 @@ def search_end(
         First guess of the slopes of the logarithms of results over those of settings.
     at_bound : callable
         Says which setting stands at its bound, of logarithms of settings and of the bounds; empty where none does.
-
-    Raises
-    ------
-    StrikewaveError
-        If no run can be made: why.
 
     Examples
     --------

@@ -368,13 +368,7 @@ class RotaryDesign:
 def sensible_strikers(
     case: Case, goal: BlowGoal, choice: SettingsChoices
 ) -> tuple[list[int], tuple[StrikersLeftOut, ...]]:
-    """Return the numbers of strikers to run, and why each other one is left out.
-
-    Raises
-    ------
-    InputError
-        If none is left; a peak beyond what the largest engagement reaches is named with the largest one.
-    """
+    """Return the numbers of strikers to run, and why each other one is left out."""
     rig = case.rotary_tables()
     wanted = choice.strikers or tuple(sorted({*STRIKERS, int(rig.machine.strikers.si)}))
     radius, stroke = rig.machine.radius.si, rig.feed.stroke.si
@@ -459,13 +453,7 @@ def is_rotary(case: Case) -> bool:
 
 
 def check_goal(case: Case, goal: BlowGoal, choice: SettingsChoices) -> None:
-    """Refuse what no setting can give, before anything is run.
-
-    Raises
-    ------
-    InputError
-        With the option.
-    """
+    """Refuse what no setting can give, before anything is run."""
     _check_machine(case)
     _check_blows(goal)
     _check_strikers(case, choice)
@@ -563,11 +551,6 @@ def least_width(case: Case, goal: BlowGoal, choice: SettingsChoices) -> float:
 
 def check_changes(changes: Sequence[str], vary: str) -> None:
     """Refuse a change (``path=value``) of a field that is chosen here.
-
-    Raises
-    ------
-    InputError
-        With the field.
 
     Examples
     --------
@@ -691,11 +674,6 @@ def design_settings(
         What the blows shall be, and what may be chosen.
     store, pool, advance
         Searches that were finished; who makes the others, this process without one; what is called as they come back.
-
-    Raises
-    ------
-    InputError
-        If nothing can give it, or could be run: with the reasons.
     """
     choice = choice or SettingsChoices()
     check_goal(case, goal, choice)

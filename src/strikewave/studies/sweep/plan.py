@@ -84,13 +84,7 @@ class SweepPlan:
     rows: tuple[Row, ...]
 
     def on(self, device: str | None, cluster: str | None) -> SweepPlan:
-        """Return the plan with the steps of elements taken on a device, here or on a cluster; None: the processor.
-
-        Raises
-        ------
-        InputError
-            If the runs are not of elements, or there is no such device.
-        """
+        """Return the plan with the steps of elements taken on a device, here or on a cluster; None: the processor."""
         device = checked_device(self.evaluation.analysis, device, cluster)
         return replace(self, evaluation=replace(self.evaluation, device=device))
 
@@ -129,13 +123,7 @@ def plan_of(
     runs: int | None = None,
     seed: int = 1,
 ) -> SweepPlan:
-    """Return the plan of a sweep; the arguments are those of `sweep`.
-
-    Raises
-    ------
-    InputError
-        If the case has no such setting or number, or they do not go with the design.
-    """
+    """Return the plan of a sweep; the arguments are those of `sweep`."""
     if design not in DESIGNS:
         raise InputError("--design", design, "one of " + ", ".join(DESIGNS), nearest(design, DESIGNS))
     evaluation = read_kept(case, checked_analysis(case, analysis), keep)
@@ -271,11 +259,6 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
         Changes of the case, after those of the file.
     typed : SweepRequest
         Typed request.
-
-    Raises
-    ------
-    InputError
-        If the file is neither.
     """
     text, _ = read_case_text(name)
     document = _document(text)
@@ -301,11 +284,6 @@ def _document(text: str) -> Mapping[str, Any]:
 
 def varied_texts(table: Mapping[str, Any]) -> list[str]:
     """Return the settings of [vary] with their values as they are typed on the command line.
-
-    Raises
-    ------
-    InputError
-        If one has no values.
 
     Examples
     --------

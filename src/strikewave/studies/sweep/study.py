@@ -291,10 +291,7 @@ class SweepStudy(Study):
 
 @compiling_shown()
 def make_sweep(
-    plan: SweepPlan,
-    store: RunStore,
-    pool: Pool | None = None,
-    advance: Advance | None = None,
+    plan: SweepPlan, store: RunStore, pool: Pool | None = None, advance: Advance | None = None
 ) -> SweepStudy:
     """Make a sweep: all runs that a store does not have yet.
 
@@ -308,13 +305,6 @@ def make_sweep(
         Who runs them, and is ended here; this process where it is left out.
     advance : callable, optional
         Called as runs come back.
-
-    Raises
-    ------
-    InputError
-        If the store cannot be written.
-    StrikewaveError
-        If the pool is lost.
     """
     not_judged = plan.evaluation.not_judged(plan.case)
     with at_work(store, pool) as (open_store, open_pool):

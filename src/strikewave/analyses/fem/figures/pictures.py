@@ -75,13 +75,7 @@ class Camera:
     limits: tuple[float, float] | None = None
 
     def axes(self) -> Array:
-        """Return what is right, up and toward the eye in the picture, unit vectors, (3, 3).
-
-        Raises
-        ------
-        InputError
-            If the eye looks along ``up`` or a direction has no length.
-        """
+        """Return what is right, up and toward the eye in the picture, unit vectors, (3, 3)."""
         toward, up = np.asarray(self.toward, float), np.asarray(self.up, float)
         right = np.cross(up, toward)
         if not float(np.linalg.norm(right)) > 1e-9 * float(np.linalg.norm(toward) * np.linalg.norm(up)):
@@ -150,13 +144,7 @@ def _middles(mesh: Mesh) -> Array:
 
 
 def kept_elements(mesh: Mesh, view: Camera) -> NDArray[np.bool_]:
-    """Return which elements a view leaves, (elements,), by their middle before the blow.
-
-    Raises
-    ------
-    InputError
-        If the view names a part that is not there, or leaves nothing.
-    """
+    """Return which elements a view leaves, (elements,), by their middle before the blow."""
     visible = _visible(mesh, view)
     if not visible.any():
         raise InputError("view", "nothing left", "a cut, a zone and parts that leave elements to be drawn")
@@ -193,22 +181,13 @@ QUANTITIES: Mapping[str, PicturedField] = {
     "pressure": PicturedField("Pa", "MPa", "pressure", lambda frame, mesh: pressure(frame.stress)),
     "plastic_strain": PicturedField("1", "%", "equivalent plastic strain", lambda frame, mesh: frame.plastic_strain),
     "speed": PicturedField(
-        "m/s",
-        "m/s",
-        "speed",
-        lambda frame, mesh: np.linalg.norm(frame.velocity, axis=1)[mesh.hexahedra].mean(axis=1),
+        "m/s", "m/s", "speed", lambda frame, mesh: np.linalg.norm(frame.velocity, axis=1)[mesh.hexahedra].mean(axis=1)
     ),
 }
 
 
 def quantity_of(name: str) -> PicturedField:
-    """Return a field that can be shown, by its name.
-
-    Raises
-    ------
-    InputError
-        If there is none of this name.
-    """
+    """Return a field that can be shown, by its name."""
     if name not in QUANTITIES:
         raise InputError("quantity", name, "a field that can be shown", nearest(name, QUANTITIES))
     return QUANTITIES[name]
@@ -328,11 +307,7 @@ def paint_faces(
     order = np.argsort(pieces[:, :, 2].mean(axis=1), kind="stable")
     flat: Any = pieces[order][:, :, :2] * 1e3
     collection = PolyCollection(
-        flat,
-        facecolors=fill[order],
-        edgecolors=edge[order],
-        linewidths=width[order],
-        rasterized=True,
+        flat, facecolors=fill[order], edgecolors=edge[order], linewidths=width[order], rasterized=True
     )
     collection.set_joinstyle("round")
     collection.set_snap(False)
@@ -416,11 +391,6 @@ def body_picture(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quan
         From where, cut where.
     quantity : str, optional
         One of `QUANTITIES`.
-
-    Raises
-    ------
-    InputError
-        If the field is unknown or the view leaves nothing.
     """
     return frames_picture(mesh, [frame], view, quantity)
 
@@ -428,13 +398,7 @@ def body_picture(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quan
 def frames_picture(
     mesh: Mesh, frames: Sequence[FieldFrame], view: Camera | None = None, quantity: str = "von_mises"
 ) -> Figure:
-    """Draw the parts at several instants side by side, in one scale of colours; see `body_picture`.
-
-    Raises
-    ------
-    InputError
-        If there is no frame, the field is unknown or the view leaves nothing.
-    """
+    """Draw the parts at several instants side by side, in one scale of colours; see `body_picture`."""
     view, shown = view or Camera(), quantity_of(quantity)
     if not frames:
         raise InputError("frames", "none", "at least one")
@@ -463,13 +427,7 @@ def frames_picture(
 
 
 def mesh_picture(mesh: Mesh, view: Camera | None = None) -> Figure:
-    """Draw the mesh before the blow, each part in its colour, with matplotlib alone.
-
-    Raises
-    ------
-    InputError
-        If the view leaves nothing.
-    """
+    """Draw the mesh before the blow, each part in its colour, with matplotlib alone."""
     view = view or Camera()
     visible = kept_elements(mesh, view)
     palette = np.array([to_rgb(PART_COLOURS[k % len(PART_COLOURS)]) for k in range(len(mesh.names))])
@@ -491,12 +449,7 @@ def mesh_picture(mesh: Mesh, view: Camera | None = None) -> Figure:
 
 
 def _paint(
-    axes: Any,
-    mesh: Mesh,
-    moved: Array,
-    seen: tuple[Camera, NDArray[np.bool_]],
-    colours: Array,
-    smallest_lined: float,
+    axes: Any, mesh: Mesh, moved: Array, seen: tuple[Camera, NDArray[np.bool_]], colours: Array, smallest_lined: float
 ) -> None:
     """Paint the exterior faces of the elements that are kept, from the farthest to the nearest."""
     view, visible = seen
@@ -511,11 +464,6 @@ def scene(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quantity: s
     """Render the parts at an instant with pyvista, without a screen: an image (height, width, 3).
 
     The same view, cut and scale as `body_picture`, by VTK's own hidden surfaces.
-
-    Raises
-    ------
-    InputError
-        If pyvista is not installed or finds nothing to draw with, the field is unknown or the view leaves nothing.
     """
     view, shown = view or Camera(), quantity_of(quantity)
     try:

@@ -60,13 +60,7 @@ class LsDynaCommand(Command[LsDynaResult]):
 
 
 def read_run(command: LsDynaCommand, output: Output) -> int:
-    """Read a run of LS-DYNA, write and print what it gave, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If a file of either run cannot be used, or a name fits nothing.
-    """
+    """Read a run of LS-DYNA, write and print what it gave, and return the exit code."""
     other = str(command.other.resolve() if command.other else "")
     asked = repr((str(command.folder.resolve()), command.system.name, other, [command.contacts, command.parts]))
     usual = f"ls-dyna-{folder_name(command.folder)}{case_hash(asked, [asked])}"

@@ -41,10 +41,7 @@ class DualMassAmplifier(LaunchedKind):
         *("anvil", "pulse shaper", "table", "pad, and cushions beside it"),
         *("nose", "frame", "assembly of the second mass"),
     )
-    settings: ClassVar = {
-        "height": DROP_HEIGHT,
-        "gap": Quantity("m", "mm", "gap"),
-    }
+    settings: ClassVar = {"height": DROP_HEIGHT, "gap": Quantity("m", "mm", "gap")}
     sources: ClassVar[tuple[str, ...]] = ("jesd22-b104", "rodgers-2009")
     falls: ClassVar = "both"
 

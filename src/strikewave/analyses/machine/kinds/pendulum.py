@@ -39,21 +39,12 @@ class Pendulum(LaunchedKind):
         "begins just before first touch."
     )
     chain: ClassVar[tuple[str, ...]] = ("arm", "mount", "striker", *FREE_OBJECT)
-    settings: ClassVar = {
-        "angle": Quantity("rad", "deg", "release angle"),
-        "radius": Quantity("m", "m", "radius"),
-    }
+    settings: ClassVar = {"angle": Quantity("rad", "deg", "release angle"), "radius": Quantity("m", "m", "radius")}
     sources: ClassVar[tuple[str, ...]] = ("iso-148-2",)
     mount: ClassVar = "needed"
 
     def arm(self) -> launch.RigidPendulum:
-        """Return the arm.
-
-        Raises
-        ------
-        InputError
-            If its inertia is not given once, or cannot be.
-        """
+        """Return the arm."""
         from strikewave.cases.contact_of_case import or_else
         from strikewave.machines import launch
 

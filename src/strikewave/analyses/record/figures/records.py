@@ -560,12 +560,7 @@ def _mark(axes: Any, one: MeasuredResponse, factor: float, scale: float, labelle
 
 TRENDS = ("peak", "width", "velocity_change", "interval")
 """Figures whose trend is drawn."""
-OF_CHANNEL = {
-    "peak": "peak",
-    "rigid_peak": "peak without ringing",
-    "rms": "RMS",
-    "amplitude": "amplitude",
-}
+OF_CHANNEL = {"peak": "peak", "rigid_peak": "peak without ringing", "rms": "RMS", "amplitude": "amplitude"}
 """Names of the figures in the unit of their channel."""
 PURE = {"ratio": (1.0, "peak over base", ""), "damping": (0.01, "damping ratio", "%")}
 """How figures without a unit are shown: size, name and unit."""

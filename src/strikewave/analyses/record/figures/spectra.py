@@ -276,11 +276,6 @@ def tripartite(pseudo: Spectrum) -> Figure:
     ----------
     pseudo : Spectrum
         Spectrum of the kind ``pseudo-velocity``.
-
-    Raises
-    ------
-    ValueError
-        If the spectrum is of another kind.
     """
     if pseudo.kind != "pseudo-velocity":
         raise ValueError(f"four-coordinate paper needs a spectrum of pseudo-velocity, got {pseudo.kind!r}")
@@ -346,23 +341,9 @@ def _rulings(axes: Any, x: tuple[float, float], y: tuple[float, float], along: A
         axes.loglog(ends, 10.0 ** (k + turn) * ends, color=GREEN, linewidth=0.7, alpha=0.8)
         above = y[1] - k - turn
         if above <= x[1]:
-            name(
-                depth_words(10.0**k),
-                above,
-                y[1],
-                45,
-                True,
-                "#00694D",
-            )
+            name(depth_words(10.0**k), above, y[1], 45, True, "#00694D")
         elif x[1] - 0.25 + k + turn > y[0] + 0.15:
-            name(
-                depth_words(10.0**k),
-                x[1] - 0.25,
-                x[1] - 0.25 + k + turn,
-                45,
-                False,
-                "#00694D",
-            )
+            name(depth_words(10.0**k), x[1] - 0.25, x[1] - 0.25 + k + turn, 45, False, "#00694D")
     for k in range(math.ceil(y[0] + x[0] - fall), math.floor(y[1] + x[1] - fall) + 1):
         axes.loglog(ends, 10.0 ** (k + fall) / ends, color=RED, linewidth=0.7, alpha=0.8)
         right = k + fall - x[1]

@@ -87,13 +87,7 @@ def list_specifications(output: Output) -> int:
 
 
 def show_specification(name: str, output: Output) -> int:
-    """Show a specification, draw it, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If it cannot be read.
-    """
+    """Show a specification, draw it, and return the exit code."""
     asked = _first_condition(name)
     specification = load_specification(asked, "NAME")
     usual = f"spec-{specification.file_name}"
@@ -158,13 +152,7 @@ def of_one_condition(text: str, name: str) -> str:
 
 
 def new_specification(file: Path, origin: str, output: Output) -> int:
-    """Write a file that begins from a specification, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If the name is no free one of a file, or there is nothing to begin from.
-    """
+    """Write a file that begins from a specification, and return the exit code."""
     if not file.name or file.suffix not in ("", ".toml"):
         raise InputError("FILE", str(file), "the name of a specification, such as my-shock.toml")
     path = file.with_name(file.stem + ".toml")
@@ -187,13 +175,7 @@ def new_specification(file: Path, origin: str, output: Output) -> int:
 
 
 def synthesize_specification(name: str, by: str, rate: float | None, output: Output) -> int:
-    """Make a base motion that meets a specification of a spectrum, write and print it, and return the exit code.
-
-    Raises
-    ------
-    InputError
-        If the specification cannot be read, or states no spectrum.
-    """
+    """Make a base motion that meets a specification of a spectrum, write and print it, and return the exit code."""
     specification = load_specification(name, "NAME")
     specification.spectrum_limits()
     usual = f"synthesis-{specification.file_name}-{by}"

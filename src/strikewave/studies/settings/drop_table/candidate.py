@@ -9,14 +9,7 @@ import numpy as np
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
-from strikewave.base.shock_quantities import (
-    LENGTH,
-    MICROSECONDS,
-    PEAK_FORCE,
-    RATIO,
-    RIGID_PEAK,
-    VELOCITY,
-)
+from strikewave.base.shock_quantities import LENGTH, MICROSECONDS, PEAK_FORCE, RATIO, RIGID_PEAK, VELOCITY
 from strikewave.base.texts import percent
 from strikewave.machines import Blow
 from strikewave.reporting.faces import amount

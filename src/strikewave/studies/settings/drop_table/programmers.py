@@ -147,11 +147,6 @@ def pad_of_case(case: Case) -> Programmer | None:
 def read_programmer(word: str, own: bool = False, field: str = "--programmer") -> Programmer:
     """Read a programmer: a name, then what is given of it.
 
-    Raises
-    ------
-    InputError
-        If there is no such law or material, or it takes no such property.
-
     Examples
     --------
     >>> read_programmer("natural rubber 65 IRHD, restitution=0.8").law

@@ -434,11 +434,6 @@ class DropStudy(MachineSearch):
 def check_drop_changes(changes: Iterable[str], case: Case, choice: DropChoices) -> None:
     """Refuse a change (``path=value``) of a field that is chosen here: the search would replace it, with no warning.
 
-    Raises
-    ------
-    InputError
-        With the field.
-
     Examples
     --------
     >>> from strikewave.cases.case import load_case
@@ -463,13 +458,7 @@ velocity change; leave it out, or limit it by --stroke
 
 
 def check_drop(case: Case, goal: DropGoal, choice: DropChoices) -> None:
-    """Refuse what no drop table can do, before anything is run.
-
-    Raises
-    ------
-    InputError
-        With the option.
-    """
+    """Refuse what no drop table can do, before anything is run."""
     kind = getattr(case.machine, "kind", "rotary")
     if kind != "drop":
         raise InputError("--from", case.name, "a drop table or a rotary machine with --spec", f"this is a {kind}")
@@ -501,11 +490,6 @@ def design_drop_table(
         What the pulse shall be, and what may be chosen.
     store, pool, advance
         Searches that were finished; who makes the others, this process without one; what is called as they come back.
-
-    Raises
-    ------
-    InputError
-        If nothing can give it, or could be run: with the reasons.
     """
     choice = choice or DropChoices()
     check_drop(case, goal, choice)

@@ -161,11 +161,7 @@ class StackLayers:
     """
 
     def __init__(
-        self,
-        desk: Desk,
-        source: Callable[[], CaseSource],
-        changed: Callable[[CaseState], Any],
-        listed: ListedStack,
+        self, desk: Desk, source: Callable[[], CaseSource], changed: Callable[[CaseState], Any], listed: ListedStack
     ) -> None:
         self.desk, self.source, self.changed = desk, source, changed
         with parts.box("Layers, from the loaded face on"):

@@ -71,9 +71,7 @@ class RecordPage:
                     ).props("dense outlined options-dense")
                     self.boxes["spec"].style("width:100%")
                     self.boxes["spectrum"] = ui.checkbox(
-                        "shock response spectrum",
-                        value=self.given.get("spectrum") != "no",
-                        on_change=self._changed,
+                        "shock response spectrum", value=self.given.get("spectrum") != "no", on_change=self._changed
                     )
                     with ui.element("div").classes("sw-row"):
                         ui.button("judge", icon="play_arrow", on_click=self.begin).props("unelevated dense no-caps")

@@ -55,13 +55,7 @@ COST = ("peak", "width", "velocity_change")
 
 
 def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
-    """Return what measured files say: health, pulses, campaign, spectrum, verdict, agreement with a simulation.
-
-    Raises
-    ------
-    StrikewaveError
-        If that cannot be said, in the words of the page.
-    """
+    """Return what measured files say: health, pulses, campaign, spectrum, verdict, agreement with a simulation."""
     try:
         view = _measured(request, say)
     except strikewave.StrikewaveError as error:

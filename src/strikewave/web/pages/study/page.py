@@ -64,9 +64,7 @@ class StudyPage:
                     label = "or drop a case (.toml), and records to fit"
                     self.files = DroppedFiles(self.session, FOLDER, label, self._dropped)
                     self.changes = ui.textarea(
-                        "changes, a line each",
-                        value="\n".join(self.state.source().changes),
-                        on_change=self._changed,
+                        "changes, a line each", value="\n".join(self.state.source().changes), on_change=self._changed
                     ).props('dense outlined stack-label rows=2 autogrow placeholder="machine.speed=700 rpm"')
                     self.changes.style("width:100%")
                 self.form = ui.element("div").style("width:100%")

@@ -76,11 +76,7 @@ KINDS = {
                 StudyText("points", "points along x and y", "20x20"),
             ),
         ),
-        StudyKind(
-            "scatter",
-            "See what tolerances do to the blows, and which one matters.",
-            (RUNS,),
-        ),
+        StudyKind("scatter", "See what tolerances do to the blows, and which one matters.", (RUNS,)),
     )
 }
 """The kinds of studies, by name."""
