@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from strikewave.cli.program_commands import EXAMPLES
-from strikewave.studies.design.plan import load_design
-from strikewave.studies.design.ranking import robustness_of
-from strikewave.studies.design.study import make_design
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
+from strikewave.studies.search.design import make_design
+from strikewave.studies.search.plan import load_design
+from strikewave.studies.search.ranking import robustness_of
 
 FILE = EXAMPLES / "studies" / "equal-blows.toml"
 PLACE = Path("out/validate")

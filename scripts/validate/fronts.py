@@ -16,9 +16,9 @@ import numpy as np
 from kit import ROOT, table, write_into
 from numpy.typing import NDArray
 
-from strikewave.studies.design.goals import Objective
-from strikewave.studies.design.ranking import ranking, trade_off_search
-from strikewave.studies.design.search import DesignRuns
+from strikewave.studies.search.evolution import DesignRuns
+from strikewave.studies.search.goals import Objective
+from strikewave.studies.search.ranking import ranking, trade_off_search
 
 Array = NDArray[np.float64]
 

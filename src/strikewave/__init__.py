@@ -46,15 +46,15 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.records.readers import read_record as read_record
     from strikewave.signal.srs import srs as srs
     from strikewave.studies.buffer.study import buffer as buffer
-    from strikewave.studies.design.study import DesignStudy as DesignStudy
-    from strikewave.studies.design.study import design as design
     from strikewave.studies.fit.result import FitStudy as FitStudy
     from strikewave.studies.fit.study import fit as fit
     from strikewave.studies.map.study import map as map
     from strikewave.studies.scatter.study import ScatterPlan as ScatterPlan
     from strikewave.studies.scatter.study import scatter as scatter
-    from strikewave.studies.settings.drop_table.study import drop_table as drop_table
-    from strikewave.studies.settings.study import settings as settings
+    from strikewave.studies.search.design import DesignStudy as DesignStudy
+    from strikewave.studies.search.design import design as design
+    from strikewave.studies.search.drop_table import drop_table as drop_table
+    from strikewave.studies.search.rotary import settings as settings
     from strikewave.studies.sweep.study import SweepStudy as SweepStudy
     from strikewave.studies.sweep.study import sweep as sweep
 
@@ -63,7 +63,7 @@ _HOMES = {
     "Case": "cases.case",
     "CompareResult": "analyses.compare.result",
     "Contact": "contact.law",
-    "DesignStudy": "studies.design.study",
+    "DesignStudy": "studies.search.design",
     "FemSolution": "analyses.fem.result",
     "FitStudy": "studies.fit.result",
     "InputError": "base.errors",
@@ -77,8 +77,8 @@ _HOMES = {
     "WaveSolution": "analyses.wave.result",
     "buffer": "studies.buffer.study",
     "compare": "analyses.compare.run",
-    "design": "studies.design.study",
-    "drop_table": "studies.settings.drop_table.study",
+    "design": "studies.search.design",
+    "drop_table": "studies.search.drop_table",
     "dump_case": "cases.case",
     "find_pulses": "records.measuring",
     "fit": "studies.fit.study",
@@ -97,7 +97,7 @@ _HOMES = {
     "run_wave": "analyses.wave.run",
     "scatter": "studies.scatter.study",
     "shock_spectra": "analyses.record.file_spectra",
-    "settings": "studies.settings.study",
+    "settings": "studies.search.rotary",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",
     "sweep": "studies.sweep.study",

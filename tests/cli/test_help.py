@@ -141,7 +141,7 @@ def test_completion_names_what_the_libraries_know():
     from strikewave.studies.buffer.candidate import RANKS
     from strikewave.studies.map.figures import COLOURS
     from strikewave.studies.scatter.study import METHODS
-    from strikewave.studies.settings.study import VARIED
+    from strikewave.studies.search.rotary import VARIED
 
     assert set(srs.KINDS) == set(KINDS)
     assert complete_case("")[: len(bundled_cases())] == bundled_cases()

@@ -12,7 +12,7 @@ from strikewave.analyses.machine.build import build_machine
 from strikewave.base.errors import IntegrationError
 from strikewave.machines import Blow, blows, run_machine
 from strikewave.machines.fast_run import TrainBlow, fast_train, why_not
-from strikewave.studies.settings.candidate import supply
+from strikewave.studies.search.rotary_candidate import supply
 
 
 def machine_with(*changes):

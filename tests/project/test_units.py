@@ -16,7 +16,7 @@ DECLARED_BY = ("Quantity", "history")
 """What declares a quantity: `Quantity`, and the field of a history, `declare.history`."""
 TABLES = (
     "base/units.py", "base/declare.py", "reporting/numbers.py", "records/readers/headings.py",
-    "records/readers/recorders.py", "studies/settings/search.py",
+    "records/readers/recorders.py", "studies/search/machine.py",
 )  # fmt: skip
 """Modules that know units themselves: how they convert, what is offered, which one suits a size, which ones files have and
 cases are written in."""

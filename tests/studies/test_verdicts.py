@@ -21,9 +21,9 @@ from strikewave.studies.engine.evaluation import RunOutcome
 from strikewave.studies.engine.store import INDEX, RunStore
 from strikewave.studies.map.cells import judged_cell
 from strikewave.studies.scatter.study import ScatterPlan
-from strikewave.studies.settings.drop_table.candidate import DropGoal
-from strikewave.studies.settings.drop_table.programmers import read_programmer
-from strikewave.studies.settings.drop_table.study import DropChoices, design_drop_table
+from strikewave.studies.search.drop_candidate import DropGoal
+from strikewave.studies.search.drop_table import DropChoices, design_drop_table
+from strikewave.studies.search.programmers import read_programmer
 from strikewave.studies.simulation import Simulation
 
 EARLY = "machine.speed=950 rpm"
@@ -177,10 +177,10 @@ def first_words(study):
     from strikewave.analyses.compare.report import compare_words
     from strikewave.papers.li_ma_2019.report import reproduction_words
     from strikewave.studies.buffer.report import buffer_words
-    from strikewave.studies.design.report import design_words
     from strikewave.studies.fit.report import fit_words
     from strikewave.studies.map.report import map_words
     from strikewave.studies.scatter.report import scatter_words
+    from strikewave.studies.search.design_report import design_words
     from strikewave.studies.sweep.report import sweep_words
 
     words = {

@@ -16,8 +16,8 @@ from strikewave import load_case, run_wave
 from strikewave.analyses.compare.sources import parse_name, paths_of
 from strikewave.base.errors import StrikewaveError
 from strikewave.reporting.shown_result import shown_table
-from strikewave.studies.design.plan import load_design
 from strikewave.studies.fit.targets import parse_targets
+from strikewave.studies.search.plan import load_design
 from strikewave.web.case_state import CaseSource, CaseState
 from strikewave.web.case_values import opened
 from strikewave.web.charts import ChartLine, heat_chart, line_chart

@@ -40,8 +40,8 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
     },
     "Design": {
         "fit": ("strikewave.studies.fit.command", "Fit values of a case to measurements."),
-        "settings": ("strikewave.studies.settings.command", "Find machine settings for wanted blows."),
-        "design": ("strikewave.studies.design.command", "Find settings of a case for wanted results."),
+        "settings": ("strikewave.studies.search.settings_command", "Find machine settings for wanted blows."),
+        "design": ("strikewave.studies.search.design_command", "Find settings of a case for wanted results."),
         "sweep": ("strikewave.studies.sweep.command", "Run a case over any of its settings."),
         "map": ("strikewave.studies.map.command", "Map a machine over two of its settings."),
         "scatter": ("strikewave.studies.scatter.command", "Propagate tolerances to the blows."),

@@ -19,7 +19,7 @@ from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
 from strikewave.studies.scatter.study import OddBlows, ScatterPlan, scatter
-from strikewave.studies.settings.candidate import supply
+from strikewave.studies.search.rotary_candidate import supply
 from strikewave.uncertainty.draws import drawn, drawn_case, quantiles, stated, tolerances_of
 from strikewave.uncertainty.shares import (
     mixtures,

@@ -30,7 +30,7 @@ from strikewave.studies.engine.evaluation import Job, Row, RunOutcome
 from strikewave.studies.engine.plan import AxisVariation, grid
 from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.map.regimes import CYCLES, FAILED, IRREGULAR, UNKNOWN, Regime, regime_of
-from strikewave.studies.settings.estimate import Support, return_arc
+from strikewave.studies.search.rotary_estimates import Support, return_arc
 from strikewave.studies.simulation import RUN_TOLERANCE
 from strikewave.uncertainty.statistics import variation
 

@@ -18,8 +18,6 @@ from strikewave.cases.case import Case
 from strikewave.cases.files import bundled_cases
 from strikewave.reporting.shown_result import ShownResult, shown_table
 from strikewave.specifications.reading import asked_names
-from strikewave.studies.design.report import drawn_numbers
-from strikewave.studies.design.study import DesignStudy
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.fit.result import FitStudy
@@ -27,7 +25,9 @@ from strikewave.studies.map import X, Y
 from strikewave.studies.map.cells import MapCell
 from strikewave.studies.map.study import MapStudy
 from strikewave.studies.scatter.study import ScatterPlan
-from strikewave.studies.settings.study import SettingsStudy
+from strikewave.studies.search.design import DesignStudy
+from strikewave.studies.search.design_report import drawn_numbers
+from strikewave.studies.search.rotary import SettingsStudy
 from strikewave.studies.sweep.study import SweepStudy
 from strikewave.web.case_state import CaseSource, CaseState, address
 from strikewave.web.case_values import PAGES_OF, by_full_run, loaded, result_file

@@ -22,9 +22,13 @@ from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.result import RUN_BROKEN, status_of, worse
 from strikewave.base.shock_quantities import RATIO
-from strikewave.studies.design.goals import Goal, Objective, shares_of
-from strikewave.studies.design.plan import OPTUNA, DesignPlan
-from strikewave.studies.design.search import (
+from strikewave.studies.engine.case_evaluation import OF_NUMBER, OfKept
+from strikewave.studies.engine.evaluation import Job, Row
+from strikewave.studies.engine.plan import DrawVariation, drawn_rows
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import carry_out
+from strikewave.studies.engine.store import RunStore
+from strikewave.studies.search.evolution import (
     FAR,
     INFEASIBLE,
     DesignRuns,
@@ -35,12 +39,8 @@ from strikewave.studies.design.search import (
     search,
     under,
 )
-from strikewave.studies.engine.case_evaluation import OF_NUMBER, OfKept
-from strikewave.studies.engine.evaluation import Job, Row
-from strikewave.studies.engine.plan import DrawVariation, drawn_rows
-from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import carry_out
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.search.goals import Goal, Objective, shares_of
+from strikewave.studies.search.plan import OPTUNA, DesignPlan
 from strikewave.uncertainty.draws import tolerances_of
 
 if TYPE_CHECKING:

@@ -13,11 +13,11 @@ from strikewave.base.constants import material
 from strikewave.base.errors import InputError
 from strikewave.reporting.options import Changes, Running, complete_case, quantity
 from strikewave.reporting.output_options import StudyOutput
-from strikewave.studies.settings import DISC, DROP_TABLE, REFERENCE, STIFFNESS
+from strikewave.studies.search import DISC, DROP_TABLE, REFERENCE, STIFFNESS
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
-    from strikewave.studies.settings.drop_table.study import DropChoices
+    from strikewave.studies.search.drop_table import DropChoices
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,8 @@ class DropOptions:
 
     def choices(self) -> DropChoices:
         """Return what is tried."""
-        from strikewave.studies.settings.drop_table.programmers import read_programmer
-        from strikewave.studies.settings.drop_table.study import DropChoices
+        from strikewave.studies.search.drop_table import DropChoices
+        from strikewave.studies.search.programmers import read_programmer
 
         programmers = tuple(read_programmer(word) for word in dict.fromkeys(self.programmer or ()))
         sizes, masses = (tuple(dict.fromkeys(map(float, one or ()))) for one in (self.diameter, self.table_mass))
@@ -175,9 +175,9 @@ def command(
     """
     from strikewave.cases.case import load_case
     from strikewave.studies.engine.runner import pool_of
-    from strikewave.studies.settings.candidate import blow_goal
-    from strikewave.studies.settings.report import SearchCommand
-    from strikewave.studies.settings.study import SettingsChoices, check_changes, check_goal, is_rotary
+    from strikewave.studies.search.rotary import SettingsChoices, check_changes, check_goal, is_rotary
+    from strikewave.studies.search.rotary_candidate import blow_goal
+    from strikewave.studies.search.rotary_report import SearchCommand
 
     place = source or (REFERENCE if spec is None else DROP_TABLE)
     if spec is not None:
@@ -214,9 +214,9 @@ def _drop_table(
     """Design a drop table, and return the exit code."""
     from strikewave.specifications.reading import load_specification
     from strikewave.studies.engine.runner import pool_of
-    from strikewave.studies.settings.drop_table.candidate import DropGoal
-    from strikewave.studies.settings.drop_table.report import DropCommand
-    from strikewave.studies.settings.drop_table.study import STROKE, check_drop, check_drop_changes
+    from strikewave.studies.search.drop_candidate import DropGoal
+    from strikewave.studies.search.drop_report import DropCommand
+    from strikewave.studies.search.drop_table import STROKE, check_drop, check_drop_changes
 
     specification = load_specification(spec)
     goal, choice = DropGoal(specification, specification.pulse_limits(), drop.stroke or STROKE), drop.choices()

@@ -43,8 +43,20 @@ from strikewave.studies.engine.keys import case_text
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
 from strikewave.studies.engine.store import RunStore, given_or_temporary, store_in
-from strikewave.studies.settings import DISC, REFERENCE, STIFFNESS
-from strikewave.studies.settings.candidate import (
+from strikewave.studies.search import DISC, REFERENCE, STIFFNESS
+from strikewave.studies.search.machine import (
+    PEAK,
+    MachineSearch,
+    SearchEnd,
+    Tried,
+    chosen,
+    ranked,
+    refuse_changes,
+    search_end,
+    shock_about,
+    tried_designs,
+)
+from strikewave.studies.search.rotary_candidate import (
     INTERVAL,
     WITHIN,
     BlowGoal,
@@ -56,7 +68,7 @@ from strikewave.studies.settings.candidate import (
     limits_of,
     observe_blows,
 )
-from strikewave.studies.settings.estimate import (
+from strikewave.studies.search.rotary_estimates import (
     Support,
     approach_at,
     approach_speed,
@@ -70,18 +82,6 @@ from strikewave.studies.settings.estimate import (
     support_for,
     turntable_speed,
     width_stiffness,
-)
-from strikewave.studies.settings.search import (
-    PEAK,
-    MachineSearch,
-    SearchEnd,
-    Tried,
-    chosen,
-    ranked,
-    refuse_changes,
-    search_end,
-    shock_about,
-    tried_designs,
 )
 from strikewave.studies.simulation import RUN_TOLERANCE
 
@@ -596,6 +596,7 @@ class SettingsStudy(MachineSearch):
     """Ranked settings of the rotary machine for blows; see `MachineSearch`."""
 
     command: ClassVar[str] = "settings"
+    drawing: ClassVar[str] = "rotary_report"
     noun: ClassVar[str] = "setting"
 
     goal: BlowGoal

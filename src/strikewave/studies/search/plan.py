@@ -23,7 +23,11 @@ from strikewave.cases.case import Case, dump_case, load_case
 from strikewave.cases.paths import Form
 from strikewave.cases.tables.common import CaseTable
 from strikewave.studies.axes import case_at
-from strikewave.studies.design.goals import (
+from strikewave.studies.engine.case_evaluation import KeptNumber, checked_analysis, checked_device, numbers_of
+from strikewave.studies.engine.evaluation import Job, Row
+from strikewave.studies.engine.plan import AxisVariation, varied
+from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable, typed_value
+from strikewave.studies.search.goals import (
     EXAMPLES,
     Aim,
     DesignEvaluation,
@@ -35,10 +39,6 @@ from strikewave.studies.design.goals import (
     kept_or_derived,
     read_aim,
 )
-from strikewave.studies.engine.case_evaluation import KeptNumber, checked_analysis, checked_device, numbers_of
-from strikewave.studies.engine.evaluation import Job, Row
-from strikewave.studies.engine.plan import AxisVariation, varied
-from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable, typed_value
 from strikewave.studies.simulation import name_and_owner
 from strikewave.studies.study_file import Settings, case_place, read_study, stated_at
 from strikewave.studies.sweep.plan import varied_texts

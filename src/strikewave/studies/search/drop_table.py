@@ -1,7 +1,7 @@
 """Design of a drop table to a specification: programmers, sizes, heights and masses, ranked.
 
 Closed forms (`programmers`) say where to begin, full runs correct size and height until peak and width are those of the
-ideal pulse (`strikewave.studies.settings.search`), and the specification judges the pulse of each candidate.
+ideal pulse (`strikewave.studies.search.machine`), and the specification judges the pulse of each candidate.
 """
 
 from __future__ import annotations
@@ -45,29 +45,9 @@ from strikewave.studies.engine.keys import case_text
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
 from strikewave.studies.engine.store import RunStore, given_or_temporary, store_in
-from strikewave.studies.settings import DROP_TABLE
-from strikewave.studies.settings.drop_table.candidate import (
-    WIDTH,
-    WITHIN,
-    DropCandidate,
-    DropGoal,
-    DropReading,
-    HeightOfFall,
-)
-from strikewave.studies.settings.drop_table.programmers import (
-    DEFAULTS,
-    LARGEST_SHAPE_FACTOR,
-    THICKEST,
-    THINNEST,
-    FirstEstimate,
-    Programmer,
-    largest_strain,
-    pad_of_case,
-    power_estimate,
-    read_programmer,
-    thickness_for,
-)
-from strikewave.studies.settings.search import (
+from strikewave.studies.search import DROP_TABLE
+from strikewave.studies.search.drop_candidate import WIDTH, WITHIN, DropCandidate, DropGoal, DropReading, HeightOfFall
+from strikewave.studies.search.machine import (
     PEAK,
     ROOM,
     Limit,
@@ -81,6 +61,19 @@ from strikewave.studies.settings.search import (
     search_end,
     shock_about,
     tried_designs,
+)
+from strikewave.studies.search.programmers import (
+    DEFAULTS,
+    LARGEST_SHAPE_FACTOR,
+    THICKEST,
+    THINNEST,
+    FirstEstimate,
+    Programmer,
+    largest_strain,
+    pad_of_case,
+    power_estimate,
+    read_programmer,
+    thickness_for,
 )
 
 Array = NDArray[np.float64]
@@ -351,6 +344,7 @@ class DropStudy(MachineSearch):
     """Ranked designs of a drop table for a specification; see `MachineSearch`."""
 
     command: ClassVar[str] = "settings"
+    drawing: ClassVar[str] = "drop_report"
     noun: ClassVar[str] = "design"
 
     goal: DropGoal

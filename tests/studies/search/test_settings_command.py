@@ -194,7 +194,7 @@ def test_same_goal_again_replaces_its_own_result(strikewave):
 def test_other_question_is_refused_before_the_work(strikewave, monkeypatch):
     """Another goal or another choice is another result: nothing is searched before --force is asked for."""
     assert strikewave("settings", *GOAL, *FEW, "--blows", "3", "--out", "found")[0] == 0
-    monkeypatch.setattr("strikewave.studies.settings.study.design_settings", lambda *_: pytest.fail("searched"))
+    monkeypatch.setattr("strikewave.studies.search.rotary.design_settings", lambda *_: pytest.fail("searched"))
     other = ("--interval", "20 ms", "--peak", "4000 g", "--width", "210 us")
     for words in ((*other, *FEW), (*GOAL, *FEW, "--vary", "mount"), (*GOAL, *FEW, "--set", "machine.inertia=5 kg m^2")):
         code, _, err = strikewave("settings", *words, "--blows", "3", "--out", "found")

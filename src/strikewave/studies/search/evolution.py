@@ -26,15 +26,15 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, Quantity
-from strikewave.studies.design.gaussian_process import GaussianProcess, fitted_process
-from strikewave.studies.design.goals import Goal, Objective, shares_of
-from strikewave.studies.design.plan import RESOLUTION, DesignPlan
 from strikewave.studies.engine.case_evaluation import OF_NUMBER, OfKept
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.plan import sobol_sequence
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import Advance, StudyProgress, carry_out
 from strikewave.studies.engine.store import RunStore
+from strikewave.studies.search.gaussian_process import GaussianProcess, fitted_process
+from strikewave.studies.search.goals import Goal, Objective, shares_of
+from strikewave.studies.search.plan import RESOLUTION, DesignPlan
 
 Array = NDArray[np.float64]
 Merit = Callable[[Array], Array]

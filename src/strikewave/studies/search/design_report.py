@@ -18,11 +18,11 @@ from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, ma
 from strikewave.reporting.terminal import print_face, report_table, say
 from strikewave.studies.axes import plain_log_ticks
 from strikewave.studies.command import Report, StudyCommand, lasting, print_estimate
-from strikewave.studies.design.plan import DesignPlan
-from strikewave.studies.design.study import DesignStudy, all_broken_words, conflict_words, make_design
 from strikewave.studies.engine.case_evaluation import ANALYSES
 from strikewave.studies.engine.runner import StudyProgress
 from strikewave.studies.engine.store import RunStore
+from strikewave.studies.search.design import DesignStudy, all_broken_words, conflict_words, make_design
+from strikewave.studies.search.plan import DesignPlan
 from strikewave.studies.study import picture_section
 
 if TYPE_CHECKING:

@@ -8,12 +8,12 @@ import pytest
 
 from strikewave import load_case
 from strikewave.cases.files import read_case_text
-from strikewave.studies.design.goals import Goal, checks_of
-from strikewave.studies.design.plan import RESOLUTION, plan_of
-from strikewave.studies.design.search import BROKEN, FAR, DesignRuns, margin_merit, objective_merit, search
-from strikewave.studies.design.study import design
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
+from strikewave.studies.search.design import design
+from strikewave.studies.search.evolution import BROKEN, FAR, DesignRuns, margin_merit, objective_merit, search
+from strikewave.studies.search.goals import Goal, checks_of
+from strikewave.studies.search.plan import RESOLUTION, plan_of
 
 VARIED = ["machine.height=0.1..1.5 m", "contact.cushion.thickness=1..10 mm"]
 PAD = ("stress=15 MPa", "exponent=2.4", "diameter=200 mm", "thickness=5 mm")

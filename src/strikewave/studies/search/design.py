@@ -21,9 +21,16 @@ from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Verdicts
 from strikewave.base.texts import percent
 from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.studies.design.goals import Goal, shares_of
-from strikewave.studies.design.plan import OPTUNA, DesignPlan, plan_of
-from strikewave.studies.design.ranking import (
+from strikewave.studies.engine.case_evaluation import OF_NUMBER, KeptNumber, OfKept
+from strikewave.studies.engine.evaluation import Row
+from strikewave.studies.engine.pools import Pool, ProcessPool
+from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
+from strikewave.studies.engine.store import RunStore, store_in
+from strikewave.studies.engine.variables import StudyVariable
+from strikewave.studies.search.evolution import DesignRuns, KnownNumber, known_numbers
+from strikewave.studies.search.goals import Goal, shares_of
+from strikewave.studies.search.plan import OPTUNA, DesignPlan, plan_of
+from strikewave.studies.search.ranking import (
     MARGIN,
     Conflict,
     DesignCandidate,
@@ -38,13 +45,6 @@ from strikewave.studies.design.ranking import (
     ranking,
     sensitivities,
 )
-from strikewave.studies.design.search import DesignRuns, KnownNumber, known_numbers
-from strikewave.studies.engine.case_evaluation import OF_NUMBER, KeptNumber, OfKept
-from strikewave.studies.engine.evaluation import Row
-from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
-from strikewave.studies.engine.store import RunStore, store_in
-from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.study import Study
 from strikewave.studies.sweep.plan import Vary, vary_texts
 
@@ -119,6 +119,7 @@ class DesignStudy(Study):
     """
 
     command: ClassVar[str] = "design"
+    drawing: ClassVar[str] = "design_report"
     table_name: ClassVar[str] = "settings"
     main_rows: ClassVar[str] = "rank_table"
 

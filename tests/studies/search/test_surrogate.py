@@ -10,10 +10,10 @@ from scipy.stats import multivariate_normal, qmc
 
 from strikewave import load_case
 from strikewave.base.errors import InputError
-from strikewave.studies.design.gaussian_process import LENGTHS, NUGGET, GaussianProcess, correlations, fitted_process
-from strikewave.studies.design.plan import plan_of
-from strikewave.studies.design.report import design_report
-from strikewave.studies.design.study import design
+from strikewave.studies.search.design import design
+from strikewave.studies.search.design_report import design_report
+from strikewave.studies.search.gaussian_process import LENGTHS, NUGGET, GaussianProcess, correlations, fitted_process
+from strikewave.studies.search.plan import plan_of
 
 G = 9.80665
 HEIGHT = ["machine.height=0.1..2 m"]

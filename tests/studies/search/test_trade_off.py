@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.studies.design import plan as plans
-from strikewave.studies.design.ranking import trade_off_search
-from strikewave.studies.design.study import design
+from strikewave.studies.search import plan as plans
+from strikewave.studies.search.design import design
+from strikewave.studies.search.ranking import trade_off_search
 
 from .test_design import BALL, HEIGHT
 

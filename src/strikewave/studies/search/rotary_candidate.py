@@ -28,8 +28,8 @@ from strikewave.signal.pulse import WIDTH_FRACTION
 from strikewave.specifications.ideal_pulses import HALF_SINE as HALF_SINE_SHAPE
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, Clause, ShockVerdict, together, worst_clauses
 from strikewave.specifications.reading import Specification, load_specification
-from strikewave.studies.settings.estimate import disc_stress, engagement_sensitivity, rim_speed_at_yield
-from strikewave.studies.settings.search import PEAK, RUN_CHECKS, STIFFNESS, ChosenValue, Limit, MachineCandidate
+from strikewave.studies.search.machine import PEAK, RUN_CHECKS, STIFFNESS, ChosenValue, Limit, MachineCandidate
+from strikewave.studies.search.rotary_estimates import disc_stress, engagement_sensitivity, rim_speed_at_yield
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]

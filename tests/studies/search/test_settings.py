@@ -18,8 +18,18 @@ from strikewave.base.quantities import Value
 from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.cases.files import read_case_text
 from strikewave.machines import blows, run_machine
-from strikewave.studies.settings.candidate import BlowGoal, limits_of, observe_blows, supply, yield_load
-from strikewave.studies.settings.estimate import (
+from strikewave.studies.search.rotary import (
+    RotaryDesign,
+    SettingsChoices,
+    check_changes,
+    check_goal,
+    design_settings,
+    least_width,
+    sensible_strikers,
+    supports,
+)
+from strikewave.studies.search.rotary_candidate import BlowGoal, limits_of, observe_blows, supply, yield_load
+from strikewave.studies.search.rotary_estimates import (
     Support,
     approach_at,
     approach_speed,
@@ -37,16 +47,6 @@ from strikewave.studies.settings.estimate import (
     support_for,
     turntable_speed,
     width_stiffness,
-)
-from strikewave.studies.settings.study import (
-    RotaryDesign,
-    SettingsChoices,
-    check_changes,
-    check_goal,
-    design_settings,
-    least_width,
-    sensible_strikers,
-    supports,
 )
 
 STEEL = material("45 steel")

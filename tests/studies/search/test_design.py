@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 import strikewave
 from strikewave import load_case
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.studies.design.goals import Goal, Objective, evaluation_of, read_aim
-from strikewave.studies.design.plan import plan_of
-from strikewave.studies.design.ranking import Robustness, _beaten, front, sensitivities
-from strikewave.studies.design.report import design_picture, design_report, design_words
-from strikewave.studies.design.search import DesignRuns, margin_merit
-from strikewave.studies.design.study import design
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
+from strikewave.studies.search.design import design
+from strikewave.studies.search.design_report import design_picture, design_report, design_words
+from strikewave.studies.search.evolution import DesignRuns, margin_merit
+from strikewave.studies.search.goals import Goal, Objective, evaluation_of, read_aim
+from strikewave.studies.search.plan import plan_of
+from strikewave.studies.search.ranking import Robustness, _beaten, front, sensitivities
 from strikewave.studies.sweep.study import sweep
 
 G = 9.80665

@@ -58,9 +58,9 @@ def command(
     goals exclude each other and by how much, and the exit code is 3. A design that is stopped is continued by the same
     command. With --json, no files are written unless --out is given.
     """
-    from strikewave.studies.design.plan import load_design
-    from strikewave.studies.design.report import DesignCommand, show_estimate
     from strikewave.studies.engine.runner import pool_of
+    from strikewave.studies.search.design_report import DesignCommand, show_estimate
+    from strikewave.studies.search.plan import load_design
 
     request = load_design(file, changes or (), runs=runs, seed=seed, robust=robust)
     plan = request.plan(output.tested(request.case)).on(device, cluster)

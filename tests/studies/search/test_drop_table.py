@@ -16,9 +16,9 @@ from strikewave.signal.pulse import measure_pulse
 from strikewave.specifications.reading import load_specification
 from strikewave.studies.engine.pools import GivenPool
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.settings.drop_table.candidate import DropGoal
-from strikewave.studies.settings.drop_table.programmers import power_estimate, read_programmer
-from strikewave.studies.settings.drop_table.study import DropChoices, DropDesign, design_drop_table
+from strikewave.studies.search.drop_candidate import DropGoal
+from strikewave.studies.search.drop_table import DropChoices, DropDesign, design_drop_table
+from strikewave.studies.search.programmers import power_estimate, read_programmer
 
 ROWS = ("H", "G", "B", "F", "A", "E", "D", "C")
 FELT = "felt, stress=20 MPa, exponent=2.5, retardation=20 us"
@@ -313,7 +313,7 @@ def test_where_nothing_can_be_run_each_reason_is_named_once(monkeypatch):
     def fails(*_):
         raise StrikewaveError("it cannot be followed")
 
-    monkeypatch.setattr("strikewave.studies.settings.drop_table.study.run_machine", fails)
+    monkeypatch.setattr("strikewave.studies.search.drop_table.run_machine", fails)
     choice = DropChoices((read_programmer("linear"), read_programmer(FELT)), (0.1,))
     with pytest.raises(InputErrors) as told:
         design_drop_table(load_case("jesd22-b111-b"), goal_of("jesd22-b110:A"), choice)

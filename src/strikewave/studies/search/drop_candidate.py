@@ -16,8 +16,8 @@ from strikewave.reporting.faces import amount
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judging import PASS, Clause, PulseLimits, Shock, ShockVerdict, area_between
 from strikewave.specifications.reading import Specification
-from strikewave.studies.settings.drop_table.programmers import FirstEstimate, Programmer
-from strikewave.studies.settings.search import PEAK, RUN_CHECKS, STIFFNESS, ChosenValue, Limit, MachineCandidate
+from strikewave.studies.search.machine import PEAK, RUN_CHECKS, STIFFNESS, ChosenValue, Limit, MachineCandidate
+from strikewave.studies.search.programmers import FirstEstimate, Programmer
 
 LOSSLESS = 0.99
 """Coefficient of restitution from which on a programmer is said to lose nothing. Chosen: one that gives back 0.99 takes

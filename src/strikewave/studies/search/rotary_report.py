@@ -25,9 +25,9 @@ from strikewave.studies.axes import plain_log_ticks
 from strikewave.studies.command import Report, StudyCommand
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.settings.candidate import WITHIN, SettingsCandidate
-from strikewave.studies.settings.search import MachineCandidate, MachineSearch, asked_line, limit_columns
-from strikewave.studies.settings.study import SettingsStudy, design_settings
+from strikewave.studies.search.machine import MachineCandidate, MachineSearch, asked_line, limit_columns
+from strikewave.studies.search.rotary import SettingsStudy, design_settings
+from strikewave.studies.search.rotary_candidate import WITHIN, SettingsCandidate
 from strikewave.studies.study import picture_section
 
 if TYPE_CHECKING:

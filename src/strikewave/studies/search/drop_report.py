@@ -20,9 +20,10 @@ from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.parts import Cell, Section, Table, Tag
 from strikewave.reporting.style import GREY, legend_below, new_figure, plain, quiet, titled
 from strikewave.reporting.terminal import print_rows, table, tell
-from strikewave.studies.settings.drop_table.candidate import WITHIN, DropCandidate
-from strikewave.studies.settings.drop_table.study import DropStudy, design_drop_table
-from strikewave.studies.settings.report import (
+from strikewave.studies.search.drop_candidate import WITHIN, DropCandidate
+from strikewave.studies.search.drop_table import DropStudy, design_drop_table
+from strikewave.studies.search.machine import MachineSearch, limit_columns
+from strikewave.studies.search.rotary_report import (
     MOST_REASONS,
     SIZE,
     Places,
@@ -31,7 +32,6 @@ from strikewave.studies.settings.report import (
     leading,
     mark_candidates,
 )
-from strikewave.studies.settings.search import MachineSearch, limit_columns
 from strikewave.studies.study import picture_section
 
 if TYPE_CHECKING:

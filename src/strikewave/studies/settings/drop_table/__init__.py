@@ -1,1 +1,0 @@
-"""A drop table for a pulse: height, programmer and mass of the table."""
