@@ -31,6 +31,13 @@ def test_a_case_shows_itself_in_one_line_and_in_a_notebook_as_its_file(name):
     assert html.unescape(case._repr_html_()).count(dump_case(case)) == 1
 
 
+def test_a_changed_case_shows_the_fields_in_which_it_differs():
+    """Its title is that of the built-in case, which a change makes untrue."""
+    case = load_case("li-ma-2019", ["machine.speed=500 rpm"])
+    assert repr(case).endswith("published; differs from li-ma-2019 in machine.speed>")
+    assert "differs from li-ma-2019 in machine.speed)" in case._repr_html_()
+
+
 def test_the_html_of_a_case_holds_no_mark_of_the_file():
     case = parse_case(dump_case(load_case("en-166-ball")).replace('title = "', 'title = "<script>'))
     assert "<script>" in case.title

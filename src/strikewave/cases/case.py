@@ -17,7 +17,16 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PrivateAttr,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from strikewave.base import declare
 from strikewave.base.declare import KEY
@@ -27,7 +36,7 @@ from strikewave.base.quantities import Range, ToleranceBand, Value
 from strikewave.base.result import INFO, Comparison, Notice
 from strikewave.base.texts import first_few
 from strikewave.cases.files import bundled_cases, read_case_text
-from strikewave.cases.paths import SAME, Form, entries_of, quantities_of, with_provenance, with_quantities
+from strikewave.cases.paths import SAME, Form, entries_of, quantities_of, row_name, with_provenance, with_quantities
 from strikewave.cases.tables.common import CaseTable, PerformedTest, Published, Solver, case_name, read_published
 from strikewave.cases.tables.contact import ContactTable
 from strikewave.cases.tables.fem import FemTable, FilePart, MeshTable
@@ -59,6 +68,8 @@ STRICT: dict[str, type[CaseTable]] = {"striker": StrikerTable, "object": Object}
 """Tables of which a rotary machine needs all that one without a drive may leave out."""
 LOOSE: dict[str, type[CaseTable]] = {"striker": AnyStriker, "object": AnyObject}
 """The same tables of a machine without a drive."""
+RENAMED = {"youngs_modulus": "modulus"}
+"""Older names of fields of a solid, `[mesh.part.solid]`, with today's: a file that has one is read, with a notice."""
 DIFFERS = "the case differs in"
 """Begin of the note of a published number that belongs to another case."""
 
@@ -121,19 +132,25 @@ class Case(CaseTable):
     fem: FemTable | None = None
     fit: tuple[FitTable, ...] = ()
     published: tuple[Annotated[Published, BeforeValidator(read_published)], ...] = ()
+    _older_names: tuple[str, ...] = PrivateAttr(())
 
     def _tables(self) -> list[str]:
         """Return the names of the tables that the case states, in the order of their fields."""
         return [name for name in document_of(self) if name not in ("schema", "name", "title", "source", "compare")]
 
+    def _tables_and_changes(self) -> str:
+        """Return the tables that the case states, and the fields in which it differs from its built-in source."""
+        changed = self.changed_fields()
+        differs = f"; differs from {self.source} in {first_few(changed, LISTED)}" if changed else ""
+        return (", ".join(self._tables()) or "nothing stated") + differs
+
     def __repr__(self) -> str:
         title = f": {self.title}" if self.title else ""
-        return f"<Case {self.name or 'without a name'}{title}; {', '.join(self._tables()) or 'nothing stated'}>"
+        return f"<Case {self.name or 'without a name'}{title}; {self._tables_and_changes()}>"
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: the title, and the case as TOML, folded."""
-        head = escape(self.title or self.name or "case")
-        tables = escape(", ".join(self._tables()))
+        head, tables = escape(self.title or self.name or "case"), escape(self._tables_and_changes())
         return f"<details><summary><b>{head}</b> ({tables})</summary><pre>{escape(dump_case(self))}</pre></details>"
 
     @field_validator("striker", "object", mode="before")
@@ -436,13 +453,45 @@ def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False,
         reason = show(str(error), LONGEST_REASON).strip('"')
         raise InputErrors([f"{place or name or 'case'}: not a TOML file: {reason}"]) from None
     _check_schema(document)
+    older_names = _with_names_of_today(document)
     for change in changes:
-        FORM.change(document, change)
+        FORM.change(document, _with_name_of_today(change))
     document.setdefault("name", name)
     case = FORM.read(document)
+    case._older_names = older_names
     if built_in:
         return case
     return with_provenance(case, document, _built_in(case.source) if case.source in bundled_cases() else None)
+
+
+OLDER_PATH = re.compile(rf"^(\s*mesh\.part\.[^.=]+\.solid\.)({'|'.join(RENAMED)})(?=[.=\s]|$)")
+"""Path of a field of a solid by an older name, also at the begin of a change."""
+
+
+def _with_names_of_today(document: Mapping[str, Any]) -> tuple[str, ...]:
+    """Give the solids of a case file the names that their fields have today, and return the paths that were older."""
+    mesh, fits, older = document.get("mesh"), document.get("fit"), list[str]()
+    parts = mesh.get("part") if isinstance(mesh, dict) else None
+    for place, part in enumerate(parts if isinstance(parts, list) else ()):
+        solid = part.get("solid") if isinstance(part, dict) else None
+        for before in RENAMED.keys() & solid.keys() if isinstance(solid, dict) else ():
+            solid.setdefault(RENAMED[before], solid[before])
+            if solid[RENAMED[before]] is solid[before]:  # a file with both names is refused: which counts is not known
+                del solid[before]
+                older.append(f"mesh.part.{row_name(part, place)}.solid.{before}")
+    for fit in fits if isinstance(fits, list) else ():
+        for key in {"fields", "under", "standard_error"} & fit.keys() if isinstance(fit, dict) else ():
+            rows = fit[key]
+            if isinstance(rows, list):
+                fit[key] = [_with_name_of_today(str(path)) for path in rows]
+            elif isinstance(rows, dict):
+                fit[key] = {_with_name_of_today(path): row for path, row in rows.items()}
+    return tuple(older)
+
+
+def _with_name_of_today(path: str) -> str:
+    """Return a path, or a change of one, with the name that its field has today."""
+    return OLDER_PATH.sub(lambda older: older[1] + RENAMED[older[2]], path)
 
 
 def _check_schema(document: Mapping[str, Any]) -> None:
@@ -615,7 +664,11 @@ def comparisons(case: Case, computed: Callable[[Published], float | None]) -> tu
 
 
 def origin_notices(case: Case) -> Iterator[Notice]:
-    """Report what a case no longer has of the one that it comes from: published numbers, and fits."""
+    """Report older names of fields, and what a case no longer has of its source: published numbers, and fits."""
+    for path in case._older_names:
+        now = RENAMED[path.rpartition(".")[2]]
+        message = f"{path} is called {now} now, and is read as that: write {now} in the case file"
+        yield Notice("field-renamed", message, severity=INFO)
     changed, compared = case.changed_fields(), case.compared()
     listed = f"it differs in {first_few(changed, LISTED)}"
     if len(compared) < len(case.published) and case.compare is None:

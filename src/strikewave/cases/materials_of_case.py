@@ -146,7 +146,7 @@ wave in diamond 3.5 times as fast as in steel."""
 FROM_NAMED = 10.0
 """A number of its own that is so many times that of the material that the same part names, or below, is noticed: the
 modulus of a metal hardly varies, that of a rubber grows by up to five under a fast load."""
-_LIMITED_COLUMNS = {"density": "density", "modulus": "youngs_modulus", "youngs_modulus": "youngs_modulus"}
+_LIMITED_COLUMNS = {"density": "density", "modulus": "youngs_modulus"}
 """Names of the fields, and of the same in the table of materials."""
 _LEAST = {"density": "lightest", "youngs_modulus": "softest"}
 _GREATEST = {"density": "densest", "youngs_modulus": "stiffest"}

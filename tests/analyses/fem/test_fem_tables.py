@@ -10,7 +10,7 @@ from strikewave.analyses.fem.build import LARGEST, build_model, built_parts, est
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.screen import say_faceted
 from strikewave.base.errors import InputError, InputErrors
-from strikewave.cases.case import dump_case, load_case, parse_case
+from strikewave.cases.case import dump_case, load_case, origin_notices, parse_case
 from strikewave.cases.files import bundled_cases
 from strikewave.fem.mesh import volumes
 from strikewave.fem.model import Driven, Fixed, Guided, NonReflecting, Pressure, Symmetry
@@ -247,7 +247,7 @@ def test_heat_needs_both_of_its_constants(given, lacking):
 
 OWN = (
     'solid = { law = "elastic", density = { value = "8500 kg/m^3", provenance = "measured", note = "weighed" }, '
-    'youngs_modulus = "100 GPa", poissons_ratio = 0.35 }'
+    'modulus = "100 GPa", poissons_ratio = 0.35 }'
 )
 
 
@@ -259,9 +259,31 @@ def test_a_material_of_ones_own_needs_no_row_of_the_table_and_keeps_its_provenan
 
 
 def test_a_solid_may_replace_some_constants_of_its_material():
-    solid = 'solid = { law = "bilinear", youngs_modulus = "200 GPa" }'
+    solid = 'solid = { law = "bilinear", modulus = "200 GPa" }'
     model = build_model(parse_case(edited((BILINEAR, solid))))
     assert model.solids["ball"] == Bilinear(7820.0, 200e9, 0.288, 430e6)
+
+
+def test_a_modulus_by_its_older_name_is_read_with_a_notice():
+    case = parse_case(edited((BILINEAR, OWN.replace("modulus", "youngs_modulus")), ('material = "65Mn"\n', "")))
+    today = parse_case(edited((BILINEAR, OWN), ('material = "65Mn"\n', "")))
+    assert dump_case(case) == dump_case(today)
+    assert build_model(case).solids["ball"].youngs_modulus == 100e9
+    codes = [notice.code for notice in origin_notices(case)]
+    assert (codes, list(origin_notices(today))) == (["field-renamed"], [])
+    (notice,) = origin_notices(case)
+    assert notice.message.startswith("mesh.part.ball.solid.youngs_modulus is called modulus now")
+
+
+def test_a_change_and_a_fit_may_name_the_modulus_by_its_older_name_but_a_solid_has_one():
+    path = "mesh.part.ball.solid.youngs_modulus"
+    changed = parse_case(edited((BILINEAR, OWN)), changes=[f"{path}=90 GPa", f"{path}.tolerance=2 %"])
+    assert changed.values()["mesh.part.ball.solid.modulus"].document()["tolerance"] == "2 %"
+    fit = f'[[fit]]\nfields = ["{path}"]\nunder = {{ "{path}" = "100 GPa" }}\n'
+    fitted = parse_case(edited((BILINEAR, OWN)) + fit)
+    assert (*fitted.fit[0].fields, *fitted.fit[0].under) == ("mesh.part.ball.solid.modulus",) * 2
+    with pytest.raises(InputError, match="youngs_modulus: unknown key"):
+        parse_case(edited((BILINEAR, OWN.replace("poissons", 'youngs_modulus = "1 GPa", poissons'))))
 
 
 def test_a_part_alone_is_told_of_its_fault_in_one_line():

@@ -273,7 +273,7 @@ sector = "{sector}"
 [mesh.part.solid]
 law = "bilinear"
 density = "7800 kg/m^3"
-youngs_modulus = "210 GPa"
+modulus = "210 GPa"
 poissons_ratio = 0.3
 yield_strength = "{strength}"
 tangent_modulus = "2 GPa"

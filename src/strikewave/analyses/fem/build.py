@@ -87,7 +87,7 @@ LARGEST_HISTORY = 200_000
 """Instants of the histories: half a gigabyte for tens of parts, and no pulse needs as many."""
 FEWEST_INSTANTS = 3.0
 """Intervals of the histories at least: fewer show no pulse at all."""
-ELASTIC = {"density": "a density", "youngs_modulus": "Young's modulus", "poissons_ratio": "Poisson's ratio"}
+ELASTIC = {"density": "a density", "modulus": "Young's modulus", "poissons_ratio": "Poisson's ratio"}
 """Constants that every solid has, in words."""
 _KINDS: dict[type, tuple[type[Elastic], tuple[str, ...]]] = {
     type(None): (Elastic, ()),
@@ -196,7 +196,7 @@ def solid_of(part: AnyPart) -> AnySolid:
     path, table = f"mesh.part.{part.name}", part.solid
     row = material(part.material, f"{path}.material") if part.material else None
     if row is None and table is None:
-        hint = 'or one of your own: solid = { law = "elastic", density, youngs_modulus, poissons_ratio }'
+        hint = 'or one of your own: solid = { law = "elastic", density, modulus, poissons_ratio }'
         raise InputError(f"{path}.material", MISSING, "a material of the table (`strikewave materials`)", hint)
     kind, keys = _KINDS[type(table)]
     constants = _given(table, *(key for key in type(table).model_fields if key != "law")) if table else {}
@@ -207,9 +207,10 @@ def solid_of(part: AnyPart) -> AnySolid:
         lacking = "melting_temperature" if "specific_heat" in constants else "specific_heat"
         raise InputError(f"{path}.solid.{lacking}", MISSING, "both specific_heat and melting_temperature, or neither")
     try:
-        return kind(**constants)
+        return kind(youngs_modulus=constants.pop("modulus"), **constants)
     except InputError as error:
-        raise error.at(f"{path}.solid.{error.field}") from None
+        field = "modulus" if error.field == "youngs_modulus" else error.field
+        raise error.at(f"{path}.solid.{field}") from None
 
 
 def _given(table: Any, *keys: str) -> dict[str, float]:
@@ -219,7 +220,7 @@ def _given(table: Any, *keys: str) -> dict[str, float]:
 
 def _of_material(row: Material | None, key: str, path: str) -> float:
     """Return a constant of a material."""
-    value: float | None = getattr(row, key, None)
+    value: float | None = getattr(row, "youngs_modulus" if key == "modulus" else key, None)
     if value is None:
         reason = f"the table of materials has none for {row.name}" if row else "the part names no material"
         raise InputError(path, MISSING, f"{ELASTIC.get(key, 'a yield strength')}: {reason}")

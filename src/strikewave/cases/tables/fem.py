@@ -156,7 +156,7 @@ class SolidTable(CaseTable):
     """solid of a part; elastic constants that are left out are those of its material."""
 
     density: MaybeDensity = None
-    youngs_modulus: MaybeModulus = None
+    modulus: MaybeModulus = None
     poissons_ratio: MaybePoisson = None
 
 
