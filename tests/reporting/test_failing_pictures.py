@@ -14,7 +14,7 @@ from strikewave.reporting.run_and_write import NOT_DRAWN
 
 from .test_pdf import IMPACT
 
-SHEET = "strikewave.analyses.impact.figures.impact_sheet"
+SHEET = "strikewave.analyses.impact.report.impact_picture"
 PAGE = "strikewave.analyses.impact.report.impact_report"
 
 

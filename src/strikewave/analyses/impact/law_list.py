@@ -114,6 +114,7 @@ class LawsResult(measured.AskedResult):
     """
 
     command: ClassVar[str] = "laws"
+    drawing: ClassVar[str] = "law_figures"
     main_rows: ClassVar[str] = "every_law"
 
     laws: Laws
@@ -215,7 +216,7 @@ class LawsCommand(Command[LawsResult]):
 
     def draw(self, result: LawsResult, folder: Path) -> list[str]:
         """Write what the laws give, the stiffness laws over load, and the cushion laws with their pulses."""
-        from strikewave.analyses.impact.figures import asked_given, cushion_curves, stiffness_over_load
+        from strikewave.analyses.impact.law_figures import asked_given, cushion_curves, stiffness_over_load
         from strikewave.reporting.style import save
 
         steel, loads = material("65Mn"), np.geomspace(*LOADS, 61)

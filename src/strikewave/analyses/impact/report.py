@@ -1,92 +1,32 @@
-"""The reports of an impact of two free bodies and of a contact identified from a pulse."""
+"""The page and the picture of an impact of two free bodies."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from strikewave.analyses.impact.figures import asked_given, identified_figure, impact_sheet
-from strikewave.analyses.impact.identified import IdentifyResult
-from strikewave.analyses.impact.law_list import LawsResult
-from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, blow_columns
-from strikewave.base.shock_quantities import KILOGRAMS, VELOCITY
+import numpy as np
+from numpy.typing import NDArray
+
+from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, blow_columns, impact_words
 from strikewave.base.texts import percent
+from strikewave.contact import Impact, ImpactHistory, impact_history
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import page_table
-from strikewave.reporting.faces import amount, face_table, part_tables, text_of
-from strikewave.reporting.numbers import spelled
-from strikewave.reporting.parts import Cell, Picture, Section, Table, Tag
-from strikewave.reporting.style import titled
+from strikewave.reporting.faces import face_table, part_tables
+from strikewave.reporting.numbers import axis_unit, headed
+from strikewave.reporting.parts import Picture, Section
+from strikewave.reporting.style import COLOURS, DASHES, put_below, quiet, sheet_title
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-
-def identified_report(result: IdentifyResult) -> str:
-    """Return the report of an identified contact as one HTML page: no script, nothing fetched, the same bytes."""
-    caption = (
-        "Force from first touch on: measured, and by the law that fits best. Below, measured less fitted, beside the "
-        "standard deviation of a sample."
-    )
-    sections = [
-        Section("Pulse", "", [Picture(identified_figure(result.found), caption)]),
-        _value_section(result),
-        chapters.warnings(result.notices),
-        _record_section(result),
-    ]
-    status = None if result.found.described else Tag("the law does not describe the blow", "bad")
-    summary = chapters.Summary("Report of an identified contact", identified_words(result), result.highlights(), status)
-    return chapters.result_page(result, summary, sections)
-
-
-def identified_words(result: IdentifyResult) -> str:
-    """Say in words what the pulse determines."""
-    contact = result.contact
-    fits = "describes" if contact.described else "does not describe"
-    words = [
-        f"The law F = K d^n (1 + chi d'/v0) of two free bodies {fits} the blow of {result.reading.channel.name} in "
-        f"{Path(result.file).name}: the misfit is {text_of(contact, 'residual')} of the peak.",
-        *(text[0].upper() + text[1:].rstrip(".") + "." for text in contact.words),
-    ]
-    return " ".join(words)
-
-
-def _value_section(result: IdentifyResult) -> Section:
-    """List all values with their standard errors, and the correlation of what was determined."""
-    contact, called = result.contact, {row.key: row.name for row in result.identified_rows}
-    names, matrix = contact.correlation.names, contact.correlation.matrix.tolist()
-    tables = [face_table(result, "identified_rows")]
-    if names:
-        heads = [called[name] for name in names]
-        rows = [[head, *(f"{value:+.2f}" for value in row)] for head, row in zip(heads, matrix, strict=True)]
-        tables.append(Table("Correlation of the errors of what was determined", ["", *heads], rows))
-    text = (
-        f"Standard errors rest on a standard deviation of {text_of(contact, 'noise')} of a sample; "
-        f"{contact.time.size} samples were fitted."
-    )
-    return Section("What the pulse determines", text, tables)
-
-
-def _record_section(result: IdentifyResult) -> Section:
-    """List what the channel was taken as."""
-    reading = result.reading
-    stated = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in reading.calibration.stated().items())
-    row: list[Cell] = [
-        reading.channel.name,
-        stated or "nothing was stated",
-        spelled(reading.channel.unit),
-        reading.status,
-    ]
-    return Section(
-        "Record", "", [Table("What the channel was taken as", ["channel", "stated", "SI unit", "status"], [row])]
-    )
+Array = NDArray[np.float64]
 
 
 def impact_report(result: ImpactResult) -> str:
     """Return the report of an impact as one HTML page: no script, nothing fetched, the same bytes each time."""
-    drawn, many = result.drawn, len(result.blows) > 1
-    figure = impact_sheet([result.blows[k] for k in drawn], [f"blow {k + 1}" for k in drawn], "")
+    many = len(result.blows) > 1
     caption = (
         "Force over time and over indentation, and the phase plane: shares of the approach speed and of the depth."
     )
@@ -94,51 +34,119 @@ def impact_report(result: ImpactResult) -> str:
     numbers = [*part_tables(result, "first"), *part_tables(result, "law"), *answers]
     lost = "energy lost, share of that of the approach", percent(1.0 - result.first.restitution**2)
     sections = [
-        Section("Histories", "", [Picture(figure, caption)]),
+        Section("Histories", "", [Picture(impact_sheet(*_drawn_blows(result), ""), caption)]),
         Section("First blow" if many else "Blow", "", numbers),
-        *([_blows(result)] if many else []),
+        *([_blow_section(result)] if many else []),
         chapters.warnings(result.notices),
     ]
     summary = chapters.Summary("Report of an impact", impact_words(result), [*result.highlights(), lost])
     return chapters.result_page(result, summary, sections)
 
 
-def impact_words(result: ImpactResult) -> str:
-    """Say in words what happens."""
-    setup, numbers = result.setup, dict(result.highlights())
-    m1, m2 = (amount(KILOGRAMS, mass) if mass < float("inf") else "a fixed body" for mass in setup.masses)
-    return (
-        f"{m1} strikes {m2} at {amount(VELOCITY, setup.speed)}: the force peaks at {numbers['peak force']} and "
-        f"lasts {numbers['duration']}; the coefficient of restitution is {numbers['coefficient of restitution']}. "
-        f"Solved by the {result.first.method}."
-    )
-
-
-def _blows(result: ImpactResult) -> Section:
+def _blow_section(result: ImpactResult) -> Section:
     some = f"The first and last {MOST_ROWS // 2} of {len(result.blows)} blows." if len(result.blows) > MOST_ROWS else ""
     return Section("Blows", some, [page_table("Blows on the same spot", blow_columns(result))])
 
 
 def impact_picture(result: ImpactResult) -> Figure:
     """Return force and indentation of the drawn blows."""
-    labels = [f"blow {k + 1}" for k in result.drawn]
-    return impact_sheet([result.blows[k] for k in result.drawn], labels, result.title)
+    return impact_sheet(*_drawn_blows(result), result.title)
 
 
-def identified_picture(result: IdentifyResult) -> Figure:
-    """Return the pulse beside the law."""
-    return titled(identified_figure(result.found), result.title)
+def _drawn_blows(result: ImpactResult) -> tuple[list[Impact], list[str]]:
+    """Return the blows that are drawn, and their labels."""
+    return [result.blows[k] for k in result.drawn], [f"blow {k + 1}" for k in result.drawn]
 
 
-def laws_picture(result: LawsResult) -> Figure:
-    """Return which coefficient of restitution the laws give for the one asked."""
-    return asked_given(result.everything.damping)
+class PlottedBlow(NamedTuple):
+    """One blow to draw: its label, the blow, its history and the index of its peak there."""
+
+    label: str
+    impact: Impact
+    history: ImpactHistory
+    peak: int
 
 
-picture: dict[type, Callable[[Any], Figure]] = {
-    ImpactResult: impact_picture,
-    IdentifyResult: identified_picture,
-    LawsResult: laws_picture,
-}
-page: dict[type, Callable[[Any], str]] = {ImpactResult: impact_report, IdentifyResult: identified_report}
-"""Pages of the results in Python, found as `picture` is by `strikewave.reporting.shown_result`."""
+def _blows(impacts: Sequence[Impact], labels: Sequence[str]) -> list[PlottedBlow]:
+    """Sample blows at equal steps, and at the peaks of force and indentation."""
+    blows = []
+    for impact, label in zip(impacts, labels, strict=True):
+        end, peak = float(impact.duration), float(impact.peak_time)
+        times = np.unique([*np.linspace(0.0, end, 501), peak, min(float(impact.turning_time), end)])
+        blows.append(PlottedBlow(label, impact, impact_history(impact, times), int(np.searchsorted(times, peak))))
+    return blows
+
+
+def impact_sheet(impacts: Sequence[Impact], labels: Sequence[str], title: str) -> Figure:
+    """Draw blows on one sheet: force over time, force over indentation, phase plane.
+
+    Blows on one spot stand where they begin; the phase plane has shares of the approach speed and of the largest depth.
+
+    Parameters
+    ----------
+    impacts : sequence of Impact
+        Single blows.
+    labels : sequence of str
+        One a blow.
+    title : str
+        Title above the picture.
+    """
+    from matplotlib.figure import Figure
+
+    figure: Any = Figure(figsize=(9.0, 6.6), layout="constrained")
+    sheet_title(figure, title)
+    top, bottom = figure.subfigures(2, 1)
+    first, (second, third) = top.subplots(), bottom.subplots(1, 2)
+    blows = _blows(impacts, labels)
+    _draw_forces(first, blows)
+    _draw_loops(second, blows)
+    _draw_phase(third, blows)
+    _legend(figure, first)
+    return figure
+
+
+def _legend(figure: Any, axes: Any) -> None:
+    """Put a legend of the curves of one picture below all of them."""
+    from matplotlib.lines import Line2D
+
+    handles, labels = axes.get_legend_handles_labels()
+    handles.append(Line2D([], [], color="black", marker="o", markersize=5.0, linestyle="none"))
+    labels.append("largest force")
+    put_below(figure, handles, labels)
+
+
+def _curves(axes: Any, blows: Sequence[PlottedBlow], of: Callable[[PlottedBlow], tuple[Array, Array]]) -> None:
+    """Draw a curve a blow, with a mark at its largest force."""
+    for k, blow in enumerate(blows):
+        x, y = of(blow)
+        colour = COLOURS[k % len(COLOURS)]
+        axes.plot(x, y, DASHES[k % len(DASHES)], color=colour, linewidth=1.4, label=blow.label, zorder=3)
+        axes.plot(x[blow.peak], y[blow.peak], "o", color=colour, markersize=5.0, zorder=4)
+
+
+def _draw_forces(axes: Any, blows: Sequence[PlottedBlow]) -> None:
+    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "kN")
+    _curves(axes, blows, lambda blow: (blow.history.time / second, blow.history.force / newton))
+    quiet(axes, "Force", headed("time after first touch", "s", "us"), headed("force", "N", "kN"))
+
+
+def _draw_loops(axes: Any, blows: Sequence[PlottedBlow]) -> None:
+    (metre, _), (newton, _) = axis_unit("m", "um"), axis_unit("N", "kN")
+    _curves(axes, blows, lambda blow: (blow.history.indentation / metre, blow.history.force / newton))
+    quiet(axes, "Force over indentation", headed("indentation", "m", "um"), headed("force", "N", "kN"))
+    axes.margins(x=0.03)
+
+
+def _draw_phase(axes: Any, blows: Sequence[PlottedBlow]) -> None:
+    def shares(blow: PlottedBlow) -> tuple[Array, Array]:
+        deepest, speed = float(blow.impact.max_indentation), float(blow.impact.problem.speed[0])
+        return blow.history.indentation / deepest, blow.history.rate / speed
+
+    axes.axhline(0.0, color="#BBBBBB", linewidth=0.8)
+    _curves(axes, blows, shares)
+    quiet(axes, "Phase plane", "indentation / largest indentation (-)", "rate / approach speed (-)")
+    axes.margins(x=0.03)
+
+
+picture, page = impact_picture, impact_report
+"""Picture and page of the result in Python, see `strikewave.reporting.shown_result`."""

@@ -16,14 +16,14 @@ from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quanti
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import AUTO
 from strikewave.base.result import INFO, Notice
-from strikewave.base.shock_quantities import FORCE, RATIO, RESTITUTION
+from strikewave.base.shock_quantities import FORCE, KILOGRAMS, RATIO, RESTITUTION, VELOCITY
 from strikewave.cases.contact_notices import duration_notices, indentation_notices, speed_notices
 from strikewave.cases.contact_parts import ELASTIC, HIGH, LOW, WORTH_SHOWING, YIELDING, pressures_of_answers
 from strikewave.contact import Impact, Stiffness, cap_of, first_yield, impact_history, reduced_mass, solve_impact
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
-from strikewave.reporting.faces import FaceRow, face_columns, face_rows
+from strikewave.reporting.faces import FaceRow, amount, face_columns, face_rows
 from strikewave.reporting.shown_result import Curve, history_curve
 
 CONTACT_FORCE = Quantity("N", "kN", digits=5)
@@ -475,3 +475,14 @@ def blow_columns(result: ImpactResult) -> list[Column]:
         rows[MOST_ROWS // 2 : -MOST_ROWS // 2] = [FaceRow("...", None)]
     number = Column("blow", [row.name for row in rows], priority=KEY)
     return [number, *face_columns(result, "spot_blows", rows=rows)]
+
+
+def impact_words(result: ImpactResult) -> str:
+    """Say in words what happens."""
+    setup, numbers = result.setup, dict(result.highlights())
+    m1, m2 = (amount(KILOGRAMS, mass) if mass < float("inf") else "a fixed body" for mass in setup.masses)
+    return (
+        f"{m1} strikes {m2} at {amount(VELOCITY, setup.speed)}: the force peaks at {numbers['peak force']} and "
+        f"lasts {numbers['duration']}; the coefficient of restitution is {numbers['coefficient of restitution']}. "
+        f"Solved by the {result.first.method}."
+    )

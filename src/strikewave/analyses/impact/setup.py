@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from strikewave.analyses.impact.options import BodyOptions, LossOptions, StiffnessOptions, YieldOptions
 from strikewave.base.constants import Material, material
 from strikewave.base.errors import MISSING, InputError
 from strikewave.cases.contact_parts import pressure_of_materials, refuse_beyond_law
@@ -25,6 +24,9 @@ from strikewave.contact import (
     stiffness_of,
 )
 from strikewave.contact.registry import DamperLaw, DampingLaw
+
+if TYPE_CHECKING:
+    from strikewave.analyses.impact.command import BodyOptions, LossOptions, StiffnessOptions, YieldOptions
 
 AnyStiffness = Stiffness | LogarithmicStiffness
 

@@ -1,21 +1,18 @@
-"""Pictures of an impact: blows, laws of contact and of cushions, a contact identified from a pulse."""
+"""Pictures of the contact laws: restitution that damping laws give, stiffness over load, cushions and their pulses."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.citations import FROM_MEMORY
-from strikewave.base.texts import percent
 from strikewave.contact import (
     DampingLaw,
     Geometry,
-    Impact,
-    ImpactHistory,
     LogarithmicStiffness,
     Stiffness,
     StiffnessLaw,
@@ -28,28 +25,15 @@ from strikewave.contact import (
     stiffness_of,
 )
 from strikewave.contact.cushions import Cushion, Pad
-from strikewave.contact.identification import Identified
 from strikewave.contact.law import AnyContact, HardeningContact, indentation_under
 from strikewave.contact.stiffness import ElasticBody
 from strikewave.reporting.numbers import axis_unit, headed, with_unit
-from strikewave.reporting.style import (
-    BLUE,
-    COLOURS,
-    DASHES,
-    GREEN,
-    GREY,
-    ORANGE,
-    RED,
-    WHOLE,
-    legend_below,
-    new_figure,
-    put_below,
-    quiet,
-    sheet_title,
-)
+from strikewave.reporting.style import BLUE, GREEN, ORANGE, RED, WHOLE, legend_below, quiet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from strikewave.analyses.impact.law_list import LawsResult
 
 Array = NDArray[np.float64]
 
@@ -58,96 +42,6 @@ LOWEST = 0.01
 MANY_COLOURS = (BLUE, RED, GREEN, ORANGE, "#CC79A7", "#56B4E9", "#000000")
 BELOW = "Difference, logarithmic beyond 10 %"
 MARKS = ("o", "s", "^", "D", "v")
-
-
-class PlottedBlow(NamedTuple):
-    """One blow to draw: its label, the blow, its history and the index of its peak there."""
-
-    label: str
-    impact: Impact
-    history: ImpactHistory
-    peak: int
-
-
-def _blows(impacts: Sequence[Impact], labels: Sequence[str]) -> list[PlottedBlow]:
-    """Sample blows at equal steps, and at the peaks of force and indentation."""
-    blows = []
-    for impact, label in zip(impacts, labels, strict=True):
-        end, peak = float(impact.duration), float(impact.peak_time)
-        times = np.unique([*np.linspace(0.0, end, 501), peak, min(float(impact.turning_time), end)])
-        blows.append(PlottedBlow(label, impact, impact_history(impact, times), int(np.searchsorted(times, peak))))
-    return blows
-
-
-def impact_sheet(impacts: Sequence[Impact], labels: Sequence[str], title: str) -> Figure:
-    """Draw blows on one sheet: force over time, force over indentation, phase plane.
-
-    Blows on one spot stand where they begin; the phase plane has shares of the approach speed and of the largest depth.
-
-    Parameters
-    ----------
-    impacts : sequence of Impact
-        Single blows.
-    labels : sequence of str
-        One a blow.
-    title : str
-        Title above the picture.
-    """
-    from matplotlib.figure import Figure
-
-    figure: Any = Figure(figsize=(9.0, 6.6), layout="constrained")
-    sheet_title(figure, title)
-    top, bottom = figure.subfigures(2, 1)
-    first, (second, third) = top.subplots(), bottom.subplots(1, 2)
-    blows = _blows(impacts, labels)
-    _draw_forces(first, blows)
-    _draw_loops(second, blows)
-    _draw_phase(third, blows)
-    _legend(figure, first)
-    return figure
-
-
-def _legend(figure: Any, axes: Any) -> None:
-    """Put a legend of the curves of one picture below all of them."""
-    from matplotlib.lines import Line2D
-
-    handles, labels = axes.get_legend_handles_labels()
-    handles.append(Line2D([], [], color="black", marker="o", markersize=5.0, linestyle="none"))
-    labels.append("largest force")
-    put_below(figure, handles, labels)
-
-
-def _curves(axes: Any, blows: Sequence[PlottedBlow], of: Callable[[PlottedBlow], tuple[Array, Array]]) -> None:
-    """Draw a curve a blow, with a mark at its largest force."""
-    for k, blow in enumerate(blows):
-        x, y = of(blow)
-        colour = COLOURS[k % len(COLOURS)]
-        axes.plot(x, y, DASHES[k % len(DASHES)], color=colour, linewidth=1.4, label=blow.label, zorder=3)
-        axes.plot(x[blow.peak], y[blow.peak], "o", color=colour, markersize=5.0, zorder=4)
-
-
-def _draw_forces(axes: Any, blows: Sequence[PlottedBlow]) -> None:
-    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "kN")
-    _curves(axes, blows, lambda blow: (blow.history.time / second, blow.history.force / newton))
-    quiet(axes, "Force", headed("time after first touch", "s", "us"), headed("force", "N", "kN"))
-
-
-def _draw_loops(axes: Any, blows: Sequence[PlottedBlow]) -> None:
-    (metre, _), (newton, _) = axis_unit("m", "um"), axis_unit("N", "kN")
-    _curves(axes, blows, lambda blow: (blow.history.indentation / metre, blow.history.force / newton))
-    quiet(axes, "Force over indentation", headed("indentation", "m", "um"), headed("force", "N", "kN"))
-    axes.margins(x=0.03)
-
-
-def _draw_phase(axes: Any, blows: Sequence[PlottedBlow]) -> None:
-    def shares(blow: PlottedBlow) -> tuple[Array, Array]:
-        deepest, speed = float(blow.impact.max_indentation), float(blow.impact.problem.speed[0])
-        return blow.history.indentation / deepest, blow.history.rate / speed
-
-    axes.axhline(0.0, color="#BBBBBB", linewidth=0.8)
-    _curves(axes, blows, shares)
-    quiet(axes, "Phase plane", "indentation / largest indentation (-)", "rate / approach speed (-)")
-    axes.margins(x=0.03)
 
 
 def asked_given(laws: Mapping[str, DampingLaw] | None = None) -> Figure:
@@ -303,69 +197,6 @@ def _symmetric_log(axes: Any) -> None:
     axes.set_ylim(low, high)
 
 
-FIT_POINTS = 800
-"""Points of the fitted line: about the pixels of its width."""
-FIT_SIZE = (9.0, 5.0)
-"""Inches."""
-
-
-def identified_figure(found: Identified) -> Figure:
-    """Draw measured and fitted force from first touch on, and measured minus fitted below; N and microseconds.
-
-    Parameters
-    ----------
-    found : Identified
-        As `strikewave.contact.identification.identify` gives it.
-
-    Examples
-    --------
-    >>> from strikewave.contact.force_pulse import ForcePulse
-    >>> from strikewave.contact.identification import identify
-    >>> t = np.arange(300) * 1e-6
-    >>> figure = identified_figure(identify(t, ForcePulse(50e-6, 2e4, 60e-6, 1.5, 0.6).force(t)))
-    >>> [axes.get_ylabel() for axes in figure.axes]
-    ['force (N)', 'residual (N)']
-    """
-    figure = new_figure(FIT_SIZE)
-    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3.0, 1.2))
-    _draw_force(above, found)
-    _draw_residual(below, found)
-    below.set_xlim(*((found.time[[0, -1]] - found.pulse.begin) / axis_unit("s", "us")[0]))
-    return legend_below(figure)
-
-
-def _draw_force(axes: Any, found: Identified) -> None:
-    pulse = found.pulse
-    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "N")
-    line = np.linspace(found.time[0], found.time[-1], FIT_POINTS)
-    axes.plot((line - pulse.begin) / second, pulse.force(line) / newton, color=ORANGE, linewidth=2.0, label="fitted")
-    axes.plot(
-        (found.time - pulse.begin) / second,
-        found.measured / newton,
-        "o",
-        color=BLUE,
-        markersize=2.6,
-        label="measured",
-        zorder=3,
-    )
-    contact = (0.0, pulse.duration / second)
-    axes.axvline(contact[0], color=GREY, linestyle=":", linewidth=1.1, label="first touch and release")
-    axes.axvline(contact[1], color=GREY, linestyle=":", linewidth=1.1)
-    title = f"n = {pulse.exponent:.3g}, e = {pulse.restitution:.3g}, misfit {percent(found.residual, 2)} of the peak"
-    quiet(axes, title, "", headed("force", "N", "N"))
-    axes.margins(y=0.08)
-
-
-def _draw_residual(axes: Any, found: Identified) -> None:
-    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "N")
-    time, noise = (found.time - found.pulse.begin) / second, found.noise / newton
-    axes.axhspan(-noise, noise, color=GREY, alpha=0.18, linewidth=0.0, label="± one standard deviation of a sample")
-    axes.axhline(0.0, color=ORANGE, linewidth=1.2)
-    axes.plot(time, (found.measured - found.fitted) / newton, "o-", color=BLUE, markersize=2.2, linewidth=0.6)
-    quiet(axes, "", headed("time after first touch", "s", "us"), headed("residual", "N", "N"))
-    axes.margins(y=0.12)
-
-
 SHOWN_PAD, SHOWN_MASS, SHOWN_SPEED = Pad(area=2e-3, thickness=20e-3), 2.0, 2.0
 """The pad of the picture, the mass (kg) and the speed (m/s) that it stops: 4 J."""
 SHOWN_CUSHIONS = {
@@ -439,3 +270,8 @@ def _cushions_shown() -> list[DrawnLaw]:
         )
         for k, (name, properties) in enumerate(SHOWN_CUSHIONS.items())
     ]
+
+
+def picture(result: LawsResult) -> Figure:
+    """Return the picture of the laws in Python: the restitution that they give over the one asked for."""
+    return asked_given(result.everything.damping)
