@@ -45,36 +45,46 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.records.measuring import find_pulses as find_pulses
     from strikewave.records.readers import read_record as read_record
     from strikewave.signal.srs import srs as srs
+    from strikewave.studies.buffer.result import BufferStudy as BufferStudy
     from strikewave.studies.buffer.study import buffer as buffer
+    from strikewave.studies.engine.runner import Workers as Workers
     from strikewave.studies.fit.result import FitStudy as FitStudy
     from strikewave.studies.fit.study import fit as fit
+    from strikewave.studies.map.study import MapStudy as MapStudy
     from strikewave.studies.map.study import map as map
-    from strikewave.studies.scatter.study import ScatterPlan as ScatterPlan
+    from strikewave.studies.scatter.study import ScatterStudy as ScatterStudy
     from strikewave.studies.scatter.study import scatter as scatter
     from strikewave.studies.search.design import DesignStudy as DesignStudy
     from strikewave.studies.search.design import design as design
+    from strikewave.studies.search.drop_table import DropStudy as DropStudy
     from strikewave.studies.search.drop_table import drop_table as drop_table
+    from strikewave.studies.search.rotary import SettingsStudy as SettingsStudy
     from strikewave.studies.search.rotary import settings as settings
     from strikewave.studies.sweep.study import SweepStudy as SweepStudy
     from strikewave.studies.sweep.study import sweep as sweep
 
 _HOMES = {
     "Band": "base.result",
+    "BufferStudy": "studies.buffer.result",
     "Case": "cases.case",
     "CompareResult": "analyses.compare.result",
     "Contact": "contact.law",
     "DesignStudy": "studies.search.design",
+    "DropStudy": "studies.search.drop_table",
     "FemSolution": "analyses.fem.result",
     "FitStudy": "studies.fit.result",
     "InputError": "base.errors",
+    "MapStudy": "studies.map.study",
     "RecordResult": "analyses.record.result",
     "Result": "base.result",
-    "ScatterPlan": "studies.scatter.study",
+    "ScatterStudy": "studies.scatter.study",
+    "SettingsStudy": "studies.search.rotary",
     "SpectrumResult": "analyses.record.spectrum",
     "Solution": "analyses.machine.result",
     "StrikewaveError": "base.errors",
     "SweepStudy": "studies.sweep.study",
     "WaveSolution": "analyses.wave.result",
+    "Workers": "studies.engine.runner",
     "buffer": "studies.buffer.study",
     "compare": "analyses.compare.run",
     "design": "studies.search.design",

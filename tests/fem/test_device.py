@@ -13,7 +13,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from strikewave import design, load_case, sweep
+from strikewave import Workers, design, load_case, sweep
 from strikewave.analyses.fem import run as fem_run
 from strikewave.base.errors import InputError
 from strikewave.fem import _layout as layout
@@ -342,7 +342,9 @@ def test_studies_of_elements_take_their_steps_on_a_device(monkeypatch):
     case = load_case("two-bars-fem", ["fem.duration=1 us"])
     with ThreadPoolExecutor(1) as pool:
         for study in (
-            lambda device: sweep(case, ["fem.duration=1 us"], keep=["energy_error"], executor=pool, device=device),
+            lambda device: sweep(
+                case, ["fem.duration=1 us"], keep=["energy_error"], workers=Workers(executor=pool, device=device)
+            ),
             lambda device: design(
                 case, ["fem.duration=1 us, 1.2 us"], ["energy_error < 5 %"], runs=16, executor=pool, device=device
             ),

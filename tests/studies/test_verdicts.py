@@ -20,7 +20,6 @@ from strikewave.studies.engine.case_evaluation import CaseEvaluation
 from strikewave.studies.engine.evaluation import RunOutcome
 from strikewave.studies.engine.store import INDEX, RunStore
 from strikewave.studies.map.cells import judged_cell
-from strikewave.studies.scatter.study import ScatterPlan
 from strikewave.studies.search.drop_candidate import DropGoal
 from strikewave.studies.search.drop_table import DropChoices, design_drop_table
 from strikewave.studies.search.programmers import read_programmer
@@ -119,7 +118,7 @@ def a_map():
 
 
 def a_scatter():
-    return strikewave.scatter(load_case("li-ma-2019", ["feed.blows=2", ONE[1]]), ScatterPlan(10, 1, "none"))
+    return strikewave.scatter(load_case("li-ma-2019", ["feed.blows=2", ONE[1]]), runs=10, shares="none")
 
 
 def a_design():

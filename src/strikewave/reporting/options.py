@@ -314,8 +314,8 @@ Fresh = Annotated[
 
 
 @dataclass(frozen=True)
-class Shared:
-    """Who makes the runs of a study.
+class Running:
+    """Who makes the runs of a study, and where finished ones are kept.
 
     Attributes
     ----------
@@ -323,6 +323,10 @@ class Shared:
         Processes; None for threads of this one.
     cluster : str or None
         Address of a scheduler that shares the runs among machines.
+    store : Path or None
+        Folder that keeps finished runs; None for one beside the result, till that is written.
+    fresh : bool
+        True if finished runs of a stopped study are made again.
     """
 
     workers: Annotated[
@@ -337,22 +341,33 @@ class Shared:
         ),
     ] = None
     cluster: Cluster = None
+    store: KeptRuns = None
+    fresh: Fresh = False
 
 
 @dataclass(frozen=True)
-class Running(Shared):
-    """Who makes the runs of a study, and where finished ones are kept.
+class RunningInProcesses(Running):
+    """Who makes the runs of a study that shares them among processes; see `Running`."""
+
+    workers: Processes = 2
+
+
+@dataclass(frozen=True)
+class RunningElements(RunningInProcesses):
+    """Who makes the runs of a study that may be of elements; see `Running`.
 
     Attributes
     ----------
-    store : Path or None
-        Folder that keeps finished runs; None for one beside the result, till that is written.
-    fresh : bool
-        True if finished runs of a stopped study are made again.
+    device : str or None
+        GPU that takes the steps of elements; None for the processor.
+    dry_run : bool
+        True if only the number of runs and their time are printed.
     """
 
-    store: KeptRuns = None
-    fresh: Fresh = False
+    device: ElementDevice = None
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say how many runs there are and how long they take, and make none.")
+    ] = False
 
 
 WithBand = Annotated[

@@ -22,7 +22,7 @@ from strikewave.studies.engine import cluster, keys
 from strikewave.studies.engine.cluster import ClusterPool, OfThisVersion
 from strikewave.studies.engine.evaluation import Job
 from strikewave.studies.engine.plan import grid, varied
-from strikewave.studies.engine.runner import carry_out
+from strikewave.studies.engine.runner import Workers, carry_out
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.engine.variables import read_variable
 from strikewave.studies.sweep.study import sweep
@@ -177,7 +177,7 @@ def test_a_scheduler_that_is_killed_and_comes_back_loses_no_run(of_two):
 def test_a_sweep_has_the_bits_of_this_process_and_another_version_is_refused(of_two, monkeypatch):
     of_two.worker()
     words = CASE, ["machine.speed=600..800 rpm:5"], ["first.rigid_peak", "first.width"]
-    given = sweep(words[0], words[1], keep=words[2], analysis="fast", cluster=of_two.address)
+    given = sweep(words[0], words[1], keep=words[2], analysis="fast", workers=Workers(cluster=of_two.address))
     own = sweep(words[0], words[1], keep=words[2], analysis="fast")
     assert np.array_equal(given.numbers, own.numbers)
     keys.program_key.cache_clear()

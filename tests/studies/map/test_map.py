@@ -14,6 +14,7 @@ from strikewave.machines import StruckObject, blows, run_machine
 from strikewave.machines.fast_run import fast_train
 from strikewave.reporting.numbers import ShownUnits, showing
 from strikewave.studies.axes import axis_of, case_at
+from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import (
     FIELDS,
@@ -28,7 +29,7 @@ from strikewave.studies.map.cells import (
 )
 from strikewave.studies.map.regimes import IRREGULAR, MISSES, NO_RETURN, UNKNOWN, period_of, regime_of
 from strikewave.studies.map.report import setting_table
-from strikewave.studies.map.study import MapStudy, check_plan, confirmed, in_full, make_map, plan_of
+from strikewave.studies.map.study import MapStudy, axes_of, check_plan, confirmed, in_full, make_map, plan_of
 from strikewave.uncertainty.statistics import variation
 
 ONE = np.ones(1)
@@ -185,6 +186,13 @@ def small(points=(4, 3), train=12, case=None):
     return plan_of(case, (x, y), None, train)
 
 
+def test_log_behind_an_axis_spaces_it_by_the_logarithm():
+    case = load_case("li-ma-2019")
+    x, y = axes_of(case, ("machine.speed=400..1600 rpm log", "object.spring log", None), (3, 2))
+    assert [x.typed(value) for value in x.values] == ["400 rpm", "800 rpm", "1600 rpm"]
+    assert (x.log, y.log) == (True, True)
+
+
 def test_default_range_is_half_to_twice_in_the_unit_of_the_case():
     plan = small()
     assert plan.axes[1].unit == "kN/m"
@@ -235,7 +243,7 @@ def test_hold_ends_the_own_blows_as_in_full():
 @pytest.mark.verify
 def test_two_processes_give_what_one_gives():
     plan = small()
-    one, two = make_map(plan, 0.02, 1), make_map(plan, 0.02, 2)
+    one, two = (make_map(plan, 0.02, pool=ProcessPool(count)) for count in (1, 2))
     assert np.array_equal(one.values, two.values, equal_nan=True)
 
 
@@ -250,11 +258,11 @@ def test_stopped_map_goes_on_to_the_same_end(tmp_path):
         raise StoppedError
 
     with RunStore(tmp_path / "s") as store, pytest.raises(StoppedError):
-        make_map(plan, 0.02, 1, store, stop)
+        make_map(plan, 0.02, store, advance=stop)
     with RunStore(tmp_path / "s") as store:
         kept = len(store.known())
         assert 0 < kept < 12
-        resumed = make_map(plan, 0.02, 1, store, later.append)
+        resumed = make_map(plan, 0.02, store, advance=later.append)
     assert later[0].done > kept
     assert later[-1].done == later[-1].total == 12
     assert np.array_equal(resumed.values, make_map(plan, 0.02).values, equal_nan=True)
@@ -264,8 +272,8 @@ def test_stopped_map_goes_on_to_the_same_end(tmp_path):
 def test_cells_of_another_map_are_not_taken(tmp_path):
     """Another train is another question: its cells lie in the same folder, and are run."""
     with RunStore(tmp_path / "s") as store:
-        one = make_map(small(), 0.02, 1, store)
-        other = make_map(small(train=13), 0.02, 1, store)
+        one = make_map(small(), 0.02, store)
+        other = make_map(small(train=13), 0.02, store)
         assert len(store.known()) == 24
     assert np.array_equal(one.values, make_map(small(), 0.02).values, equal_nan=True)
     assert other.plan.train == 13

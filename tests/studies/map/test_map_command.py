@@ -95,6 +95,7 @@ def test_json_is_one_document_and_writes_nothing(strikewave):
     document = json.loads(out)
     assert code in (0, 3)
     assert [axis["path"] for axis in document["axes"]] == ["machine.speed", "object.spring", "object.damper"]
+    assert [axis["log"] for axis in document["axes"]] == [False, True, False]
     assert np.shape(document["cells"]["peak"]) == (2, 3, 4)
     assert not Path("out").exists()
 

@@ -16,9 +16,10 @@ from strikewave.cases.case import dump_case, load_case, parse_case
 from strikewave.machines import blows, run_machine
 from strikewave.machines.fast_run import fast_train
 from strikewave.studies.engine.pools import ProcessPool
+from strikewave.studies.engine.runner import Workers
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
-from strikewave.studies.scatter.study import OddBlows, ScatterPlan, scatter
+from strikewave.studies.scatter.study import OddBlows, ScatterPlan, make_scatter, scatter
 from strikewave.studies.search.rotary_candidate import supply
 from strikewave.uncertainty.draws import drawn, drawn_case, quantiles, stated, tolerances_of
 from strikewave.uncertainty.shares import (
@@ -124,7 +125,7 @@ def test_intervals_scatter_as_the_angles_of_the_strikers():
     of the sd has a standard error of 7 %; 20 % is near three of them.
     """
     case = case_with(*ANGLES, *SETTLED)
-    study = scatter(case, ScatterPlan(60, 11, "none"))
+    study = scatter(case, runs=60, seed=11, shares="none")
     speed, half = case.machine.speed.si, math.radians(0.1)
     intervals = np.array([run.interval[1:] - study.nominal_run.interval[1:] for run in study.runs])
     numbers = [blow.striker for blow in blows(run_machine(build_machine(case), 1e-7))]
@@ -137,7 +138,7 @@ def test_intervals_scatter_as_the_angles_of_the_strikers():
 def test_the_nominal_run_is_the_dynamics_alone():
     case = case_with(*ANGLES, *FEW_BLOWS)
     found = blows(run_machine(build_machine(case), 1e-9))
-    still = scatter(case, ScatterPlan(10, 1, "none")).nominal_run
+    still = scatter(case, runs=10, seed=1, shares="none").nominal_run
     # steps of 1e-7 instead of 1e-9 change a peak by less than 1e-6 of it
     np.testing.assert_allclose(still.peak, [blow.rigid_peak for blow in found], rtol=1e-6)
 
@@ -347,10 +348,10 @@ def test_an_untouched_blow_has_no_share_of_the_dynamics():
 @pytest.mark.verify
 def test_the_number_of_processes_changes_no_bit():
     case = case_with(*ANGLES, "contact.restitution.tolerance=0.05", *FEW_BLOWS)
-    one, two = (scatter(case, ScatterPlan(12, 4, "alone", workers)) for workers in (1, 2))
+    one, two = (scatter(case, runs=12, seed=4, workers=workers) for workers in (1, 2))
     assert one.tables() == two.tables()
     assert one.document() == two.document()
-    assert scatter(case, ScatterPlan(12, 5, "none")).tables() != one.tables()
+    assert scatter(case, runs=12, seed=5, shares="none").tables() != one.tables()
 
 
 @pytest.mark.verify
@@ -362,10 +363,10 @@ def test_a_stopped_study_goes_on_and_ends_as_an_undisturbed_one(tmp_path):
             raise KeyboardInterrupt
 
     with RunStore(tmp_path / "s") as store, pytest.raises(KeyboardInterrupt):
-        scatter(case, plan, stop, store)
+        make_scatter(case, plan, store, progress=stop)
     with RunStore(tmp_path / "s") as store:
         assert 0 < len(store.known()) < plan.all_runs(len(tolerances_of(case))) - 1
-        assert scatter(case, plan, None, store).tables() == scatter(case, plan).tables()
+        assert make_scatter(case, plan, store).tables() == make_scatter(case, plan).tables()
 
 
 @pytest.mark.verify
@@ -374,14 +375,14 @@ def test_progress_ends_at_one():
     case = case_with(*ANGLES, "feed.blows=1")
     for shares in ("alone", "sobol"):
         seen.clear()
-        scatter(case, ScatterPlan(10, 1, shares), seen.append)
+        scatter(case, runs=10, seed=1, shares=shares, progress=seen.append)
         assert seen == sorted(seen)
         assert seen[-1] == 1.0
 
 
 def test_what_no_blow_feels_is_told():
     case = case_with(*ANGLES, "recorder.delay=1 ms", "recorder.delay.tolerance=10 %", "feed.blows=1")
-    study = scatter(case, ScatterPlan(10, 1, "none"))
+    study = scatter(case, runs=10, seed=1, shares="none")
     assert [notice.code for notice in study.warnings] == ["tolerance-not-felt"]
     assert len(study.tolerances) == 1
 
@@ -396,12 +397,12 @@ def test_rows_of_strikers_keep_what_is_their_own():
 
 @pytest.mark.parametrize(
     ("plan", "field"),
-    [(ScatterPlan(5), "--runs"), (ScatterPlan(10**6), "--runs"), (ScatterPlan(seed=-1), "--seed"), (ScatterPlan(workers=0), "--workers"),
-     (ScatterPlan(shares="all"), "--shares")],
+    [({"runs": 5}, "--runs"), ({"runs": 10**6}, "--runs"), ({"seed": -1}, "--seed"), ({"workers": 0}, "--workers"),
+     ({"shares": "all"}, "--shares"), ({"workers": Workers(device="cuda")}, "no device")],
 )  # fmt: skip
 def test_wrong_plans_are_refused(plan, field):
     with pytest.raises(InputError, match=field):
-        scatter(case_with(*ANGLES), plan)
+        scatter(case_with(*ANGLES), **plan)
 
 
 def test_a_case_without_tolerances_says_what_to_add():
@@ -412,7 +413,7 @@ def test_a_case_without_tolerances_says_what_to_add():
 def test_too_few_runs_that_can_be_made_are_refused():
     case = case_with("object.preload=4.52 N", "object.preload.tolerance=30 %", *FEW_BLOWS)
     with pytest.raises(InputError, match="at least 10 runs can be made"):
-        scatter(case, ScatterPlan(12, 1, "none"))
+        scatter(case, runs=12, seed=1, shares="none")
 
 
 # The published machine with equal blows
@@ -426,7 +427,7 @@ LARGEST_CV, LARGEST_STOP_FORCE = 0.02, 2e3
 def test_the_machine_of_equal_blows_has_them(spring):
     """Another seed than the one it was found with: the bound of 95 % on the CV of the 11 peaks is below 2 %."""
     case = load_case(EQUAL, [f"object.spring={spring}"])
-    study = scatter(case, ScatterPlan(62, 20190321, "none", 2))
+    study = scatter(case, runs=62, seed=20190321, shares="none", workers=2)
     within = study.figures["peak"].within
     assert study.nominal_run.variation("peak") < within.limit < LARGEST_CV
     assert {len(run.kinds) for run in study.runs} == {11}

@@ -13,7 +13,7 @@ from strikewave.base.errors import StrikewaveError
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.studies.scatter.figures import scatter_picture
 from strikewave.studies.scatter.runs import run_result
-from strikewave.studies.scatter.study import ScatterPlan, scatter
+from strikewave.studies.scatter.study import scatter
 from strikewave.uncertainty.draws import FELT
 
 QUICK = ("scatter", "bare.toml", "--workers", "1", "--runs", "10", "--set", "feed.blows=3")
@@ -38,7 +38,7 @@ def study(bare_case, tmp_path_factory):
     file = tmp_path_factory.mktemp("bare") / "bare.toml"
     file.write_text(dump_case(bare_case))
     changes = ["feed.blows=3", "striker.mass.tolerance=2 %", "feed.arrival.tolerance=0.05"]
-    return scatter(load_case(str(file), changes), ScatterPlan(12, 3, "alone"))
+    return scatter(load_case(str(file), changes), runs=12, seed=3)
 
 
 @pytest.mark.verify
@@ -140,12 +140,12 @@ def test_changed_case_gets_a_folder_of_its_own(strikewave):
 def test_no_more_processes_than_cores(strikewave, monkeypatch):
     asked = []
 
-    def note(case, plan, report, store, pool):
+    def note(case, plan, store, pool, report):
         asked.append(pool.width)
         raise StrikewaveError("enough is known")
 
     monkeypatch.setattr("os.cpu_count", lambda: 3)
-    monkeypatch.setattr("strikewave.studies.scatter.report.scatter", note)
+    monkeypatch.setattr("strikewave.studies.scatter.report.make_scatter", note)
     assert strikewave(*QUICK, *TWO, "--shares", "none", "--workers", "64", "--json")[0] == 2
     assert asked == [3]
 

@@ -48,9 +48,9 @@ def command(
     """
     from strikewave.papers.li_ma_2019.reproduce import ReproduceCommand, run_reproduction
     from strikewave.papers.li_ma_2019.runs import Effort
-    from strikewave.studies.engine.runner import pool_of
+    from strikewave.studies.engine.runner import Workers
 
     gone = {word: word in (without or ()) for word in LEFT_OUT}
     effort = Effort(quick, not gone["elements"], min(threads, os.cpu_count() or 1), not gone["studies"])
-    pool = pool_of(None, running.workers or 1, running.cluster)  # threads are those of the elements
+    pool = Workers(running.workers or 1, cluster=running.cluster).pool()  # threads are those of the elements
     return run_reproduction(ReproduceCommand(effort, pool, place=running.store, fresh=running.fresh), output)

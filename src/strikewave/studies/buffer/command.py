@@ -92,7 +92,7 @@ def command(
     from strikewave.studies.buffer.candidate import BufferGoal
     from strikewave.studies.buffer.screen import BufferCommand, rank_buffers, source_of_case, source_of_record
     from strikewave.studies.buffer.study import choices_of
-    from strikewave.studies.engine.runner import pool_of
+    from strikewave.studies.engine.runner import Workers
 
     goal = BufferGoal(limit, rank)
     choice = choices_of(material, thickness, layers)
@@ -104,7 +104,7 @@ def command(
             raise InputError("--blow", blow, "only without --record, which holds one blow")
         stated, options = measurement.calibration(), measurement.reading()
         source = source_of_record(record, stated, options, (case, sensor, changes), given)
-    pool = pool_of(None, running.workers, running.cluster)
+    pool = Workers(running.workers, cluster=running.cluster).pool()
     ranking = BufferCommand(source, blow, choice, goal, pool, place=running.store, fresh=running.fresh)
     return rank_buffers(ranking, output)
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
@@ -54,7 +53,7 @@ from strikewave.studies.buffer.notices import study_notices
 from strikewave.studies.buffer.result import BufferStudy
 from strikewave.studies.engine.answers import Answer, Failure, answers
 from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
+from strikewave.studies.engine.runner import Advance, Workers, as_workers, share_reporter
 from strikewave.studies.engine.store import RunStore, given_or_temporary, store_in
 
 MOST_STATES = 800
@@ -204,9 +203,7 @@ def buffer(
     thicknesses: Sequence[str] = (),
     layers: int = LAYERS,
     rank: str = "bandwidth",
-    workers: int | None = None,
-    executor: Executor | None = None,
-    cluster: str | None = None,
+    workers: int | Workers | None = None,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> BufferStudy:
@@ -230,13 +227,9 @@ def buffer(
         Largest number of gaskets in a stack.
     rank : str, optional
         Criterion that ranks the stacks that keep the limit: ``bandwidth``, ``peak`` or ``robust``.
-    workers : int, optional
-        Processes; threads of this one where it is left out. With several, call it below
-        ``if __name__ == "__main__":``.
-    executor : Executor, optional
-        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
-    cluster : str, optional
-        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    workers : int or Workers, optional
+        Processes, or who runs instead, such as ``strikewave.Workers(cluster="tcp://host:8786")``; threads of this
+        process where it is left out.
     store : path, optional
         Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
@@ -265,7 +258,7 @@ def buffer(
     choice = choices_of(materials, sizes, layers)
     site = mounting_site_of(choose_sensor(case, sensor), case)
     blows = blows_of(case, site.table, str(blow))
-    pool = pool_of(executor, workers, cluster)
+    pool = as_workers(workers).pool()
     with store_in(store) as finished:
         study = design_buffer(site, blows, choice, goal, finished, pool, share_reporter(progress))
     return dataclasses.replace(study, case=case)

@@ -12,12 +12,14 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass
 from typing import Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.compiled import is_cold
+from strikewave.base.errors import InputError
 from strikewave.base.result import Verdicts
 from strikewave.studies.engine.evaluation import RunOutcome, failed
 from strikewave.studies.engine.pools import (
@@ -43,6 +45,8 @@ AFTER_STOP = 2.0
 not finished, and are made again."""
 LOOK_SECONDS = 10.0
 """Seconds without a batch that came back after which the pool looks whether all that is out is still under way."""
+MOST_PROCESSES = 256
+"""Most processes. Chosen: the cores of a large machine; a typing error shall not start thousands."""
 MOST_IN_BATCH = 256
 """Most runs of a batch: what it keeps stays small."""
 
@@ -181,23 +185,70 @@ def finished_before(job: Work[Asked], rows: Sequence[Asked], store: RunStore) ->
     return sum(job.key(row) in known for row in rows) if known else 0
 
 
-def pool_of(executor: Executor | None, workers: int | None, cluster: str | None = None) -> Pool:
-    """Return the pool of an executor that is given, of a scheduler, or of so many processes of this machine.
+@dataclass(frozen=True)
+class Workers:
+    """Who makes the runs of a study, and on what.
 
-    With none of them threads of this process.
+    Attributes
+    ----------
+    count : int or None
+        Processes of this machine, one a core at most; None for threads of this process. With more than one process,
+        call the study below ``if __name__ == "__main__":``.
+    executor : Executor or None
+        Executor that runs instead: any of `concurrent.futures`, or one that acts as these do.
+    cluster : str or None
+        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    device : str or None
+        ``cuda`` or ``cuda-mixed``: the steps of elements are taken on the GPU, which the processes share. `sweep` and
+        `design` take it.
 
     Examples
     --------
-    >>> pool_of(None, 1).width
-    1
+    >>> import strikewave
+    >>> strikewave.Workers(4, device="cuda-mixed").count
+    4
     """
-    if executor is not None:
-        return GivenPool(executor)
-    if cluster:
-        from strikewave.studies.engine.cluster import ClusterPool
 
-        return ClusterPool(cluster)
-    return ThreadPool(min(os.cpu_count() or 1, MOST_THREADS)) if workers is None else ProcessPool(workers)
+    count: int | None = 1
+    executor: Executor | None = None
+    cluster: str | None = None
+    device: str | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse numbers of processes that are typing errors."""
+        if self.count is not None and not 1 <= self.count <= MOST_PROCESSES:
+            raise InputError("--workers", self.count, f"a whole number from 1 to {MOST_PROCESSES}")
+
+    def pool(self) -> Pool:
+        """Return the pool of the executor, of the scheduler, or of so many processes or threads.
+
+        Examples
+        --------
+        >>> Workers().pool().width
+        1
+        """
+        if self.executor is not None:
+            return GivenPool(self.executor)
+        if self.cluster:
+            from strikewave.studies.engine.cluster import ClusterPool
+
+            return ClusterPool(self.cluster)
+        if self.count is None:
+            return ThreadPool(min(os.cpu_count() or 1, MOST_THREADS))
+        return ProcessPool(self.count)
+
+
+def as_workers(workers: int | Workers | None, elements: bool = False) -> Workers:
+    """Return who makes the runs of a study, of a number of processes too; a device is refused where no elements run."""
+    chosen = workers if isinstance(workers, Workers) else Workers(workers)
+    if chosen.device is not None and not elements:
+        raise InputError("workers", f"device {chosen.device}", "no device: these runs are none of elements")
+    return chosen
+
+
+def pool_of(executor: Executor | None, workers: int | None, cluster: str | None = None) -> Pool:
+    """Return the pool of an executor, of a scheduler, or of so many processes; see `Workers`."""
+    return Workers(workers, executor, cluster).pool()
 
 
 def seconds_each(job: Work[Asked], rows: Sequence[Asked]) -> float:

@@ -161,9 +161,7 @@ class MapCommand(StudyCommand[MapStudy]):
 
     def made(self, store: RunStore, report: Report) -> MapStudy:
         """Return the map."""
-        study = make_map(
-            self.plan, self.wanted, store=store, progress=lambda now: report(now.share, now.words), pool=self.pool
-        )
+        study = make_map(self.plan, self.wanted, store, self.pool, lambda now: report(now.share, now.words))
         return dataclasses.replace(study, colour=self.colour)
 
     def finished(self, store: RunStore) -> str:

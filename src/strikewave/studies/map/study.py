@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import ClassVar
 
@@ -26,7 +26,7 @@ from strikewave.machines.run import run_machine
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, axis_of, case_at, units_of
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import Advance, at_work, finished_runs, share_reporter
+from strikewave.studies.engine.runner import Advance, Workers, as_workers, at_work, finished_runs, share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.engine.variables import StudyVariable, read_ends, read_list
 from strikewave.studies.map import EQUAL, POINTS, TRAIN, X, Y
@@ -69,6 +69,8 @@ MOST_SECONDS = 12 * 3600.0
 SECONDS_A_BLOW = 0.4e-3
 """About what a blow takes on one core, s: for the estimate only (measured: 0.3 ms, li-ma-2019)."""
 SHARE = Quantity(NO_UNIT, "%", decimals=1, digits=0)
+LOG = " log"
+"""End of the text of an axis with logarithmic spacing, as of a range of a sweep."""
 MOST_PANELS = 6
 """Most values of a third setting."""
 CONFIRMED = 5
@@ -338,13 +340,13 @@ def check_plan(plan: MapPlan, workers: int) -> float:
     return seconds
 
 
+@compiling_shown()
 def make_map(
     plan: MapPlan,
     wanted: float,
-    workers: int = 1,
     store: RunStore | None = None,
-    progress: Advance | None = None,
     pool: Pool | None = None,
+    advance: Advance | None = None,
 ) -> MapStudy:
     """Make a map: every cell run fast, and the nearest even setting tried in full.
 
@@ -354,22 +356,20 @@ def make_map(
         Plan of the map.
     wanted : float
         Coefficient of variation below which blows count as even.
-    workers : int, optional
-        Processes.
     store : RunStore, optional
         Finished cells; what it holds is not run again.
-    progress : callable, optional
-        Called as cells come back.
     pool : Pool, optional
-        Who runs them instead, and is ended here.
+        Who runs them, and is ended here; this process where it is left out.
+    advance : callable, optional
+        Called as cells come back.
     """
-    check_plan(plan, workers)
+    check_plan(plan, 1 if pool is None else pool.width)
     case = parse_case(plan.case)
     machine_of(case)
     present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
-    with at_work(store, pool, workers) as (open_store, open_pool):
+    with at_work(store, pool) as (open_store, open_pool):
         not_judged = fast_not_judged(case)
-        runs = finished_runs(plan.job, plan.rows, open_store, open_pool, progress, "cells", not_judged)
+        runs = finished_runs(plan.job, plan.rows, open_store, open_pool, advance, "cells", not_judged)
     cells = runs.numbers.reshape(*plan.shape, len(FIELDS))
     study = MapStudy(plan, cells, wanted, present, verdicts=runs.verdicts)
     setting, refused = confirmed(study)
@@ -433,7 +433,6 @@ def plan_of(case: Case, axes: tuple[Axis, ...], own: int | None = None, train: i
     return MapPlan(dump_case(case), axes, count, train)
 
 
-@compiling_shown()
 def map(
     case: Case,
     x: str = X,
@@ -441,11 +440,10 @@ def map(
     *,
     panels: str | None = None,
     points: tuple[int, int] = POINTS,
-    log: Sequence[str] = (),
     blows: int | None = None,
     train: int = TRAIN,
     want_cv: float = EQUAL,
-    workers: int = 1,
+    workers: int | Workers = 1,
     progress: Callable[[float], None] | None = None,
 ) -> MapStudy:
     """Map a machine over two of its settings: how even its blows are, and the nearest setting with equal blows.
@@ -456,21 +454,19 @@ def map(
         Case of a rotary machine.
     x, y : str, optional
         Setting along each axis, with a range or without: ``machine.speed=400..1000 rpm``. Without one it goes from
-        half to twice the value of the case.
+        half to twice the value of the case; ``log`` behind it for logarithmic spacing.
     panels : str, optional
         Third setting, with the value of each panel: ``object.damper=10 N s/m, 40 N s/m``.
     points : (int, int), optional
         Along x and y.
-    log : sequence of str, optional
-        Axes with logarithmic spacing: ``x``, ``y``.
     blows : int, optional
         That of the case by default.
     train : int, optional
         Blows of the longer train that names the regime; 0 for none.
     want_cv : float, optional
         Largest coefficient of variation of equal blows.
-    workers : int, optional
-        Processes. With more than one, call it below ``if __name__ == "__main__":``.
+    workers : int or Workers, optional
+        Processes, or who runs instead, such as ``strikewave.Workers(cluster="tcp://host:8786")``.
     progress : callable, optional
         Called with the share done, 0 to 1.
 
@@ -492,22 +488,21 @@ def map(
     >>> study.field("cv").shape
     (1, 2, 2)
     """
-    plan = plan_of(case, axes_of(case, (x, y, panels), points, log), blows, train)
-    return make_map(plan, want_cv, workers, progress=share_reporter(progress))
+    plan = plan_of(case, axes_of(case, (x, y, panels), points), blows, train)
+    return make_map(plan, want_cv, pool=as_workers(workers).pool(), advance=share_reporter(progress))
 
 
-def axes_of(
-    case: Case, given: tuple[str, str, str | None], points: tuple[int, int], log: Sequence[str]
-) -> tuple[Axis, ...]:
-    """Return the axes of a map from what was typed."""
+def axes_of(case: Case, given: tuple[str, str, str | None], points: tuple[int, int]) -> tuple[Axis, ...]:
+    """Return the axes of a map from what was typed; one with ``log`` at its end has logarithmic spacing."""
     axes = []
-    for option, text, size in zip(("x", "y"), given[:2], points, strict=True):
+    for option, spaced, size in zip(("x", "y"), given[:2], points, strict=True):
+        text = spaced.removesuffix(LOG)
         path, equals, typed = (part.strip() for part in str(text).partition("="))
         _check_path(case, path)
         ends = read_ends(case, path, typed)
         if equals and ends is None:
             raise InputError(f"--{option}", text, "setting=low..high", f'such as --{option} {X}="400..1000 rpm"')
-        axes.append(axis_of(case, path, ends, size, option in log))
+        axes.append(axis_of(case, path, ends, size, text != spaced))
     if given[2] is None:
         return tuple(axes)
     path, _, listed = (part.strip() for part in given[2].partition("="))

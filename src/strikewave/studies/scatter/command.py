@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import CaseName, Changes, Cluster, Fresh, KeptRuns
+from strikewave.reporting.options import CaseName, Changes, RunningInProcesses
 from strikewave.reporting.output_options import StudyOutput
 
 
@@ -23,10 +23,7 @@ def command(
             "--shares", help="Share of each tolerance in the scatter: one at a time, Sobol indices (slower), or none."
         ),
     ] = "alone",
-    workers: Annotated[int, typer.Option("--workers", metavar="COUNT", help="Processes, one a core at most.")] = 2,
-    cluster: Cluster = None,
-    store: KeptRuns = None,
-    fresh: Fresh = False,
+    running: RunningInProcesses,
     changes: Changes = None,
     output: StudyOutput,
 ) -> int:
@@ -37,12 +34,12 @@ def command(
     is continued by the same command. With --json, no files are written unless --out is given.
     """
     from strikewave.cases.case import load_case
-    from strikewave.studies.engine.runner import pool_of
+    from strikewave.studies.engine.runner import Workers
     from strikewave.studies.scatter.report import ScatterCommand
     from strikewave.studies.scatter.study import ScatterPlan
 
-    plan = ScatterPlan(runs, seed, shares, workers)
+    plan = ScatterPlan(runs, seed, shares)
     plan.check()
     loaded = output.tested(load_case(case, changes or ()))
-    making = ScatterCommand(loaded, plan, pool_of(None, workers, cluster), place=store, fresh=fresh)
-    return making.run(changes or (), output)
+    pool = Workers(running.workers, cluster=running.cluster).pool()
+    return ScatterCommand(loaded, plan, pool, place=running.store, fresh=running.fresh).run(changes or (), output)

@@ -16,7 +16,7 @@ from strikewave.reporting.terminal import print_face, print_rows, tell
 from strikewave.studies.command import Report, StudyCommand
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.scatter.figures import scatter_picture
-from strikewave.studies.scatter.study import STATEMENTS, ScatterPlan, ScatterStudy, ShareRow, scatter
+from strikewave.studies.scatter.study import STATEMENTS, ScatterPlan, ScatterStudy, ShareRow, make_scatter
 from strikewave.studies.study import picture_section, study_page
 from strikewave.uncertainty.draws import tolerances_of
 from strikewave.uncertainty.shares import Shares
@@ -132,7 +132,7 @@ class ScatterCommand(StudyCommand[ScatterStudy]):
 
     def made(self, store: RunStore, report: Report) -> ScatterStudy:
         """Return the study."""
-        return scatter(self.case, self.plan, report, store, self.pool)
+        return make_scatter(self.case, self.plan, store, self.pool, report)
 
     def summary(self, result: ScatterStudy) -> str:
         """Say how much the blows scatter, and which tolerance matters most."""

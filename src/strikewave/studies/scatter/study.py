@@ -10,6 +10,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
@@ -30,8 +31,8 @@ from strikewave.reporting.numbers import axis_unit
 from strikewave.reporting.shown_result import Curve
 from strikewave.studies.engine.plan import MOST_SEED
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import at_work
-from strikewave.studies.engine.store import RunStore
+from strikewave.studies.engine.runner import Workers, as_workers, at_work
+from strikewave.studies.engine.store import RunStore, store_in
 from strikewave.studies.scatter.runs import FIGURES, Runner, RunResult, run_result
 from strikewave.studies.study import Study, key_number
 from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, nominal, quantiles, tolerances_of, unfelt
@@ -50,13 +51,13 @@ Array = NDArray[np.float64]
 
 METHODS = ("alone", "sobol", "none")
 """How shares are computed; see `strikewave.uncertainty.shares`."""
+RUNS = 500
+"""Runs where none are asked for. Chosen: a minute at 0.1 s each; a CV between runs is then known to 6 % of itself."""
 FEWEST = 10
 """Fewest runs: below, the bounds of a CV are wider than the CV itself."""
 MOST = 20_000
 """Most runs: bounds narrow with the root of their number, and at 0.1 s each (measured, li-ma-2019) they take half an
 hour already."""
-MOST_WORKERS = 64
-"""Most processes. Chosen: beyond the cores of a large machine; a typing error shall not start thousands."""
 SHARE_RUNS = 4
 """Each tolerance alone gets one in so many runs, and as many Sobol's samples get. Chosen: 17 tolerances then take
 four times as long as the runs themselves; four times the runs would only halve the bounds."""
@@ -99,31 +100,15 @@ MEAN = OF_FIGURE._replace(label="mean", digits=5)
 
 @declare.dataclass
 class ScatterPlan:
-    """How many runs, from which seed, how shares are found, and on how many processes.
+    """Runs of a scatter study: see `scatter`."""
 
-    Parameters
-    ----------
-    runs, seed : int, optional
-        Draws within the tolerances, and their seed.
-    shares : str, optional
-        How the share of each tolerance is found: ``alone``, by runs in which it alone moves, ``sobol``, with what
-        tolerances do together, or ``none``.
-    workers : int, optional
-        Processes.
-    """
-
-    runs: int = declare.count("how many runs", default=500)
+    runs: int = declare.count("how many runs", default=RUNS)
     seed: int = declare.count("of the draws", default=1)
     shares: str = "alone"
-    workers: int = 1
 
     def check(self) -> None:
         """Refuse what cannot be done."""
-        for field, got, low, high in (
-            ("--runs", self.runs, FEWEST, MOST),
-            ("--seed", self.seed, 0, MOST_SEED),
-            ("--workers", self.workers, 1, MOST_WORKERS),
-        ):
+        for field, got, low, high in (("--runs", self.runs, FEWEST, MOST), ("--seed", self.seed, 0, MOST_SEED)):
             if not low <= got <= high:
                 raise InputError(field, got, f"a whole number from {low} to {high}")
         if self.shares not in METHODS:
@@ -492,13 +477,15 @@ class ScatterStudy(Study):
         return {"runs.csv": csv_table(self.run_table)}
 
 
-@compiling_shown()
 def scatter(
     case: Case,
-    plan: ScatterPlan | None = None,
+    *,
+    runs: int = RUNS,
+    seed: int = 1,
+    shares: str = "alone",
+    workers: int | Workers = 1,
+    store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
-    store: RunStore | None = None,
-    pool: Pool | None = None,
 ) -> ScatterStudy:
     """Run a case many times within its tolerances.
 
@@ -508,14 +495,17 @@ def scatter(
     ----------
     case : Case
         Case of a machine, with a tolerance at least.
-    plan : ScatterPlan, optional
-        Runs, seed, shares, processes. With more than one process, call it below ``if __name__ == "__main__":``.
+    runs, seed : int, optional
+        Draws within the tolerances, and their seed.
+    shares : str, optional
+        How the share of each tolerance is found: ``alone``, by runs in which it alone moves, ``sobol``, with what
+        tolerances do together, or ``none``.
+    workers : int or Workers, optional
+        Processes, or who runs instead, such as ``strikewave.Workers(cluster="tcp://host:8786")``.
+    store : path, optional
+        Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
         Called with the share done, 0 to 1.
-    store : RunStore, optional
-        Finished runs; what it holds is not run again.
-    pool : Pool, optional
-        Who runs the others instead, and is ended here.
 
     Returns
     -------
@@ -529,11 +519,24 @@ def scatter(
     StrikewaveError
         If a process ended before its time.
     """
-    plan = ScatterPlan() if plan is None else plan
+    plan = ScatterPlan(runs, seed, shares)
+    with store_in(store) as finished:
+        return make_scatter(case, plan, finished, as_workers(workers).pool(), progress)
+
+
+@compiling_shown()
+def make_scatter(
+    case: Case,
+    plan: ScatterPlan,
+    store: RunStore | None = None,
+    pool: Pool | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> ScatterStudy:
+    """Make a scatter study: all runs that a store does not have yet; the pool is ended here."""
     plan.check()
     case.rotary_tables()
     tolerances = tolerances_of(case)
-    whole = plan.all_runs(len(tolerances))
+    total = plan.all_runs(len(tolerances))
     points = quantiles(tolerances, plan.runs, plan.seed)
     numbers = drawn(tolerances, points)
     nominal_run = run_result(drawn_case(case, tolerances, nominal(tolerances)[0].tolist()))
@@ -542,9 +545,9 @@ def scatter(
 
     def advance(done: int) -> None:
         if progress is not None:
-            progress((1 + done) / whole)
+            progress((1 + done) / total)
 
-    with at_work(store, pool, plan.workers) as (open_store, open_pool):
+    with at_work(store, pool) as (open_store, open_pool):
         runner = Runner(case, tolerances, open_store, open_pool, advance)
         runs = runner(numbers)
         sobol = ("saltelli-2010", "jansen-1999") if plan.shares == "sobol" else ()

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.reporting.options import Changes, Cluster, ElementDevice, Fresh, KeptRuns, Processes, case_name
+from strikewave.reporting.options import Changes, RunningElements, case_name
 from strikewave.reporting.output_options import StudyOutput
 
 
@@ -64,14 +64,7 @@ def command(
             show_default=False,
         ),
     ] = None,
-    workers: Processes = 2,
-    cluster: Cluster = None,
-    device: ElementDevice = None,
-    store: KeptRuns = None,
-    fresh: Fresh = False,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say how many runs there are and how long they take, and make none.")
-    ] = False,
+    running: RunningElements,
     changes: Changes = None,
     output: StudyOutput,
 ) -> int:
@@ -82,16 +75,17 @@ def command(
     The same can stand in a study file: case, set, vary, keep, analysis, design, runs, seed. With --json, no files are
     written unless --out is given.
     """
-    from strikewave.studies.engine.runner import pool_of
+    from strikewave.studies.engine.runner import Workers
     from strikewave.studies.sweep.plan import SweepRequest, read_request
     from strikewave.studies.sweep.report import SweepCommand, show_estimate
 
     typed = SweepRequest(tuple(vary or ()), tuple(keep or ()), analysis or "", design or "", runs, seed)
     request = read_request(case, changes or (), typed)
-    plan = request.plan(output.tested(request.loaded)).on(device, cluster)
-    count = min(workers, os.cpu_count() or 1)
-    pool = pool_of(None, 1) if dry_run else pool_of(None, count, cluster)
-    making = SweepCommand(plan.case, plan, pool, place=store, fresh=fresh)
-    if dry_run:
+    count = min(running.workers, os.cpu_count() or 1)
+    workers = Workers(count, cluster=running.cluster, device=running.device)
+    plan = request.plan(output.tested(request.loaded)).on(workers)
+    pool = (Workers() if running.dry_run else workers).pool()
+    making = SweepCommand(plan.case, plan, pool, place=running.store, fresh=running.fresh)
+    if running.dry_run:
         return show_estimate(making, request.changes, count, output)
     return making.run(request.changes, output)

@@ -41,6 +41,7 @@ from strikewave.studies.engine.plan import (
     grid,
     varied,
 )
+from strikewave.studies.engine.runner import Workers
 from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable
 from strikewave.studies.study_file import Settings, case_place, states_a_study
 from strikewave.uncertainty.draws import UncertainInput, tolerances_of
@@ -83,9 +84,9 @@ class SweepPlan:
     evaluation: CaseEvaluation
     rows: tuple[Row, ...]
 
-    def on(self, device: str | None, cluster: str | None) -> SweepPlan:
-        """Return the plan with the steps of elements taken on a device, here or on a cluster; None: the processor."""
-        device = checked_device(self.evaluation.analysis, device, cluster)
+    def on(self, workers: Workers) -> SweepPlan:
+        """Return the plan with the steps of elements taken on the device of the workers."""
+        device = checked_device(self.evaluation.analysis, workers.device, workers.cluster)
         return replace(self, evaluation=replace(self.evaluation, device=device))
 
     @property

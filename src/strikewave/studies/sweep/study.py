@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -24,7 +23,7 @@ from strikewave.reporting.shown_result import shown_table
 from strikewave.studies.engine.case_evaluation import OF_NUMBER, KeptNumber, OfKept
 from strikewave.studies.engine.plan import GRID, HYPERCUBE, SOBOL
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import Advance, at_work, finished_runs, pool_of, share_reporter
+from strikewave.studies.engine.runner import Advance, Workers, as_workers, at_work, finished_runs, share_reporter
 from strikewave.studies.engine.store import RunStore, store_in
 from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.study import Study
@@ -324,10 +323,7 @@ def sweep(
     design: str = GRID,
     runs: int | None = None,
     seed: int = 1,
-    workers: int = 1,
-    executor: Executor | None = None,
-    cluster: str | None = None,
-    device: str | None = None,
+    workers: int | Workers = 1,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> SweepStudy:
@@ -351,14 +347,8 @@ def sweep(
         ``grid``, ``latin-hypercube``, ``sobol`` or ``tolerances``.
     runs, seed : int, optional
         Number of runs and random seed of a design that is no grid.
-    workers : int, optional
-        Processes. With more than one, call it below ``if __name__ == "__main__":``.
-    executor : Executor, optional
-        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
-    cluster : str, optional
-        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
-    device : str, optional
-        ``cuda`` or ``cuda-mixed``: the steps of elements are taken on the GPU, which the processes share.
+    workers : int or Workers, optional
+        Processes, or who runs instead, such as ``strikewave.Workers(cluster="tcp://host:8786")``.
     store : path, optional
         Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
@@ -382,6 +372,7 @@ def sweep(
     >>> study.number("first.rigid_peak").shape, study.failed
     ((3,), 0)
     """
-    plan = plan_of(case, vary, keep, analysis, design, runs, seed).on(device, cluster)
+    made_by = as_workers(workers, elements=True)
+    plan = plan_of(case, vary, keep, analysis, design, runs, seed).on(made_by)
     with store_in(store) as finished:
-        return make_sweep(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))
+        return make_sweep(plan, finished, made_by.pool(), share_reporter(progress))

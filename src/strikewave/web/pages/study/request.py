@@ -132,7 +132,7 @@ class StudyRequest(NamedTuple):
         """Return what the function of a kind takes beside the case."""
         runs = self.one("runs")
         if self.kind == "scatter":
-            return [f"strikewave.ScatterPlan(runs={runs})"] if runs else []
+            return [f"runs={runs}"] if runs else []
         if self.kind == "map":
             named = [f"{key}={self.one(key)!r}" for key in ("x", "y") if self.one(key)]
             points = self.one("points").replace("x", ", ")

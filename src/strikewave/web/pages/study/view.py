@@ -24,7 +24,7 @@ from strikewave.studies.fit.result import FitStudy
 from strikewave.studies.map import X, Y
 from strikewave.studies.map.cells import MapCell
 from strikewave.studies.map.study import MapStudy
-from strikewave.studies.scatter.study import ScatterPlan
+from strikewave.studies.scatter.study import RUNS
 from strikewave.studies.search.design import DesignStudy
 from strikewave.studies.search.design_report import drawn_numbers
 from strikewave.studies.search.rotary import SettingsStudy
@@ -87,7 +87,7 @@ def study(request: StudyRequest, say: Say) -> dict[str, Any]:
             case, request.one("x", X), request.one("y", Y), points=_points(request), progress=progress
         )
     elif request.kind == "scatter":
-        result = strikewave.scatter(case, ScatterPlan() if runs is None else ScatterPlan(runs=runs), progress=progress)
+        result = strikewave.scatter(case, runs=RUNS if runs is None else runs, progress=progress)
     else:
         raise InputError("study", request.kind, ", ".join(KINDS))
     say(None, "pictures and report")
