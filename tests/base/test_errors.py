@@ -1,10 +1,11 @@
 """Errors as they go from process to process."""
 
 import pickle
+from pathlib import Path
 
 import pytest
 
-from strikewave.base.errors import MISSING, InputError, InputErrors
+from strikewave.base.errors import MISSING, InputError, InputErrors, MissingPackageError
 
 
 @pytest.mark.parametrize(
@@ -12,6 +13,8 @@ from strikewave.base.errors import MISSING, InputError, InputErrors
     [
         InputError("machine.speed", "730", "a rotational speed with its unit", 'write "730 rpm"'),
         InputError("striker", MISSING, "a striker"),
+        InputError("--out", Path("out/map"), "a new folder"),
+        MissingPackageError("--xlsx", "openpyxl", "formats"),
         InputErrors(["striker: missing; add [striker]", "object: missing; add [object]"]),
     ],
 )

@@ -38,7 +38,7 @@ def test_a_misspelt_file_names_the_one_beside_it(tmp_path, monkeypatch):
     for name in ("table-power.toml", "sub/other.toml"):
         (tmp_path / name).write_text("schema = 1\n")
     assert refusal(load_case, "tabel-power.toml") == (
-        'case: no such file: tabel-power.toml; did you mean "table-power.toml"?'
+        'no such file: tabel-power.toml; did you mean "table-power.toml"?'
     )
     assert 'did you mean "sub/other.toml"?' in refusal(load_case, "sub/othr.toml").replace("\\", "/")
     assert "`strikewave cases`" in refusal(load_case, "xyz.toml")

@@ -44,7 +44,7 @@ def test_examples_replace_nothing_and_leave_nothing(strikewave, name):
     Path("file").write_text("mine")
     code, out, err = strikewave("examples", name)
     assert (code, out) == (2, "")
-    assert err.startswith("FOLDER: got")
+    assert err.startswith(f"{name} cannot be used; needed: ")
     assert {path.name for path in Path().iterdir()} == {"taken", "file"}
     assert Path("taken/mine.txt").read_text() == "mine"
 

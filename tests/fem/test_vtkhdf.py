@@ -224,7 +224,7 @@ def test_frames_that_do_not_fit_are_refused(tmp_path, mesh, frames):
 def test_places_that_cannot_be_written_or_read_are_told(tmp_path, mesh):
     with pytest.raises(InputError, match="a place that can be written"):
         FieldWriter(tmp_path / "absent" / "fields.vtkhdf", mesh)
-    with pytest.raises(InputError, match="FILE"):
+    with pytest.raises(InputError, match="cannot be used; needed: a place that can be written"):
         FieldWriter.restored(tmp_path / "absent.vtkhdf", mesh, before=1.0)
     with pytest.raises(InputError, match="a VTKHDF file"):
         next(stored_frames(tmp_path / "absent.vtkhdf"))

@@ -123,7 +123,7 @@ def test_same_page_gives_the_same_bytes():
 
 def test_without_the_extra_an_error_says_how_to_install_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "weasyprint", None)
-    with pytest.raises(InputError, match=re.escape('pip install "strikewave[pdf]"')):
+    with pytest.raises(InputError, match=re.escape("--pdf needs WeasyPrint: pip install 'strikewave[pdf]'")):
         check_pdf("--pdf", "A4")
 
 

@@ -92,5 +92,5 @@ def test_histories_longer_than_a_sheet_are_thinned_and_it_is_said(run, tmp_path,
 
 def test_workbook_without_its_writer_is_refused_before_the_work(monkeypatch):
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r"--xlsx: .*strikewave\[formats\]"):
+    with pytest.raises(InputError, match=r"--xlsx needs openpyxl: .*strikewave\[formats\]"):
         check_workbook()

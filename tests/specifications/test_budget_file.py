@@ -22,7 +22,7 @@ def _one(**fields):
 SENSITIVITY = {"kind": '"sensitivity"', "value": '"2 %"', "coverage": "2"}
 
 WRONG = {
-    "not TOML": ("schema = ", "allowed: a share such as"),
+    "not TOML": ("schema = ", "needed: a share such as"),
     "a newer schema": (_one(**SENSITIVITY).replace("schema = 1", "schema = 2"), "schema: got 2"),
     "no title": (_one(**SENSITIVITY).replace('title = "t"\n', ""), "title: missing"),
     "no status": (_one(**SENSITIVITY).replace('status = "normative"\n', ""), "status: missing"),

@@ -19,7 +19,7 @@ def test_without_nicegui_it_says_what_to_install(strikewave, monkeypatch):
     monkeypatch.setitem(sys.modules, "nicegui", None)
     code, _, err = strikewave("app", "--no-browser")
     assert code == 2
-    assert 'pip install "strikewave[app]"' in err
+    assert "strikewave app needs NiceGUI: pip install 'strikewave[app]'" in err
 
 
 def test_a_port_that_is_taken_and_a_host_of_another_machine_are_refused_in_one_line(strikewave):

@@ -336,12 +336,12 @@ def open_result(path: Path, allowed: str) -> Iterator[xarray.Dataset]:
         check_sealed(path)
         with xarray.open_dataset(path, engine="h5netcdf") as opened:
             if opened.nbytes > LARGEST_LOAD:
-                raise InputError("solution", str(path), "a file of at most 4 GB in memory")
+                raise InputError("solution", path, "a file of at most 4 GB in memory")
             yield opened
     except InputError:
         raise
     except Exception as error:  # whatever a damaged file makes the readers raise
-        raise InputError("solution", str(path), allowed, f"it cannot be read ({error})") from error
+        raise InputError("solution", path, allowed, f"it cannot be read ({error})") from error
 
 
 def _variable(dims: Any, values: Any, attrs: Mapping[str, Any] | None = None) -> Variable:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import enum
 from collections.abc import Callable, Iterable
+from pathlib import PurePath
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -18,8 +19,9 @@ class _Missing(enum.Enum):
 
 MISSING = _Missing.MISSING
 """Stands for what came where nothing came."""
-EXISTING_FILE = "an existing file"
-"""Allowed value where a path names no file: the message then reads "no such file: x", which is all there is to say."""
+EXISTING_FILE, EXISTING_CASE = "an existing file", "a case file or a built-in case"
+"""Allowed values where a name leads to nothing: the message then reads "no such file: x", all there is to say."""
+_NOT_THERE = {EXISTING_FILE: "no such file", EXISTING_CASE: "no such case"}
 LONGEST_SHOWN = 60
 """Characters of a value in an error line: with field and hint it still is one line of a terminal."""
 LONGEST_WORD, ALIKE, MOST_CHOICES = 80, 0.6, 40
@@ -38,24 +40,22 @@ class InputError(StrikewaveError, ValueError):
     Parameters
     ----------
     field : str
-        Path of the field, such as ``machine.speed`` or ``--speed``.
+        Path of the field, such as ``machine.speed`` or ``--speed``; an argument of a command is named by its metavar.
     got : object
-        Value that was given.
+        Value that was given: a `pathlib.Path` of a file or folder, `MISSING` where nothing came.
     allowed : str
-        Values that would have been accepted.
+        Values that would have been accepted; `EXISTING_FILE` or `EXISTING_CASE` where a name leads to nothing.
     hint : str, optional
         Next step, or the nearest match.
-
-    Notes
-    -----
-    ``got`` may be `MISSING`, where nothing came; ``allowed`` may be `EXISTING_FILE`, where a path names no file.
 
     Examples
     --------
     >>> str(InputError("machine.speed", "730", "a rotational speed with its unit", 'write "730 rpm"'))
     'machine.speed: got "730"; allowed: a rotational speed with its unit; write "730 rpm"'
-    >>> str(InputError("load.file", "blow.csv", EXISTING_FILE))
-    'load.file: no such file: blow.csv'
+    >>> str(InputError("load.file", "blow.csv", EXISTING_FILE)), str(InputError("FILE", "blow.csv", EXISTING_FILE))
+    ('load.file: no such file: blow.csv', 'no such file: blow.csv')
+    >>> str(InputError("--out", Path("out/map"), "a new folder", "add --force to replace what it holds"))
+    '--out: out/map cannot be used; needed: a new folder; add --force to replace what it holds'
     """
 
     def __init__(self, field: str, got: object, allowed: str, hint: str = "") -> None:
@@ -63,14 +63,19 @@ class InputError(StrikewaveError, ValueError):
         self.got = got
         self.allowed = allowed
         self.hint = hint
+        name = show(str(got)).strip('"')
+        where = f"{field}: "
         if got is MISSING:
             fault = f"missing; needed: {allowed}"
-        elif allowed == EXISTING_FILE:
-            path = show(str(got)).strip('"')
-            fault = f"no such file: {path}"
+        elif allowed in _NOT_THERE:
+            fault = f"{_NOT_THERE[allowed]}: {name}"
+            where = "" if field.isupper() or field == "case" else where  # the name says which argument it is
+        elif isinstance(got, PurePath):
+            fault = f"{name} cannot be used; needed: {allowed}"
+            where = "" if field.isupper() else where
         else:
             fault = f"got {show(got)}; allowed: {allowed}"
-        super().__init__(f"{field}: {fault}" + (f"; {hint}" if hint else ""))
+        super().__init__(where + fault + (f"; {hint}" if hint else ""))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Make the error anew where it comes to another process."""
@@ -85,6 +90,28 @@ class InputError(StrikewaveError, ValueError):
         'striker.nose_radius: got -1.0; allowed: a length above zero'
         """
         return InputError(field, self.got, self.allowed, self.hint)
+
+
+class MissingPackageError(InputError):
+    """A package that is not installed, and the extra of strikewave that brings it.
+
+    Examples
+    --------
+    >>> str(MissingPackageError("--xlsx", "openpyxl", "formats"))
+    "--xlsx needs openpyxl: pip install 'strikewave[formats]'"
+    """
+
+    def __init__(self, field: str, package: str, extra: str) -> None:
+        self.field, self.got, self.allowed, self.hint = field, MISSING, package, extra
+        ValueError.__init__(self, f"{field} needs {package}: pip install 'strikewave[{extra}]'")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Make the error anew where it comes to another process."""
+        return type(self), (self.field, self.allowed, self.hint)
+
+    def at(self, field: str) -> MissingPackageError:
+        """Return the same error of a field that has another name where the input came from."""
+        return MissingPackageError(field, self.allowed, self.hint)
 
 
 class InputErrors(InputError):  # noqa: N818  (it is several)

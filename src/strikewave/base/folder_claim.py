@@ -106,7 +106,7 @@ def claimed(folder: Path) -> Iterator[Claim]:
             lock = _lock(claim)
         except OSError as error:
             allowed, reason = "a place that can be written", refusal(error, claim.folder)
-            raise InputError("--out", str(folder), allowed, reason) from None
+            raise InputError("--out", folder, allowed, reason) from None
         try:
             claim.recover()
             yield claim
@@ -137,7 +137,7 @@ def _lock(claim: Claim) -> int | None:
             if error.errno not in (errno.EACCES, errno.EAGAIN):
                 return None
             hint = f"process {owner or 'unknown'} is at work on it; wait for its end, or choose another folder"
-            raise InputError("--out", str(claim.folder), "a folder that no other run writes", hint) from None
+            raise InputError("--out", claim.folder, "a folder that no other run writes", hint) from None
         if _identity(claim.lock) == _identity(file):
             break
         os.close(file)  # its owner removed it meanwhile

@@ -119,24 +119,24 @@ def check_place(folder: Path, identity: str, force: bool = False) -> None:
     try:
         _check(folder, identity, force)
     except OSError as error:
-        raise InputError("--out", str(folder), "a folder that can be written", error.strerror or str(error)) from None
+        raise InputError("--out", folder, "a folder that can be written", error.strerror or str(error)) from None
 
 
 def _check(folder: Path, identity: str, force: bool) -> None:
     if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise InputError("--out", str(folder), "a folder", "this is a file or a link; choose another name")
+        raise InputError("--out", folder, "a folder", "this is a file or a link; choose another name")
     parent = next((p for p in folder.absolute().parents if p.exists()), None)
     if parent is None:
-        raise InputError("--out", str(folder), "a folder below the root")
+        raise InputError("--out", folder, "a folder below the root")
     if not parent.is_dir() or not os.access(parent, os.W_OK):
-        raise InputError("--out", str(folder), "a place that can be written", f"{parent} cannot")
+        raise InputError("--out", folder, "a place that can be written", f"{parent} cannot")
     if not folder.exists() or not any(folder.iterdir()):
         return
     mark, changed = mark_of(folder), changed_files(folder)
     if mark is None or changed is None or changed:
-        raise InputError("--out", str(folder), "an empty or new folder", _whose(folder, mark, changed))
+        raise InputError("--out", folder, "an empty or new folder", _whose(folder, mark, changed))
     if not force and not _is_marked(mark_text(mark), identity):
-        raise InputError("--out", str(folder), "a new folder", "it holds another result; add --force to replace it")
+        raise InputError("--out", folder, "a new folder", "it holds another result; add --force to replace it")
 
 
 def _whose(folder: Path, mark: Path | None, changed: list[str] | None) -> str:
@@ -174,7 +174,7 @@ def check_unchanged(folder: Path, identity: str) -> None:
             return
         if _digest_of(text) != listed.get(mark.name):
             hint = f"{mark} was changed after the run: move it to run it, or choose another folder"
-            raise InputError("--out", str(folder), "a result as its run wrote it", hint)
+            raise InputError("--out", folder, "a result as its run wrote it", hint)
 
 
 @contextlib.contextmanager
@@ -207,7 +207,7 @@ def atomic_folder(claim: Claim, identity: str, force: bool = False) -> Iterator[
         claim.swap()
     except OSError as error:
         allowed, reason = "a place that can be written", refusal(error, claim.folder)
-        raise InputError("--out", str(claim.folder), allowed, reason) from error
+        raise InputError("--out", claim.folder, allowed, reason) from error
     finally:
         shutil.rmtree(claim.place, ignore_errors=True)
 
@@ -241,10 +241,10 @@ def write_atomically(path: Path, text: str) -> None:
     """
     partial = hidden_beside(path, secrets.token_hex(_RANDOM_BYTES))
     try:
-        with partial.open("x", encoding="utf-8") as file:
+        with partial.open("x", encoding="utf-8", newline="\n") as file:
             file.write(text)
         partial.replace(path)
     except OSError as error:
-        raise InputError("FILE", str(path), "a place that can be written", refusal(error, path)) from None
+        raise InputError("FILE", path, "a place that can be written", refusal(error, path)) from None
     finally:
         partial.unlink(missing_ok=True)

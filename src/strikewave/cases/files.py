@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from strikewave.base.documents import read_toml
-from strikewave.base.errors import EXISTING_FILE, InputError, nearest, show
+from strikewave.base.errors import EXISTING_CASE, EXISTING_FILE, InputError, nearest, show
 
 LARGEST_FILE = 1_000_000
 """A case file above this many bytes is refused: a hundred times the largest built-in case, so that it is no case
@@ -44,20 +44,20 @@ def read_case_text(name: str) -> tuple[str, str]:
         if path.is_dir() and (path / "case.toml").is_file():
             path = path / "case.toml"
         if not path.is_file():
-            allowed = EXISTING_FILE if name.endswith(".toml") else "a case file or a built-in case"
+            allowed = EXISTING_FILE if name.endswith(".toml") else EXISTING_CASE
             raise InputError("case", name, allowed, _nearest_case(path, name))
         with path.open("rb") as file:
             data = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError("case", name, "a file that can be read", getattr(error, "strerror", "") or "") from None
+        raise InputError("case", path, "a file that can be read", getattr(error, "strerror", "") or "") from None
     if len(data) > LARGEST_FILE:
-        raise InputError("case", name, f"a case file of at most {LARGEST_FILE // 1000} kB")
+        raise InputError("case", path, f"a case file of at most {LARGEST_FILE // 1000} kB")
     try:
         return data.decode("utf-8-sig"), path.stem
     except UnicodeDecodeError:
-        raise InputError("case", name, "a text file in UTF-8") from None
+        raise InputError("case", path, "a text file in UTF-8") from None
 
 
 LARGEST_SMALL_FILE = 100_000
@@ -71,11 +71,11 @@ def read_small_file(file: Path, field: str, allowed: str) -> dict[str, Any]:
             data = opened.read(LARGEST_SMALL_FILE + 1)
         document = read_toml(data.decode("utf-8-sig"))
     except FileNotFoundError:
-        raise InputError(field, str(file), EXISTING_FILE) from None
+        raise InputError(field, file, EXISTING_FILE) from None
     except OSError as error:
-        raise InputError(field, str(file), "a file that can be read", error.strerror or "") from None
+        raise InputError(field, file, "a file that can be read", error.strerror or "") from None
     except ValueError as error:
-        raise InputError(field, str(file), allowed, show(str(error), 120).strip('"')) from None
+        raise InputError(field, file, allowed, show(str(error), 120).strip('"')) from None
     if len(data) > LARGEST_SMALL_FILE:
-        raise InputError(field, str(file), f"a file of at most {LARGEST_SMALL_FILE // 1000} kB")
+        raise InputError(field, file, f"a file of at most {LARGEST_SMALL_FILE // 1000} kB")
     return document

@@ -565,10 +565,10 @@ def _of_table(table: SensorTable, field: str) -> StatedSensor:
 def _only_table(file: Path, field: str) -> SensorTable:
     document = read_small_file(file, field, ALLOWED)
     if set(document) != {"sensor"}:
-        raise InputError(field, str(file), ALLOWED, f"it has {', '.join(map(show, document)) or 'nothing'}")
+        raise InputError(field, file, ALLOWED, f"it has {', '.join(map(show, document)) or 'nothing'}")
     tables = FORM.read(document, f"{field} ").sensor
     if len(tables) != 1:
-        raise InputError(field, str(file), ALLOWED, f"it has {len(tables)}")
+        raise InputError(field, file, ALLOWED, f"it has {len(tables)}")
     return tables[0]
 
 

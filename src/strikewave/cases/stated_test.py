@@ -242,7 +242,7 @@ def load_test(file: Path, option: str = "--test") -> StatedTest:
     ]
     found = StatedTest(test, more, tuple(photographs), str(file))
     if not found.stated():
-        raise InputError(option, str(file), "a file with one of " + ", ".join(PerformedTest.model_fields))
+        raise InputError(option, file, "a file with one of " + ", ".join(PerformedTest.model_fields))
     return found
 
 

@@ -12,13 +12,14 @@ import os
 import re
 import sys
 import warnings
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from strikewave._version import __version__
-from strikewave.base.errors import LONGEST_SHOWN, MISSING, InputError, StrikewaveError, StrikewaveWarning, show
+from strikewave.base.errors import LONGEST_SHOWN, MISSING, InputError, StrikewaveError, StrikewaveWarning, nearest, show
 from strikewave.base.folder_claim import FULL, refusal
 from strikewave.base.processes import Stopped, exit_code, heed
 from strikewave.base.texts import file_word
@@ -171,6 +172,9 @@ REFUSED_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)
 """Numbers of the errors of a system that takes a path for no name at all."""
 
 
+NO_SUCH = re.compile(r"No such (command|option):? ('.*?'|\S+)")
+EXTRA_ARGUMENTS = re.compile(r"unexpected extra argument(?:\(s\)|s)? \((.*)\)")
+"""Errors of typer: a word that it does not know, and words beyond the arguments of a command."""
 FILE_NAME = re.compile(r"-[^=]*\.[A-Za-z]\w*")
 """A word that begins as an option does, and ends as the name of a file."""
 
@@ -194,12 +198,29 @@ def usage_line(error: Exception) -> str | None:
         if wrong is not None:
             return str(wrong)
     words = " ".join(shortened(word) for word in str(error.format_message()).rstrip(". ").split())
-    if "unexpected extra argument" in words:  # as the shell cuts --set machine.height=60 cm
-        words += ": put quotes around a value that has a space"
+    extra = EXTRA_ARGUMENTS.search(words)
+    if extra is not None:  # as the shell cuts --set machine.height=60 cm
+        return f"{path}: too many arguments: {extra[1]}; put quotes around a value that has a space; {help_of}"
+    missing = NO_SUCH.match(words)
+    if missing is None:
+        return f"{path}: {words[:1].lower()}{words[1:]}; {help_of}"
+    name = missing[2].strip("'")
     files = [word for word in sys.argv[1:] if word.startswith("-") and _may_be_file(word)]
-    if "No such option" in words and files:
-        words += f": to name the file {shortened(files[0])}, write {shortened(file_word(files[0]))}"
-    return f"{path}: {words} ({help_of})"
+    if missing[1] == "command":
+        return "; ".join([f"no such command: {name}", *_nearest(name, entries()), help_of])
+    if files:
+        hints = [f"to name the file {shortened(files[0])}, write {shortened(file_word(files[0]))}"]
+    else:
+        options = [] if context is None else context.command.params
+        hints = _nearest(name, [word for option in options for word in option.opts if word.startswith("--")])
+    return "; ".join([f"{path} has no option {name}", *hints, help_of])
+
+
+def _nearest(name: str, choices: Iterable[str]) -> list[str]:
+    """Return the choice that a name begins, or that is like it, as a hint; nothing where none is."""
+    begun = [choice for choice in choices if choice.startswith(name)]
+    near = nearest(name, begun[:1] or choices)
+    return [near] if near.startswith("did you mean") else [f'did you mean "{begun[0]}"?'] if begun else []
 
 
 def _may_be_file(word: str) -> bool:

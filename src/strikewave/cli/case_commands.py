@@ -81,12 +81,12 @@ def new_case(
     Every value has its provenance, and a comment: what it is, how to get it on a real machine, why this default.
     """
     if not file.name or file.suffix not in ("", ".toml"):
-        raise InputError("FILE", str(file), "the name of a case file, such as my-machine.toml")
+        raise InputError("FILE", file, "the name of a case file, such as my-machine.toml")
     path = file.with_name(file.stem + ".toml")
     if path.exists() and not force:
-        raise InputError("FILE", str(path), "a name that is not taken", "add --force to replace it")
+        raise InputError("FILE", path, "a free name", "add --force to replace it")
     if not path.absolute().parent.is_dir():
-        raise InputError("FILE", str(path), "a file in a folder that exists")
+        raise InputError("FILE", path, "a file in a folder that exists")
     if origin == TEST:
         write_atomically(path, example_file())
         _tell(
@@ -132,7 +132,7 @@ def _write_example(path: Path) -> Path:
     beside = path.with_name(name)
     if os.path.lexists(beside) and not (beside.is_file() and beside.read_bytes() == record.encode()):
         hint = "move it, or give the set-up another name: no file of yours is replaced by the example's record"
-        raise InputError("FILE", str(beside), "no other file of this name there", hint)
+        raise InputError("FILE", beside, "a free name", hint)
     write_atomically(beside, record)
     write_atomically(path, example_setup(name) + TEST_EXAMPLE)
     return beside

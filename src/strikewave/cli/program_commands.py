@@ -250,9 +250,9 @@ def copy_examples(folder: Path) -> list[Path]:
     (True, True)
     """
     if folder.is_symlink() or (folder.exists() and (not folder.is_dir() or any(folder.iterdir()))):
-        raise InputError("FOLDER", str(folder), "a folder that is not there yet, or empty", "choose another name")
+        raise InputError("FOLDER", folder, "a folder that is not there yet, or empty", "choose another name")
     if not folder.absolute().parent.is_dir():
-        raise InputError("FOLDER", str(folder), "a folder in one that exists")
+        raise InputError("FOLDER", folder, "a folder in one that exists")
     with tempfile.TemporaryDirectory(dir=folder.absolute().parent, prefix=f".{folder.name}.") as place:
         whole = Path(place) / "whole"
         _fill(whole)

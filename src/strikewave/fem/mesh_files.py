@@ -27,7 +27,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.errors import EXISTING_FILE, InputError, nearest
+from strikewave.base.errors import EXISTING_FILE, InputError, MissingPackageError, nearest
 from strikewave.base.processes import ONE_THREAD, environment, python_command
 from strikewave.fem import meshio_child
 from strikewave.fem.mesh import FACES, Array, Index, Mesh, exterior_faces, volumes
@@ -470,7 +470,7 @@ def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:
     if not 0.0 < scale < math.inf:
         raise InputError("scale", scale, "above 0, such as 1e-3 for a mesh in mm")
     if not file.is_file():
-        raise InputError("mesh.file", str(path), EXISTING_FILE)
+        raise InputError("mesh.file", path, EXISTING_FILE)
     if file.stat().st_size > LARGEST_FILE:
         raise InputError("mesh.file", f"{file.stat().st_size} bytes", f"at most {LARGEST_FILE}")
     kind = file.suffix.lower()
@@ -594,8 +594,7 @@ def _clean(name: str) -> str:
 def _read_meshio(file: Path, kind: str) -> RawMesh:
     """Return what meshio finds in a file, in a process with bounds; whatever ends it means that the file is damaged."""
     if importlib.util.find_spec("meshio") is None:
-        hint = "pip install 'strikewave[mesh]'"
-        raise InputError("mesh.file", file.name, f"{file.suffix} only where meshio is installed", hint)
+        raise MissingPackageError(f"mesh.file: {file.name}", "meshio", "mesh")
     size = file.stat().st_size
     with tempfile.TemporaryDirectory() as folder:
         target = Path(folder) / "mesh.npz"

@@ -176,11 +176,11 @@ def _blow_in(path: Path) -> int:
 
 def _check_file(path: Path) -> None:
     if not path.is_file() or path.stat().st_size > LARGEST:
-        raise InputError("restart", str(path), ALLOWED, "run without it")
+        raise InputError("restart", path, ALLOWED, "run without it")
 
 
 def _damaged(path: Path, error: Exception) -> InputError:
-    return InputError("restart", str(path), ALLOWED, f"it is damaged ({error}): run without it")
+    return InputError("restart", path, ALLOWED, f"it is damaged ({error}): run without it")
 
 
 def read_restart(path: Path, engine: Engine, blow: int = 1, restore: Restore | None = None) -> None:
@@ -198,9 +198,7 @@ def read_restart(path: Path, engine: Engine, blow: int = 1, restore: Restore | N
         check_sealed(path)
         with h5py.File(path, "r") as file:
             if file.attrs.get("fingerprint") != engine.fingerprint:
-                raise InputError(
-                    "restart", str(path), ALLOWED, "the case has changed since, or strikewave: run without it"
-                )
+                raise InputError("restart", path, ALLOWED, "the case has changed since, or strikewave: run without it")
             state = _read(file, engine, path.stat().st_size)
         _check(engine, state, blow)
         seen = {name.removeprefix(SEEN): value for name, value in state.items() if name.startswith(SEEN)}

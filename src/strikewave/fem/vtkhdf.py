@@ -245,7 +245,7 @@ class FieldWriter:
                     self._disk.check()
         except OSError as error:
             allowed = "a place that can be written, with room"
-            raise InputError("FILE", str(self.path), allowed, refusal(error, self.path)) from error
+            raise InputError("FILE", self.path, allowed, refusal(error, self.path)) from error
 
 
 def stored_frames(path: Path) -> Iterator[FieldFrame]:
@@ -259,7 +259,7 @@ def stored_frames(path: Path) -> Iterator[FieldFrame]:
     try:
         file = _opened(path, "r")
     except OSError as error:
-        raise InputError("FILE", str(path), "a VTKHDF file", error.strerror or str(error)) from None
+        raise InputError("FILE", path, "a VTKHDF file", error.strerror or str(error)) from None
     with file:
         grid = _checked_grid(path, file)
         points, cells = len(grid["Points"]), len(grid["Types"])
@@ -356,9 +356,7 @@ def _checked_grid(path: Path, file: Any) -> Any:
                 raise ValueError(f"{field.name} is shorter than its {frames} frames")
             _own(file, f"Steps/{field.home}Offsets/{field.name}")
     except (KeyError, ValueError, TypeError, AttributeError, OSError, RuntimeError) as error:
-        raise InputError(
-            "FILE", str(path), "fields as strikewave writes them, whole", str(error)[:LONGEST_HINT]
-        ) from None
+        raise InputError("FILE", path, "fields as strikewave writes them, whole", str(error)[:LONGEST_HINT]) from None
     return grid
 
 
@@ -385,7 +383,7 @@ def _check_whole(path: Path, grid: Any) -> None:
                 table[chunk]
         except OSError as error:
             what = f"{field.name}: {error}"[:LONGEST_HINT]
-            raise InputError("FILE", str(path), "fields as strikewave writes them, whole", what) from None
+            raise InputError("FILE", path, "fields as strikewave writes them, whole", what) from None
 
 
 def _check_same_mesh(path: Path, grid: Any, mesh: Mesh) -> None:
@@ -397,4 +395,4 @@ def _check_same_mesh(path: Path, grid: Any, mesh: Mesh) -> None:
         and np.array_equal(grid["Connectivity"][:], mesh.hexahedra.reshape(-1))
     )
     if not same:
-        raise InputError("FILE", str(path), "fields of this mesh", "it belongs to another mesh; begin a new file")
+        raise InputError("FILE", path, "fields of this mesh", "it belongs to another mesh; begin a new file")

@@ -329,7 +329,7 @@ def read_channels(
     wanted = replace(filters or Request(), channels=options.channels or ("1",), calibrations=stated)
     found = read_file(record, calibrations_beside(Path(file)), wanted)
     if not all(reading.channel.step > 0.0 for reading in found.channels):
-        raise InputError("FILE", file, "time stamps that differ", "state the sampling rate by --rate")
+        raise InputError("FILE", Path(file), "time stamps that differ", "state the sampling rate by --rate")
     return record, found
 
 

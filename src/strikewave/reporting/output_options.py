@@ -365,7 +365,7 @@ def check_inputs_stay(folder: Path) -> None:
         path = _absolute(name)  # of "history.csv#2" the file is below that folder too
         if home in path.parents and path != home / CASE:
             hint = "choose another folder by --out DIR, or move the input first"
-            raise InputError("--out", str(folder), f"a folder without an input, and it holds {show(name)}", hint)
+            raise InputError("--out", folder, f"a folder without an input, and it holds {show(name)}", hint)
 
 
 def check_inputs(folder: Path, identity: str | None) -> None:
@@ -394,7 +394,7 @@ def check_inputs(folder: Path, identity: str | None) -> None:
     named += f" and {len(others) - LISTED} more" if len(others) > LISTED else ""
     way = "give the case another name, choose" if is_case else "choose"
     hint = f"it holds the result of {named}; {way} another folder by --out DIR, or replace it by --force"
-    raise InputError("--out", str(folder), "a folder without the result of another input", hint)
+    raise InputError("--out", folder, "a folder without the result of another input", hint)
 
 
 def _places(names: Sequence[str]) -> set[str]:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 from xml.etree import ElementTree
 
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputErrors, MissingPackageError
 
 if TYPE_CHECKING:
     from matplotlib.ft2font import FT2Font
@@ -57,9 +57,9 @@ def check_pdf(field: str, word: str) -> None:
         with contextlib.redirect_stdout(io.StringIO()):  # what it says there would spoil a JSON document
             import weasyprint  # noqa: F401
     except ImportError:
-        raise InputError(field, word, "only where WeasyPrint is installed", 'pip install "strikewave[pdf]"') from None
+        raise MissingPackageError(field, "WeasyPrint", "pdf") from None
     except OSError:
-        raise InputError(field, word, "only where the library Pango is installed", _NEEDED) from None
+        raise InputErrors([f"{field} needs the library Pango: {_NEEDED}"]) from None
 
 
 def write_pdf(page: Path, paper: Paper) -> str:

@@ -53,9 +53,9 @@ def html_place(path: Path | str, usual: str) -> Path:
         place = place / usual
         if os.path.lexists(place) and not _is_own_page(place):
             hint = f"name the file: it is replaced, but {usual} of a folder only where strikewave wrote it"
-            raise InputError("path", str(place), "no other page of this name there", hint)
+            raise InputError("path", place, "a page that strikewave wrote", hint)
     if place.suffix.lower() not in (".html", ".htm") or not place.parent.is_dir():
-        raise InputError("path", str(path), "a file that ends in .html, in a folder that exists, or that folder")
+        raise InputError("path", Path(path), "a file that ends in .html, in a folder that exists, or that folder")
     return place
 
 

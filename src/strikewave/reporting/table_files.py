@@ -18,7 +18,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from strikewave._version import __version__
-from strikewave.base.errors import InputError
+from strikewave.base.errors import MissingPackageError
 from strikewave.base.quantities import Value
 from strikewave.base.texts import percent
 from strikewave.base.units import in_unit
@@ -155,8 +155,7 @@ Rows = Iterator[Sequence[Any]]
 def check_workbook() -> None:
     """Refuse a workbook where its writer is not installed."""
     if importlib.util.find_spec("openpyxl") is None:
-        hint = "pip install 'strikewave[formats]'"
-        raise InputError("--xlsx", "no openpyxl", "an installation that writes workbooks", hint)
+        raise MissingPackageError("--xlsx", "openpyxl", "formats")
 
 
 def write_workbook(result: Result, folder: Path) -> str:

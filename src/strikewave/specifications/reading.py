@@ -397,15 +397,15 @@ def _file_text(path: Path, field: str) -> str:
         with path.open("rb") as opened:
             data = opened.read(LARGEST_FILE + 1)
     except FileNotFoundError:
-        raise InputError(field, str(path), EXISTING_FILE) from None
+        raise InputError(field, path, EXISTING_FILE) from None
     except (OSError, ValueError) as error:
-        raise InputError(field, str(path), "a file that can be read", getattr(error, "strerror", "") or "") from None
+        raise InputError(field, path, "a file that can be read", getattr(error, "strerror", "") or "") from None
     if len(data) > LARGEST_FILE:
-        raise InputError(field, str(path), f"a file of at most {LARGEST_FILE // 1000} kB")
+        raise InputError(field, path, f"a file of at most {LARGEST_FILE // 1000} kB")
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise InputError(field, str(path), "a TOML file in UTF-8") from None
+        raise InputError(field, path, "a TOML file in UTF-8") from None
 
 
 def parse_specification(text: str, where: str) -> SpecificationFile:

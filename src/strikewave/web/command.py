@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, MissingPackageError
 
 PORT = 8471
 """Port by default: free on most machines, and the same each time, so that a link can be kept."""
@@ -47,10 +47,10 @@ def command(
     try:
         import nicegui  # noqa: F401
     except ImportError:
-        raise InputError("app", "app", "only where NiceGUI is installed", 'pip install "strikewave[app]"') from None
+        raise MissingPackageError("strikewave app", "NiceGUI", "app") from None
     from strikewave.web.server import serve
 
     if folder is not None and folder.exists() and not folder.is_dir():
-        raise InputError("--folder", str(folder), "a folder", "this is a file; choose another name")
+        raise InputError("--folder", folder, "a folder", "this is a file; choose another name")
     serve(host, port, folder, browser)
     return 0

@@ -209,7 +209,7 @@ def test_a_calibration_that_fits_none_of_the_files_is_bad_input(strikewave, volt
 def test_files_of_which_none_can_be_read_are_bad_input(strikewave):
     code, out, err = strikewave("record", "a.csv", "b.csv", "--json")
     assert (code, out) == (2, "")
-    assert "FILE: no such file: a.csv" in err
+    assert "no such file: a.csv" in err
 
 
 @pytest.mark.parametrize(

@@ -99,7 +99,7 @@ def test_a_record_without_a_clock_is_refused_and_a_short_one_has_no_windows(stri
         file.write("time [s],x [m/s^2]\n" + "0,1\n" * 40)
     code, _, err = strikewave("srs", "still.csv")
     assert code == 2
-    assert 'FILE: got "still.csv"; allowed: time stamps that differ; state the sampling rate by --rate' in err
+    assert "still.csv cannot be used; needed: time stamps that differ; state the sampling rate by --rate" in err
     code, out, err = strikewave("srs", shots[0], "still.csv", *WORDS, "--json")
     assert code == 3
     assert len(json.loads(out)["spectra"]) == 1
@@ -113,7 +113,7 @@ def test_a_file_that_cannot_be_read_is_named_and_fails(strikewave, shots):
     code, out, err = strikewave("srs", *shots, "gone.csv", *WORDS, "--json")
     assert code == 3
     assert [warning["code"] for warning in json.loads(out)["warnings"]] == ["unreadable"]
-    assert "left out: FILE: no such file: gone.csv" in err
+    assert "left out: no such file: gone.csv" in err
 
 
 def test_two_channels_have_an_envelope_and_no_limit(found):
@@ -253,7 +253,7 @@ def test_filters_are_those_of_record(found, strikewave):
         (("a0.csv", "--filter", "5 kHz", "--cfc", "60"), "--cfc", '"60"', "either --filter or --cfc"),
         (("a0.csv", "--response", "60 kHz"), "--response", '"60 kHz"', "half the sampling rate"),
         (("a0.csv", "--initial", "moving"), "--initial", '"moving"', "rest, shifted, steady"),
-        (("none.csv", "gone.csv"), "FILE", "none.csv", "no such file"),
+        (("none.csv", "gone.csv"), "left out", "none.csv", "no such file"),
     ],
 )
 def test_wrong_input_says_field_what_came_and_what_is_allowed(strikewave, shots, words, field, came, allowed):

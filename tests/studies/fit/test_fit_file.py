@@ -119,7 +119,7 @@ def test_a_file_is_told_from_a_case(whole, tmp_path):
 WRONG = {
     "key": ("channel =", "chanel =", 'study.toml: record.0.chanel: unknown key; did you mean "channel"?'),
     "table": ("[reading]", "[raeding]", 'study.toml: raeding: unknown key; did you mean "reading"?'),
-    "case": ("jesd22-b111-b", "jesd22-b111-c", 'study.toml: case: got "jesd22-b111-c"; allowed: a case file or a built-in case; did you mean "jesd22-b111-b"'),
+    "case": ("jesd22-b111-b", "jesd22-b111-c", 'study.toml: no such case: jesd22-b111-c; did you mean "jesd22-b111-b"'),
     "field": ('path = "contact.reference_force"', 'path = "contact.reference_fource"',
               'study.toml: free: got "contact.reference_fource"; allowed: a quantity of the case; did you mean "contact.ref'),
     "bound": ("low = 0.4\n", "", "study.toml: free.0.low: missing; needed: both bounds, or none"),

@@ -106,7 +106,7 @@ def test_without_the_extra_one_line_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "emcee", None)
     with pytest.raises(InputError) as error:
         fit(load_case("li-ma-2019"), bayes=True)
-    assert str(error.value) == "--bayes: missing; needed: emcee; pip install 'strikewave[bayes]'"
+    assert str(error.value) == "--bayes needs emcee: pip install 'strikewave[bayes]'"
 
 
 @pytest.mark.verify

@@ -249,10 +249,10 @@ def _histories(path: Path) -> tuple[LabelledArrays, list[SimulatedPart]]:
     allowed = "the file of a result that `strikewave run`, `wave` or `fem` wrote"
     with open_result(path, allowed) as opened:
         if "strikewave_schema" not in opened.attrs:
-            raise InputError("solution", str(path), allowed)
+            raise InputError("solution", path, allowed)
         if int(opened.attrs["strikewave_schema"]) < 2 and _of_sectors(opened.attrs):
             hint = "its forces are those of the meshed sector; run the case again for those of whole bodies"
-            raise InputError("solution", str(path), "histories of whole bodies", hint)
+            raise InputError("solution", path, "histories of whole bodies", hint)
         arrays = LabelledArrays.of_xarray(opened.load())
         return arrays, list(_parts(arrays, {}))
 

@@ -328,15 +328,15 @@ def unfinished_run(folder: Path, text: str, restart: bool, anew: bool) -> Iterat
     begun = (home / STATE_FILE).is_file() and case.is_file()
     same = begun and case.read_text("utf-8", errors="replace") == text
     if restart and not begun:
-        raise InputError("--restart", str(home), "a run that was interrupted", "leave it out to begin anew")
+        raise InputError("--restart", home, "a run that was interrupted", "leave it out to begin anew")
     if restart and not same:
         hint = f"it holds a run with other values, {case}; to begin anew: {_command_with('--force')}"
-        raise InputError("--restart", str(home), "the same case, its frames and other changes included", hint)
+        raise InputError("--restart", home, "the same case, its frames and other changes included", hint)
     if begun and not restart and not anew:
         hint = (
             f"to go on: {_command_with('--restart')}; " if same else ""
         ) + f"to begin anew: {_command_with('--force')}"
-        raise InputError("--out", str(home), "no unfinished run" + ("" if same else " of another case"), hint)
+        raise InputError("--out", home, "no unfinished run" + ("" if same else " of another case"), hint)
     try:
         if not restart:
             _clear(home)
@@ -352,7 +352,7 @@ def unfinished_run(folder: Path, text: str, restart: bool, anew: bool) -> Iterat
             if isinstance(stop, KeyboardInterrupt):
                 raise SystemExit(exit_code(stop)) from None
         if reason:
-            raise InputError("--out", str(home), "a place that can be written", reason) from stop
+            raise InputError("--out", home, "a place that can be written", reason) from stop
         raise
     _clear(home)
 
@@ -371,7 +371,7 @@ def _clear(home: Path) -> None:
         return
     foreign = [entry.name for entry in home.iterdir() if not UNFINISHED_NAMES.match(entry.name)]
     if home.is_symlink() or foreign:
-        raise InputError("--out", str(home), "a name that is free", "it holds other files; move them")
+        raise InputError("--out", home, "a name that is free", "it holds other files; move them")
     shutil.rmtree(home)
 
 

@@ -352,7 +352,7 @@ def _identified(
     except ValueError as error:
         ways = {"negative": " (--polarity -1)", "window": " (--from, --to)"}
         how = next((way for word, way in ways.items() if word in str(error)), "")
-        raise InputError("FILE", file, "a record of one whole blow", f"{error}{how}") from None
+        raise InputError("FILE", Path(file), "a record of one whole blow", f"{error}{how}") from None
 
 
 def identified_words(result: IdentifyResult) -> str:

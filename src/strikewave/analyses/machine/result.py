@@ -510,7 +510,7 @@ def load_solution(path: Path | str) -> Solution:
     path = path / "solution.nc" if path.is_dir() else path
     allowed = "a solution.nc that `strikewave run` wrote"
     if not path.is_file():
-        raise InputError("solution", str(path), allowed)
+        raise InputError("solution", path, allowed)
     with open_result(path, allowed) as opened:
         schema = opened.attrs["strikewave_schema"]
         if schema != SCHEMA:

@@ -256,7 +256,7 @@ def read_strikewave(folder: Path) -> StrikewaveRun:
     """Return what a folder that `strikewave fem` wrote holds."""
     path = folder / "histories.nc"
     if not path.is_file() or path.stat().st_size > LARGEST_FILE:
-        raise InputError("--compare", str(folder), "a folder that strikewave fem wrote, with histories.nc")
+        raise InputError("--compare", folder, "a folder that strikewave fem wrote, with histories.nc")
     try:
         import xarray
 
@@ -268,7 +268,7 @@ def read_strikewave(folder: Path) -> StrikewaveRun:
         blows = 1 + sum(LATER.fullmatch(file.name) is not None for file in folder.iterdir())
     except (OSError, KeyError, ValueError, TypeError, RuntimeError, AttributeError, MemoryError) as error:
         hint = str(error)[:LONGEST_HINT]
-        raise InputError("--compare", str(path), "histories as strikewave fem writes them", hint) from None
+        raise InputError("--compare", path, "histories as strikewave fem writes them", hint) from None
     return StrikewaveRun(folder, str(title), forces, energies, _extremes(folder / "field.vtkhdf"), blows, as_meshed)
 
 
@@ -420,14 +420,10 @@ def _parts(path: Path) -> dict[str, tuple[NDArray[Any], slice]]:
             cells = grid["Connectivity"][:].reshape(-1, 8)
             points = len(grid["Points"])
     except (OSError, KeyError, ValueError, TypeError, RuntimeError) as error:
-        raise InputError(
-            "--compare", str(path), "fields as strikewave writes them", str(error)[:LONGEST_HINT]
-        ) from None
+        raise InputError("--compare", path, "fields as strikewave writes them", str(error)[:LONGEST_HINT]) from None
     ordered = len(part) == len(cells) and np.all(np.diff(part) >= 0) and len(cells)
     if not ordered or part[0] < 0 or part[-1] >= len(names) or cells.min() < 0 or cells.max() >= points:
-        raise InputError(
-            "--compare", str(path), "fields as strikewave writes them", "its parts do not fit its elements"
-        )
+        raise InputError("--compare", path, "fields as strikewave writes them", "its parts do not fit its elements")
     bounds = np.searchsorted(part, np.arange(len(names) + 1))
     elements = {name: slice(int(bounds[k]), int(bounds[k + 1])) for k, name in enumerate(names)}
     return {name: (np.unique(cells[own]), own) for name, own in elements.items() if own.stop > own.start}

@@ -185,10 +185,10 @@ class _Reader:
         self.path = path
         try:
             if not path.is_file() or path.stat().st_size < 4 * HEADER:
-                raise InputError("FILE", str(path), f"a file of at least {4 * HEADER} bytes")
+                raise InputError("FILE", path, f"a file of at least {4 * HEADER} bytes")
             self.held: Any = np.memmap(path, np.uint8, "r")
         except OSError as error:
-            raise InputError("FILE", str(path), "a file that can be read", error.strerror or str(error)) from None
+            raise InputError("FILE", path, "a file that can be read", error.strerror or str(error)) from None
         self.size, order = self._words()
         self.whole = np.dtype(f"{order}i{self.size}")
         self.real = np.dtype(f"{order}f{self.size}")
@@ -208,7 +208,7 @@ class _Reader:
                     if head[11] > 1000:
                         raise _refused(self.path, "numbers of 8 bytes in a file of 4")
                     return size, order
-        raise InputError("FILE", str(self.path), "a d3plot of LS-DYNA", "its control data are of something else")
+        raise InputError("FILE", self.path, "a d3plot of LS-DYNA", "its control data are of something else")
 
     def take(self, bytes_: int) -> bytes:
         """Return so many bytes and go on behind them."""
@@ -339,7 +339,7 @@ def _stored(file: Path, layout: _StateLayout, begin: int) -> Iterator[NDArray[An
             while len(words := np.fromfile(stream, layout.real, layout.words)) == layout.words:
                 yield words.astype(float)
     except OSError as error:
-        raise InputError("FILE", str(file), "a file that can be read", error.strerror or str(error)) from None
+        raise InputError("FILE", file, "a file that can be read", error.strerror or str(error)) from None
 
 
 def _finite(file: Path, state: D3plotState) -> D3plotState:

@@ -190,7 +190,7 @@ def read_folder(folder: Path, units: UnitSystem) -> LsDynaRun:
     The text files count where both they and a binout are there. All may begin with the name of a job, ``JOB.rcforc``.
     """
     if not folder.is_dir():
-        raise InputError("FOLDER", str(folder), "a folder with rcforc, glstat, binout or d3plot")
+        raise InputError("FOLDER", folder, "a folder with rcforc, glstat, binout or d3plot")
     by_name = _held(folder)
     text = {name: by_name[name] for name in ("rcforc", "glstat") if name in by_name}
     archives = [by_name[name] for name in sorted(by_name) if name.startswith("binout")]
@@ -215,11 +215,11 @@ def _held(folder: Path) -> dict[str, Path]:
             (match, path) for path in folder.iterdir() if (match := NAMES.fullmatch(path.name)) and path.is_file()
         ]
     except OSError as error:
-        raise InputError("FOLDER", str(folder), "a folder that can be read", error.strerror or str(error)) from None
+        raise InputError("FOLDER", folder, "a folder that can be read", error.strerror or str(error)) from None
     jobs = sorted({match["job"] for match, _ in matches})
     if not matches or (len(jobs) > 1 and jobs[0]):
         hint = f"it holds those of several jobs: {show(', '.join(jobs))}" if matches else "none of them is there"
-        raise InputError("FOLDER", str(folder), "a folder with rcforc, glstat, binout or d3plot", hint)
+        raise InputError("FOLDER", folder, "a folder with rcforc, glstat, binout or d3plot", hint)
     return {match["name"]: path for match, path in matches if match["job"] == jobs[0]}
 
 

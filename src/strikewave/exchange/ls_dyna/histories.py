@@ -142,9 +142,7 @@ def read_rcforc(path: Path) -> tuple[ContactForce, ...]:
         elif in_legend and (legend := _LEGEND.match(line)):
             titles[int(legend[1])] = title_of(legend[2])
     if not rows:
-        raise InputError(
-            "FILE", str(path), "lines such as 'slave 1 time ...' or 'SURFA 1 time ...'", "is it an rcforc?"
-        )
+        raise InputError("FILE", path, "lines such as 'slave 1 time ...' or 'SURFA 1 time ...'", "is it an rcforc?")
     return tuple(_force(key, values, titles.get(key[0], "")) for key, values in sorted(rows.items()))
 
 
@@ -183,7 +181,7 @@ def read_glstat(path: Path) -> GlobalEnergies:
     if len(blocks) > 1 and not set.intersection(*map(set, blocks[:-1])) <= blocks[-1].keys():
         blocks.pop()  # cut off: it lacks what all others have
     if not any("time" in block for block in blocks):
-        raise InputError("FILE", str(path), "blocks that begin with 'dt of cycle', with a time", "is it a glstat?")
+        raise InputError("FILE", path, "blocks that begin with 'dt of cycle', with a time", "is it a glstat?")
     blocks = [block for block in blocks if "time" in block]
     table = np.array([[block.get(name, math.nan) for name in names] for block in blocks])
     columns = dict(zip(names, table[last_pass(table[:, list(names).index("time")])].T, strict=True))
@@ -264,7 +262,7 @@ def _opened(path: Path) -> IO[bytes]:
             raise InputError("FILE", f"{path}, {size} bytes", f"a file of at most {LARGEST_FILE} bytes")
         return path.open("rb")
     except OSError as error:
-        raise InputError("FILE", str(path), "a file that can be read", error.strerror or str(error)) from None
+        raise InputError("FILE", path, "a file that can be read", error.strerror or str(error)) from None
 
 
 def _bad(path: Path, number: int, line: bytes, allowed: str, hint: str = "") -> InputError:
@@ -304,11 +302,11 @@ def archived(path: Path) -> Iterator[Archived]:
     """
     try:
         if not path.is_file() or path.stat().st_size < 8:
-            raise InputError("FILE", str(path), "a file of at least 8 bytes")
+            raise InputError("FILE", path, "a file of at least 8 bytes")
         with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as view:
             yield from _walked(path, view)
     except OSError as error:
-        raise InputError("FILE", str(path), "a file that can be read", error.strerror or str(error)) from None
+        raise InputError("FILE", path, "a file that can be read", error.strerror or str(error)) from None
 
 
 def _walked(path: Path, view: mmap.mmap) -> Iterator[Archived]:
@@ -348,7 +346,7 @@ def _layout(path: Path, view: mmap.mmap) -> _LsdaHeader:
     header, length, _, command, kind, order = view[:6]
     known = length in (2, 4, 8) and command in (1, 2, 4) and kind in (1, 2, 4) and order in (0, 1)
     if not (8 <= header <= 64 and known):
-        raise InputError("FILE", str(path), "an archive of LS-DYNA (binout)", "its first bytes are of something else")
+        raise InputError("FILE", path, "an archive of LS-DYNA (binout)", "its first bytes are of something else")
     return _LsdaHeader(length, command, kind, "<" if order else ">")
 
 
@@ -359,7 +357,7 @@ def _word(layout: _LsdaHeader) -> Any:
 def _moved(path: Path, folder: str, to: bytes) -> str:
     moved = posixpath.normpath(posixpath.join(folder, to.decode("latin-1").rstrip("\0")))
     if len(moved) > LONGEST_PATH:
-        raise InputError("FILE", str(path), f"folders of at most {LONGEST_PATH} characters")
+        raise InputError("FILE", path, f"folders of at most {LONGEST_PATH} characters")
     return moved
 
 
@@ -400,7 +398,7 @@ def read_binout(paths: Sequence[Path]) -> tuple[tuple[ContactForce, ...], Global
             if len(folders) == 3 and folders[0] in branches:
                 branches[folders[0]].setdefault(folders[1], {})[folders[2]] = np.array(values.values)
                 if len(branches[folders[0]]) > MOST_OUTPUTS:
-                    raise InputError("FILE", str(path), f"at most {MOST_OUTPUTS} outputs")
+                    raise InputError("FILE", path, f"at most {MOST_OUTPUTS} outputs")
     where = paths[0] if paths else Path("binout")
     return _contacts(where, branches["rcforc"]), _energies(where, branches["glstat"])
 
@@ -416,7 +414,7 @@ def _contacts(path: Path, branch: Held) -> tuple[ContactForce, ...]:
     numbers = about["ids"].astype(int)
     sides = about.get("side", np.zeros(numbers.size)).astype(bool)
     if sides.size != numbers.size:
-        raise InputError("FILE", str(path), "a side for each contact in rcforc/metadata")
+        raise InputError("FILE", path, "a side for each contact in rcforc/metadata")
     time = _table(path, outputs, ("time",), 1)[:, 0, 0]
     force = _table(path, outputs, FORCES, numbers.size)
     mass = _table(path, outputs, ("mass",), numbers.size) if "mass" in outputs[0] else np.zeros_like(force[:, :1])

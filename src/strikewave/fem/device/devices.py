@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from strikewave.base.errors import InputError
+from strikewave.base.errors import InputError, MissingPackageError
 from strikewave.fem._layout import SCRATCH
 
 MIXED = "cuda-mixed"
@@ -86,5 +86,5 @@ def device_named(name: str) -> Device:
     try:
         from strikewave.fem.device.gpu import Cuda
     except ImportError:
-        raise InputError("--device", name, "numba-cuda beside strikewave", "pip install 'strikewave[gpu]'") from None
+        raise MissingPackageError(f"--device {name}", "numba-cuda", "gpu") from None
     return Cuda(np.float32 if name == MIXED else np.float64)

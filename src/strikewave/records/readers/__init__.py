@@ -174,22 +174,22 @@ def _read_whole(path: str | Path, options: Options) -> Record:
         )
     try:
         if not file.is_file():
-            raise InputError("FILE", str(path), EXISTING_FILE, _of_folder(file) if file.is_dir() else "")
+            raise InputError("FILE", file, EXISTING_FILE, _of_folder(file) if file.is_dir() else "")
         with file.open("rb") as opened:
             head = opened.read(HEAD)
     except OSError as error:
-        raise InputError("FILE", str(path), "a file that can be read", error.strerror or "") from None
+        raise InputError("FILE", file, "a file that can be read", error.strerror or "") from None
     if not head.strip(b"\0 \t\r\n"):
         hint = "it holds nothing but zeros or blanks" if head else "it is empty"
-        raise InputError("FILE", str(path), "a file with samples", hint)
+        raise InputError("FILE", file, "a file with samples", hint)
     try:
-        return apart(_reader(path, head)(file, options))
+        return apart(_reader(file, head)(file, options))
     except StrikewaveError:
         raise
     except MemoryError:
-        raise InputError("FILE", str(path), "a file that fits into memory", "read fewer channels") from None
+        raise InputError("FILE", file, "a file that fits into memory", "read fewer channels") from None
     except Exception as error:
-        raise InputError("FILE", str(path), "a file that is whole", f"{type(error).__name__}: {error}"[:200]) from None
+        raise InputError("FILE", file, "a file that is whole", f"{type(error).__name__}: {error}"[:200]) from None
 
 
 def _check_steps(record: Record) -> None:
@@ -203,16 +203,16 @@ def _check_steps(record: Record) -> None:
             step = (float(stamps[-1]) - float(stamps[0])) / (stamps.size - 1)
         if 0.0 < abs(step) < SHORTEST_STEP or abs(step) > LONGEST_STEP:
             allowed = f"a time of {SHORTEST_STEP:g} to {LONGEST_STEP:g} s between two samples"
-            raise InputError("FILE", record.path, allowed, f"channel {show(channel.name)} has {step:.4g} s")
+            raise InputError("FILE", Path(record.path), allowed, f"channel {show(channel.name)} has {step:.4g} s")
 
 
-def _reader(path: str | Path, head: bytes) -> Callable[[Path, Options], Record]:
+def _reader(file: Path, head: bytes) -> Callable[[Path, Options], Record]:
     for name, module_name in FORMATS.items():
         module = importlib.import_module(f"{__name__}.{module_name}")
         if getattr(module, f"sniff_{name}")(head):
             return getattr(module, f"read_{name}")
     hint = f"it begins with {show(head[:16])}, which is none of them"
-    raise InputError("FILE", str(path), "a known format: " + ", ".join(FORMATS), hint)
+    raise InputError("FILE", file, "a known format: " + ", ".join(FORMATS), hint)
 
 
 FEWEST_SAMPLES = 16
@@ -286,7 +286,7 @@ def joined_pieces(pieces: Sequence[Record]) -> Record:
     first, *further = pieces
     if len(pieces) > MOST_MEASUREMENTS:
         allowed = f"a file with at most {MOST_MEASUREMENTS} measurements"
-        raise InputError("FILE", first.path, allowed, f"it has {len(pieces)}: split it")
+        raise InputError("FILE", Path(first.path), allowed, f"it has {len(pieces)}: split it")
     return replace(first, further=tuple(further))
 
 

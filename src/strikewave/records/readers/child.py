@@ -74,16 +74,16 @@ def isolated(reader: str, path: Path, options: Options) -> Record:
             )
             answer = json.loads((Path(folder) / "answer.json").read_text("utf-8"))
         except subprocess.TimeoutExpired:
-            raise InputError("FILE", str(path), "a file that is whole", "reading it did not end") from None
+            raise InputError("FILE", path, "a file that is whole", "reading it did not end") from None
         except (subprocess.CalledProcessError, OSError, ValueError):
-            raise InputError("FILE", str(path), "a file that is whole", "its reader broke down") from None
+            raise InputError("FILE", path, "a file that is whole", "its reader broke down") from None
         return _record(path, reader, Path(folder), answer)
 
 
 def _record(path: Path, reader: str, folder: Path, answer: dict[str, Any]) -> Record:
     if "error" in answer:
         error = answer["error"]
-        got = str(path) if error["field"] == "FILE" else error["got"]
+        got = path if error["field"] == "FILE" else error["got"]
         raise InputError(error["field"], got, error["allowed"], error["hint"])
     stamps = [np.fromfile(folder / f"stamps{k}", np.float64) for k in range(answer["stamps"])]
     channels = []

@@ -93,7 +93,7 @@ class ParsedColumns(NamedTuple):
 
 def refuse(path: Path, allowed: str, hint: str = "") -> InputError:
     """Return the error for a file that cannot be used."""
-    return InputError("FILE", str(path), allowed, hint)
+    return InputError("FILE", path, allowed, hint)
 
 
 def encoding_of(head: bytes) -> str | None:

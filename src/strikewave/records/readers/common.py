@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from strikewave.base.errors import InputError, nearest
+from strikewave.base.errors import InputError, MissingPackageError, nearest
 from strikewave.base.texts import first_few, plain
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import LARGEST_ARRAY, Options
@@ -101,7 +101,7 @@ class ArrayColumn(NamedTuple):
 
 def damaged(path: Path, hint: str, allowed: str = "a file that is whole") -> InputError:
     """Return the error for a file that is wrong."""
-    return InputError("FILE", str(path), allowed, hint)
+    return InputError("FILE", path, allowed, hint)
 
 
 def extra(module: str, path: Path) -> Any:
@@ -109,8 +109,7 @@ def extra(module: str, path: Path) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError:
-        hint = "install the readers of this format: pip install 'strikewave[formats]'"
-        raise InputError("FILE", str(path), f"a format whose reader is installed (no {module})", hint) from None
+        raise MissingPackageError(path.name, module.partition(".")[0], "formats") from None
 
 
 def check_count(path: Path, count: int) -> None:

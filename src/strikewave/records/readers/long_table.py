@@ -217,5 +217,5 @@ def _unit(record: Record, word: str, units: Labels, own: Lines) -> str:
     present = units.of(own).present()
     if len(present) > 1:
         several = ", ".join(str(units.words[code]) for code in present[:4])
-        raise InputError("FILE", str(Path(record.path)), f"one unit for all lines of {word or 'a channel'}", several)
+        raise InputError("FILE", Path(record.path), f"one unit for all lines of {word or 'a channel'}", several)
     return str(units.words[present[0]]) if present else ""

@@ -20,7 +20,7 @@ from types import TracebackType
 from typing import Any, Generic
 
 from strikewave.base.compiled import is_cold
-from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.base.errors import InputError, MissingPackageError, StrikewaveError
 from strikewave.studies.engine.keys import program_key
 from strikewave.studies.engine.pools import Answer, Asked, Batch, Loss, Pool
 
@@ -88,7 +88,7 @@ class ClusterPool(Pool):
         try:
             distributed = importlib.import_module("distributed")
         except ImportError:
-            raise InputError(OPTION, self._address, "dask.distributed", "pip install 'strikewave[cluster]'") from None
+            raise MissingPackageError(OPTION, "dask.distributed", "cluster") from None
         _silence()
         allowed = "the address of a Dask scheduler that can be reached"
         hint = "such as tcp://host:8786; start one by dask scheduler, and its workers by dask worker ADDRESS"

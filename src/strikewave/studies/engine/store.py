@@ -110,7 +110,7 @@ class RunStore:
         with self._in_words():
             if self.folder.is_symlink() or (self.folder.exists() and not self.folder.is_dir()):
                 raise InputError(
-                    self._option, str(self.folder), "a folder for the finished runs", "this is a file or a link"
+                    self._option, self.folder, "a folder for the finished runs", "this is a file or a link"
                 )
             self.folder.mkdir(parents=True, exist_ok=True)
             self._base = self._opened(fresh)
@@ -119,7 +119,7 @@ class RunStore:
         index = self.folder / INDEX
         if not index.exists() and any(not path.match(CHUNK.format("*")) for path in self.folder.iterdir()):
             allowed = "an empty or new folder, or one with finished runs"
-            raise InputError(self._option, str(self.folder), allowed, f"it holds other files, and no {INDEX}")
+            raise InputError(self._option, self.folder, allowed, f"it holds other files, and no {INDEX}")
         if fresh:
             _remove_damaged(index)
         base = sqlite3.connect(index, isolation_level=None, timeout=0.0)
@@ -181,9 +181,7 @@ class RunStore:
         known = {CHUNK.format(number) for (number,) in base.execute("SELECT number FROM chunks")}
         lost = next((name for name in sorted(known) if not (self.folder / name).is_file()), None)
         if lost is not None:
-            raise InputError(
-                self._option, str(self.folder), f"finished runs with their histories; {lost} is gone", _HINT
-            )
+            raise InputError(self._option, self.folder, f"finished runs with their histories; {lost} is gone", _HINT)
         for path in self.folder.glob(CHUNK.format("*")):
             if path.name not in known:
                 path.unlink()

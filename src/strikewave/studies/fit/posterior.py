@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from strikewave.base import declare
 from strikewave.base.declare import NOT_MEASURED
-from strikewave.base.errors import MISSING, InputError
+from strikewave.base.errors import MissingPackageError
 from strikewave.base.shock_quantities import RATIO
 from strikewave.studies.fit.checking import DRAWS, drawn_places
 from strikewave.studies.fit.covariance import NORMAL, Estimate
@@ -101,7 +101,7 @@ def check_sampler() -> None:
     try:
         import emcee  # noqa: F401
     except ImportError:
-        raise InputError("--bayes", MISSING, "emcee", "pip install 'strikewave[bayes]'") from None
+        raise MissingPackageError("--bayes", "emcee", "bayes") from None
 
 
 def widened(found: Estimate) -> Array:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from strikewave.base.errors import MISSING, InputError, nearest
+from strikewave.base.errors import MISSING, InputError, MissingPackageError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.texts import first_few
 from strikewave.base.units import in_unit
@@ -296,7 +296,7 @@ def _check_optuna(objectives: int) -> None:
     if objectives < 2:
         raise InputError("search", OPTUNA, "two objectives or more", f"{EVOLUTION} or {SURROGATE} for a single one")
     if importlib.util.find_spec("optuna") is None:
-        raise InputError("search", OPTUNA, "optuna beside strikewave", "pip install 'strikewave[optuna]'")
+        raise MissingPackageError(f"search {OPTUNA}", "optuna", "optuna")
 
 
 class DesignFile(CaseTable):

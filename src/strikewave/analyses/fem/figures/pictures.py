@@ -23,7 +23,7 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from strikewave.base.errors import InputError, nearest
+from strikewave.base.errors import InputError, MissingPackageError, nearest
 from strikewave.fem.mesh import Index, Mesh, exterior
 from strikewave.fem.model import Model, SurfaceContact, Symmetry
 from strikewave.fem.run import FieldFrame
@@ -469,8 +469,7 @@ def scene(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quantity: s
     try:
         pyvista: Any = importlib.import_module("pyvista")
     except ImportError:
-        hint = "pip install 'strikewave[mesh]', or use body_picture, which needs matplotlib alone"
-        raise InputError("scene", "no pyvista", "an installation with pyvista", hint) from None
+        raise MissingPackageError("scene", "pyvista", "mesh") from None
     visible = kept_elements(mesh, view)
     cells = np.asarray(shown.of(frame, mesh))[visible] / shown.scale
     scale = colour_scale([cells], view, shown)

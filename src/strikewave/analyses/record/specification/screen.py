@@ -154,12 +154,12 @@ def of_one_condition(text: str, name: str) -> str:
 def new_specification(file: Path, origin: str, output: Output) -> int:
     """Write a file that begins from a specification, and return the exit code."""
     if not file.name or file.suffix not in ("", ".toml"):
-        raise InputError("FILE", str(file), "the name of a specification, such as my-shock.toml")
+        raise InputError("FILE", file, "the name of a specification, such as my-shock.toml")
     path = file.with_name(file.stem + ".toml")
     if path.exists() and not output.force:
-        raise InputError("FILE", str(path), "a name that is not taken", "add --force to replace it")
+        raise InputError("FILE", path, "a free name", "add --force to replace it")
     if not path.absolute().parent.is_dir():
-        raise InputError("FILE", str(path), "a file in a folder that exists")
+        raise InputError("FILE", path, "a file in a folder that exists")
     (_, tables, text), condition = read_specification_file(origin, "--from")
     if condition:
         asked = load_specification(origin, "--from").condition
