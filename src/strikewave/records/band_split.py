@@ -31,42 +31,31 @@ from strikewave.records.thresholds import OfRingingSought
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import HALF_SINE_WIDTH, crossing, measure_pulse
 
+# Ideal pulses of one length, flat to peaked, leaning or not, as contacts, pads and machines make them; no saw-tooths
 FAMILY = tuple(SmoothPulse(1.0, 0.0, 1.0, rise, power) for power in (0.7, 1.0, 1.5, 2.0, 3.0) for rise in (0.25, 0.5))
-"""Ideal pulses of one length: flatter than a half-sine to peaked, leaning or not (early and late are alike to a filter
-that delays nothing), as those of contacts, pads and machines are. Of a saw-tooth, whose edge is in every band, no
-filter can tell the peak."""
+# Cutoff times length: a fifth of the peak is left at the shortest, 0.01 % taken at the longest; 40 are right to 0.1 %
 LENGTHS = np.exp(np.linspace(math.log(0.15), math.log(30.0), 40))
-"""Cutoff times length of the family that is tabulated: from a pulse of which the filter leaves a fifth of the peak to
-one of which it takes 0.01 %; lines between are right to 0.1 %."""
+# Samples of a tabulated pulse and of 1 / cutoff; 1 / cutoffs on either side
 SAMPLES, SAMPLES_OF_CUTOFF, REACH = 200, 20, 4.0
-"""Samples of a tabulated pulse, and of one over the cutoff, at least; and how many times one over the cutoff lies to
-either side."""
+# Times the narrowest width that a filter lets out by which the filtered pulse must be wider: less tells no length
 NARROWER = 1.03
-"""Times the narrowest width that a filter lets out by which the filtered pulse must be wider: less tells no length."""
+# Cutoffs that are tried, over the frequency of the lowest mode
 CUTOFFS = np.exp(np.linspace(math.log(0.15), math.log(1.0), 25))
-"""Cutoffs that are tried, over the frequency of the lowest mode."""
-HIGHEST = 0.45
-"""Share of the sampling rate above which there is no cutoff."""
+HIGHEST = 0.45  # share of the sampling rate above which there is no cutoff
+# Standard uncertainty of s: 1 on a mount, pi^2/6 at the far end of a free bar, -pi^2/3 at the struck end
 ELASTIC = 1.65
-"""Standard uncertainty of s, half of the largest: a sensor on a mount has 1, the far end and the middle of a free bar
-pi^2 / 6, the end that is struck -pi^2 / 3."""
+# Standard uncertainties of peak and width, over themselves, by shapes that the family has not: the smallest of 0.5, 1,
+# 1.5, 2, 3 and 4 % with which two standard uncertainties hold 97 of 100 of 318 planted blows that ring (seeds that no
+# Test has).
 OTHER_SHAPES = 0.01, 0.02
-"""Standard uncertainties of peak and width, over themselves, by shapes that the family has not: the smallest of 0.5, 1,
-1.5, 2, 3 and 4 % with which two standard uncertainties hold 97 of 100 of 318 planted blows that ring (seeds that no
-test has)."""
+# Height at the foot of a swing that begins there, over its own: area 1 / w, times 1.3 cutoffs of a low-pass
 ONSET = 0.2
-"""Height at the foot that a swing which begins there has in the band of the pulse, over its own height and over cutoff
-by frequency: a sine from rest has the area 1 / w, and a low-pass makes 1.3 times its cutoff of an area."""
+# Times that the wave part may be larger in the blow than after it: its decay is that of a few swings
 LARGEST_GROWTH = 3.0
-"""Times that the wave part may be larger in the blow than after it: its decay is that of a few swings."""
+# Height of a spectral peak, over the highest, that is a mode: lower, side lobes count; higher, a bar loses its first
 OTHER_MODES = 0.1
-"""Height of a peak of the spectrum, over the highest, from which on it is a mode: the lowest of these counts. Lower,
-side lobes of planted single modes count; higher, a lowest mode of bars is missed that the pulse hardly excites."""
-NOISES = 4.0
-"""Times the noise of a spectrum that such a peak must be: noise reaches it once in 1e7 lines (exp(-16))."""
-UNKNOWN = 0.1
-"""Standard uncertainty of the peak, over itself, above which the bands overlap and no figure is given: 20 % either way
-(95 %) is no measurement of a shock, whose usual tolerance is 15 or 20 %."""
+NOISES = 4.0  # times the noise of a spectrum that such a peak must be: noise reaches it once in 1e7 lines (exp(-16))
+UNKNOWN = 0.1  # uncertainty of the peak above which no figure is given: 20 % (95 %) is a whole tolerance of a shock
 
 
 @declare.dataclass

@@ -15,35 +15,24 @@ import numpy as np
 from strikewave.records.record import Array
 from strikewave.records.robust import alike_as_one
 
-LOOK_BACK = 40
-"""Widths of a blow before it over which the baseline is taken: more than its foot lasts."""
+LOOK_BACK = 40  # widths of a blow before it over which the baseline is taken: more than its foot lasts
+# Widths over which it is taken where the record wanders: noise whose neighbours are alike is better known nearby
 NEAR = (8, 3)
-"""Widths over which it is taken where the record wanders: noise whose neighbours are alike is better known nearby."""
-BETTER = 0.6
-"""A nearer baseline, or a sloping one, is taken where it misses less than this share of what the level one misses.
-
-With a dozen trials chance makes one of two equal ones so much better in one record of a hundred."""
-TRIALS = 6
-"""Stretches that must be predicted before what they miss counts as known: to 30 %, 1 / sqrt(2 x 6)."""
+BETTER = 0.6  # another baseline must miss less than this share: chance does it in 1 of 100 records of a dozen trials
+TRIALS = 6  # stretches that must be predicted before what they miss counts as known: to 30 %, 1 / sqrt(2 x 6)
+# Widths before a blow from which its slope is known: it is carried on for less than an eighth of their length
 SLOPED = 12
-"""Widths before a blow from which its slope is known: it is carried on for less than an eighth of their length."""
-SIGNIFICANT = 4.0
-"""Standard errors of a slope that is one; they count the memory of the noise."""
-MOST = 256
-"""Widths before a blow that are looked at: what lies farther back tells nothing more of it."""
+SIGNIFICANT = 4.0  # standard errors of a slope that is one; they count the memory of the noise
+MOST = 256  # widths before a blow that are looked at: what lies farther back tells nothing more of it
+# Samples before a blow, and a width of it, without which the line of the whole record is taken for its baseline
 FEWEST = 4
-"""Samples before a blow, and a width of it, without which the line of the whole record is taken for its baseline."""
-TIP = 5
-"""A tip is a fifth of a width: over so much a half-sine stays within 5 % of its peak."""
+TIP = 5  # a tip is a fifth of a width: over so much a half-sine stays within 5 % of its peak
 
-MEDIAN = 0.5 * math.pi
-"""Variance of the median of normal values over that of their mean."""
-MOST_ALIKE = 0.9
-"""Largest correlation of a width and the next: a few of them tell no longer memory."""
+MEDIAN = 0.5 * math.pi  # variance of the median of normal values over that of their mean
+MOST_ALIKE = 0.9  # largest correlation of a width and the next: a few of them tell no longer memory
+# Widths before a blow without which nothing but white noise is known: as many as its figures are read off
 FEWEST_OF_NOISE = 3
-"""Widths before a blow without which nothing but white noise is known: as many as its figures are read off."""
-WHITE = 8
-"""Widths of white noise that stand for it then."""
+WHITE = 8  # widths of white noise that stand for it then
 
 
 class LocalBaseline(NamedTuple):

@@ -30,22 +30,18 @@ Model = Callable[[Array], Array]
 """Rows of inputs in, rows of quantities out."""
 
 NORMAL, RECTANGULAR, TRIANGULAR, U_SHAPED = "normal", "rectangular", "triangular", "u-shaped"
+# Half-width of a distribution over its standard uncertainty (JCGM 100, 4.3.7 and 4.3.9; JCGM 101, 6.4.6 for the
+# U-shaped one, which is the arc sine distribution); of a normal one, its standard uncertainty is stated.
 DIVISORS = {NORMAL: 1.0, RECTANGULAR: math.sqrt(3.0), TRIANGULAR: math.sqrt(6.0), U_SHAPED: math.sqrt(2.0)}
-"""Half-width of a distribution over its standard uncertainty (JCGM 100, 4.3.7 and 4.3.9; JCGM 101, 6.4.6 for the
-U-shaped one, which is the arc sine distribution); of a normal one, its standard uncertainty is stated."""
-PROBABILITY = 0.95
-"""Coverage probability of intervals."""
-NORMAL_FACTOR = 1.959964
-"""Coverage factor of a normal distribution for it."""
-TRIALS = 10_000
-"""Trials that are added at a time: JCGM 101, 7.9.4 b, asks for max(100/(1 - p), 10 000)."""
+PROBABILITY = 0.95  # coverage probability of intervals
+NORMAL_FACTOR = 1.959964  # coverage factor of a normal distribution for it
+TRIALS = 10_000  # trials that are added at a time: JCGM 101, 7.9.4 b, asks for max(100/(1 - p), 10 000)
+# Trials after which it ends in any case: as many as JCGM 101, 7.2.1, expects to do for an interval of 95 %
 MOST_TRIALS = 1_000_000
-"""Trials after which it ends in any case: as many as JCGM 101, 7.2.1, expects to do for an interval of 95 %."""
+# Tolerance of the ends of a coverage interval by the law of propagation, in standard uncertainties: JCGM 101, 7.9.2,
+# Takes half a unit of the last digit of the standard uncertainty that counts; this is that of one digit, a 2.
 TOLERANCE = 0.25
-"""Tolerance of the ends of a coverage interval by the law of propagation, in standard uncertainties: JCGM 101, 7.9.2,
-takes half a unit of the last digit of the standard uncertainty that counts; this is that of one digit, a 2."""
-FINER = 5.0
-"""Times that Monte Carlo is better than that (JCGM 101, 8.2)."""
+FINER = 5.0  # times that Monte Carlo is better than that (JCGM 101, 8.2)
 
 
 @dataclass(frozen=True)
@@ -220,12 +216,10 @@ def monte_carlo(
     return Simulated(np.mean(every, axis=0), np.std(every, axis=0, ddof=1), low, high, every.shape[0], stable)
 
 
-GAINS = ("acceleration", "sensitivity", "amplifier", "temperature", "transverse")
-"""Kinds that multiply the record."""
-SPECTRAL = ("response", "resonance", "filter", "sampling")
-"""Kinds that change its spectrum."""
-ADDED = ("offset", "drift", "noise")
-"""Kinds that are added to it: an amount, or a share of the peak."""
+GAINS = ("acceleration", "sensitivity", "amplifier", "temperature", "transverse")  # kinds that multiply the record
+SPECTRAL = ("response", "resonance", "filter", "sampling")  # kinds that change its spectrum
+ADDED = ("offset", "drift", "noise")  # kinds that are added to it: an amount, or a share of the peak
+# Topics that a budget of a shock measurement holds (ISO 16063-1 and -21, from memory), with the kinds that state each
 KINDS = (*GAINS, "linearity", *SPECTRAL, *ADDED, "coupling", "clock")
 TOPICS = {
     "calibration of the sensor": ("sensitivity",),
@@ -239,12 +233,9 @@ TOPICS = {
     "AC coupling": ("coupling",),
     "clock of the recorder": ("clock",),
 }
-"""Topics that a budget of a shock measurement holds as a rule (after ISO 16063-1 and ISO 16063-21, from memory), and
-the kinds that state each: one that none states is listed as not stated, never taken as nothing."""
-RECORD, SAMPLING = "noise and baseline", "instants of sampling"
-"""Names of what the record itself tells."""
+RECORD, SAMPLING = "noise and baseline", "instants of sampling"  # names of what the record itself tells
+# Times its length that a stretch is lengthened to for its spectrum, so that its end does not reach its begin
 PADDED = 1.25
-"""Times its length that a stretch is lengthened to for its spectrum, so that its end does not reach its begin."""
 
 
 @dataclass(frozen=True)

@@ -24,16 +24,14 @@ from strikewave.base.units import convertible, parse_quantity, split_number, typ
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.record import Channel
 
-MEASURED = ("m/s^2", "m/s", "m", "N", "Pa", "1")
-"""SI units that a channel can have once calibrated; 1 is strain."""
+MEASURED = ("m/s^2", "m/s", "m", "N", "Pa", "1")  # SI units that a channel can have once calibrated; 1 is strain
+# The file that calibrates all records of its folder; FILE.toml calibrates FILE alone and goes first
 FOLDER_FILE = "calibration.toml"
-"""The file that calibrates all records of its folder; FILE.toml calibrates FILE alone and goes first."""
-LARGEST_FILE = 100_000
-"""Bytes of a calibration file: a few lines for each of hundreds of channels."""
-LONGEST_UNIT = 80
-"""Characters of a unit that are looked at."""
+LARGEST_FILE = 100_000  # bytes of a calibration file: a few lines for each of hundreds of channels
+LONGEST_UNIT = 80  # characters of a unit that are looked at
+# Units that some write for multiples of standard gravity, and that are masses; how to write what is then meant
 _AMBIGUOUS = {"kg": "1000 g", "mg": "0.001 g", "ug": "1e-6 g", "µg": "1e-6 g"}
-"""Units that some write for multiples of standard gravity, and that are masses; how to write what is then meant."""
+# Units as instruments and loggers write them, and as `strikewave.base.units` does
 _SPELLINGS = {
     "G": "g", "gs": "g", "g's": "g", "gn": "g", "g_n": "g", "grav": "g",
     "volt": "V", "volts": "V", "v": "V", "millivolts": "mV",
@@ -41,7 +39,6 @@ _SPELLINGS = {
     "me": "ustrain", "ue": "ustrain", "µe": "ustrain", "με": "ustrain", "µε": "ustrain", "microstrain": "ustrain",
     "ε": "strain", "ϵ": "strain",
 }  # fmt: skip
-"""Units as instruments and loggers write them, and as `strikewave.base.units` does."""
 
 
 class Scale(NamedTuple):

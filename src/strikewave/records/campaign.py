@@ -29,24 +29,20 @@ from strikewave.records.robust import FEWEST_FOR_OUTLIERS, median_line, outliers
 from strikewave.records.thresholds import OfSiblings
 from strikewave.records.trains import mains_period
 
-SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")
-"""The figures of a campaign."""
+SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")  # the figures of a campaign
+# Figures in which outliers are sought: rise times of few samples and the highest of several modes jump as they are
 COMPARED = ("peak", "width", "velocity_change", "interval")
-"""Figures in which outliers are sought: rise times of few samples and the highest of several modes jump as they are."""
-OF_SIZE = ("peak", "ratio", "rms")
-"""Figures of a response that grow with it."""
+OF_SIZE = ("peak", "ratio", "rms")  # figures of a response that grow with it
+# Codes of findings whose figures are left out because the other files disagree
 ODD = ("gain-differs", "outlier", "polarity-differs")
-"""Codes of findings whose figures are left out because the other files disagree."""
-COPY = "copy"
-"""Code of the finding of a channel whose samples are those of a file before it."""
-FAR = 100
-"""Standard deviations beyond which more tell nothing more."""
+COPY = "copy"  # code of the finding of a channel whose samples are those of a file before it
+FAR = 100  # standard deviations beyond which more tell nothing more
+# By what a wrong setting multiplies a record, or divides it, and the question to ask; 10 and 9.80665 lie too close
 FACTORS = {
     "is the gain set otherwise?": (2.0, 5.0, 100.0),
     "is the gain set otherwise, or m/s^2 taken for g?": (10.0,),
     "is it in another unit?": (1000.0,),
 }
-"""By what a wrong setting multiplies a record, or divides it, and the question to ask; 10 and 9.80665 lie too close."""
 
 
 def compare(files: Sequence[FileReading]) -> list[FileReading]:
@@ -282,14 +278,12 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
             yield file, HealthNotice("rate-differs", message, rate, severity="good")
 
 
-OF_SIZES = (_without_blow, _other_gain, _outlying)
-"""Checks that compare peaks, and so need files of one unit."""
+OF_SIZES = (_without_blow, _other_gain, _outlying)  # checks that compare peaks, and so need files of one unit
 
 
+# Figures without ringing, which a campaign has where a blow has them and they differ by more than 5 %
 WITHOUT_RINGING = ("rigid_peak", "rigid_width")
-"""Figures without ringing, which a campaign has where a blow has them and they differ by more than 5 %."""
-CONFIDENCE = 0.95
-"""Confidence level of all bounds; chosen: as is usual in test reports."""
+CONFIDENCE = 0.95  # confidence level of all bounds; chosen: as is usual in test reports
 
 
 @declare.dataclass

@@ -13,21 +13,17 @@ from strikewave.records.health_notice import FIGURES, HealthNotice
 from strikewave.records.record import Array, Channel
 from strikewave.records.thresholds import OfClock
 
-SENSELESS = 1e30
-"""No time, and no sample, is as large: instruments write such numbers for none (9.9e37)."""
+SENSELESS = 1e30  # no time, and no sample, is as large: instruments write such numbers for none (9.9e37)
+# Grid samples for each one recorded: bounds the memory of stamps that jump by years
 BRIDGED, BRIDGED_AT_LEAST = 4, 1000
-"""Samples of the uniform grid for each of the record, and as many more, up to which gaps are bridged: bounds the memory
-of stamps that jump by years."""
-WITHIN_DIGIT = 1.001
-"""Times the last digit that rounded stamps may stray by: floating point adds its own."""
+WITHIN_DIGIT = 1.001  # times the last digit that rounded stamps may stray by: floating point adds its own
+# The last digit is looked for in the last tenth of the stamps, the largest ones, and in 50 at least
 LAST_TENTH, FEWEST_STAMPS = 10, 50
-"""The last digit is looked for in the last tenth of the stamps, the largest ones, and in 50 at least."""
+# Digits of a stamp that are tried: fewer would not tell a step, and more a double does not hold
 FEWEST_DIGITS, MOST_DIGITS = 3, 15
-"""Digits of a stamp that are tried: fewer would not tell a step, and more a double does not hold."""
+# Share of a digit by which a stamp may differ from a whole number of them: of 14 digits, a double keeps so much
 WHOLE = 1e-4
-"""Share of a digit by which a stamp may differ from a whole number of them: of 14 digits, a double keeps so much."""
-TINIEST = 1e-200
-"""Times below which there is no digit to find, s."""
+TINIEST = 1e-200  # times below which there is no digit to find, s
 
 
 def even(channel: Channel) -> tuple[Channel, list[HealthNotice]]:

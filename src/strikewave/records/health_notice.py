@@ -14,18 +14,14 @@ from strikewave.base.result import INFO, WARNING, Notice
 from strikewave.base.texts import percent
 from strikewave.records.thresholds import HARMED, NO_EFFECT
 
-STATUSES = ("good", "suspect", "bad")
-"""From best to worst."""
+STATUSES = ("good", "suspect", "bad")  # from best to worst
+# Figures that a notice can harm
 FIGURES = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency", "spectrum")
-"""Figures that a notice can harm."""
+# Figures that a notice on a response channel can harm
 RESPONSE_FIGURES = ("peak", "ratio", "delay", "duration", "rms", "frequency", "damping")
-"""Figures that a notice on a response channel can harm."""
-BLOW = ("peak", "rise", "width", "velocity_change")
-"""Figures of a single blow."""
-EVERY = ("every",)
-"""Harms of a check that takes all figures, of a blow or of a response."""
-OF_BLOWS, OF_RESPONSES, OF_BOTH = "blow", "response", "both"
-"""Objects of a check."""
+BLOW = ("peak", "rise", "width", "velocity_change")  # figures of a single blow
+EVERY = ("every",)  # harms of a check that takes all figures, of a blow or of a response
+OF_BLOWS, OF_RESPONSES, OF_BOTH = "blow", "response", "both"  # objects of a check
 
 
 @declare.dataclass

@@ -41,21 +41,18 @@ from strikewave.records.noisy_pulse import figures_of, without_noise
 from strikewave.records.record import Array, Channel
 from strikewave.records.smooth_pulse import BUDGETED
 
-BESIDE = 0.5
-"""Lengths of a blow to either side of it that are changed and measured again."""
+BESIDE = 0.5  # lengths of a blow to either side of it that are changed and measured again
+# Samples of a blow that are: more are averaged, as one of so many loses 1e-4 of its peak between two
 MOST_SAMPLES = 200
-"""Samples of a blow that are: more are averaged, as one of so many loses 1e-4 of its peak between two."""
-LARGEST = 2_000_000
-"""Numbers of a block of trials: some 16 MB."""
+LARGEST = 2_000_000  # numbers of a block of trials: some 16 MB
+# Kinds that change the shape of a record
 CHANGING = ("linearity", "response", "resonance", "filter", "sampling", "offset", "drift", "coupling")
-"""Kinds that change the shape of a record."""
+# Kinds that replace the record's own noise and baseline where too little lies before the blow
 IN_PLACE = {
     "peak": ("acceleration", "offset", "noise"),
     "width": ("offset", "noise"),
     "velocity_change": ("acceleration", "offset", "noise"),
 }
-"""Kinds that stand in place of what the record would tell of noise and baseline, where too little lies before the blow.
-Where none is stated, the uncertainty is not known."""
 BY_LAW, BY_TRIALS = "law of propagation", "Monte Carlo"
 
 
@@ -341,10 +338,9 @@ AS_SPECTRUM = Quantity.of_data("as the spectrum")
 SpectrumOf = Callable[[Array], Array]
 """Spectrum of a record whose baseline is taken off, or several of them, a row each."""
 
-DRAWS = 24
-"""Rolls of the noise: its standard deviation at a frequency is then known to 15 %, 1/sqrt(2 x 23)."""
+DRAWS = 24  # rolls of the noise: its standard deviation at a frequency is then known to 15 %, 1/sqrt(2 x 23)
+# Widths of a blow that must lie before it so that noise and baseline are known, as for the figures of blows
 WIDTHS = 7.0
-"""Widths of a blow that must lie before it so that noise and baseline are known, as for the figures of blows."""
 
 
 @declare.dataclass

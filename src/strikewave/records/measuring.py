@@ -36,37 +36,24 @@ from strikewave.records.thresholds import HARMED
 from strikewave.records.trains import Contacts, sort_contacts
 from strikewave.signal.pulse import FOOT, WIDTH_FRACTION, area_between, crossing
 
-FEWEST = 16
-"""Samples that a record needs: a blow of three, and as much beside it as its noise is estimated from."""
-TOES = 5
-"""Widths of a blow to either side in which its feet are sought."""
-SMALLEST_REBOUND = 0.1
-"""Share of the peak of its blow from which a rebound is reported."""
+FEWEST = 16  # samples that a record needs: a blow of three, and as much beside it as its noise is estimated from
+TOES = 5  # widths of a blow to either side in which its feet are sought
+SMALLEST_REBOUND = 0.1  # share of the peak of its blow from which a rebound is reported
+# Bend below which a history is a straight line, as a share of its largest value and absolute: a count, a clock
 STRAIGHT, TINY = 1e-6, 1e-100
-"""Bend below which a history is a straight line, as a share of its largest value and absolute: a count, a clock."""
-CLEAR = 3.0
-"""Standard deviations of the smoothed record that a tenth of the peak must have to be read off it."""
+CLEAR = 3.0  # standard deviations of the smoothed record that a tenth of the peak must have to be read off it
+# Lead and duration of a half-sine whose mean stands out most, as shares of the box: a first guess
 EARLIER, LENGTH = 0.15, 1.3
-"""Lead and duration of a half-sine whose mean stands out most, as shares of the box: a first guess."""
+# Widths after a blow over which its ringing is looked at, and samples without which it is not: four swings of eight
 RINGING_WIDTHS, FEWEST_OF_RINGING = 40, 32
-"""Widths after a blow over which its ringing is looked at, and samples without which it is not: four swings of
-eight."""
-TAIL = 0.75
-"""Share of the box for which a blow may last behind it: up to 0.3 of a half-sine, 0.54 of a haversine, 0.72 of a
-saw-tooth that falls. What is left of it there would be taken for ringing."""
-PERIODS_OF_RINGING = 8.0
-"""Swings after a blow that are handed to the fit of its ringing."""
-LOBE = 0.5
-"""Share of a rebound by which a record swings to the other side before it where it is a lobe of a ringing."""
-SWINGS, PADDED = 4, 4
-"""Swings of the lowest frequency that can be measured, and times that a spectrum is padded so that its peak is found
-between."""
-STANDS_OUT = 30.0
-"""Power of a ringing over that of the noise: noise reaches it once in 1e13 frequencies (exp(-30))."""
-ROUNDING = 1e-24
-"""Share of the largest power below which a peak is rounding: 1e-12 of the amplitude."""
+TAIL = 0.75  # boxes that a blow lasts behind its own: 0.3 of a half-sine, 0.54 of a haversine, 0.72 of a saw-tooth
+PERIODS_OF_RINGING = 8.0  # swings after a blow that are handed to the fit of its ringing
+LOBE = 0.5  # share of a rebound by which a record swings to the other side before it where it is a lobe of a ringing
+SWINGS, PADDED = 4, 4  # swings of the lowest frequency measured; padding of a spectrum, to find a peak between lines
+STANDS_OUT = 30.0  # power of a ringing over that of the noise: noise reaches it once in 1e13 frequencies (exp(-30))
+ROUNDING = 1e-24  # share of the largest power below which a peak is rounding: 1e-12 of the amplitude
+# Baseline and uncertainty of a pulse that was not measured in a record
 NO_BASELINE, NOT_KNOWN = LocalBaseline(math.nan), PulseUncertainty()
-"""Baseline and uncertainty of a pulse that was not measured in a record."""
 
 
 @declare.dataclass

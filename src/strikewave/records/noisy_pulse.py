@@ -25,29 +25,19 @@ from strikewave.records.record import Array
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.signal.pulse import RISE_HIGH, RISE_LOW, WIDTH_FRACTION
 
-LONGEST = 3
-"""Share of a blow, one in so many of its box, that a window reaches to either side at most: a parabola over two thirds
-of a box still follows a half-sine."""
+LONGEST = 3  # a window reaches over a third of the box at most: over two thirds a parabola follows a half-sine
+# Windows by which the one that doubts the one of least error is shorter, and that of the pulse which noise is put on is
+# longer, for what noise left on it would be put on twice. Chosen on planted half-sines, saw-teeth, trapezoids, machine
+# and ringing pulses, 20 to 200 samples long, in white noise of 0.5 to 5 %, of one set of seeds: less leaves peaks of
+# Tips and plateaus off by more than is stated.
 FINER, SMOOTHER = 2, 4
-"""Windows by which the one that doubts the one of least error is shorter, and that of the pulse which noise is put on
-is longer, for what noise left on it would be put on twice.
-
-Chosen on planted half-sines, saw-teeth, trapezoids, machine and ringing pulses, 20 to 200 samples long, in white noise
-of 0.5 to 5 %, of one set of seeds: less leaves peaks of tips and plateaus off by more than is stated."""
-DRAWS, SEED = 32, 1
-"""Times that noise is put on a pulse: its scatter is then known to an eighth; and the seed, so that a record always
-gives the same figures."""
-KEPT = 2**14
-"""Random numbers up to which a draw is kept for the next blow, which is often as long: 256 kB, which take longer to
-draw than all else that is done to them."""
-NO_NOISE = 1e-5
-"""Share of the peak below which noise moves no figure by a digit that is shown."""
+DRAWS, SEED = 32, 1  # draws of noise, whose scatter is then known to an eighth; a seed, so that figures repeat
+KEPT = 2**14  # random numbers that are cached for the next blow, often as long: 256 kB, the dearest step of a blow
+NO_NOISE = 1e-5  # share of the peak below which noise moves no figure by a digit that is shown
+# A chord misses an eighth of a 2nd, a parabola 1/16 of a 3rd one
 BOW, OVERSHOOT = 8.0 * math.sqrt(3.0), 16.0 * math.sqrt(3.0)
-"""A chord misses an arc by an eighth of its second difference; a parabola through three samples what lies between them
-by a sixteenth of the third difference: (x^3 - x) / 6 is at most that."""
 
-FLAT = 1e-9
-"""Share of the peak a sample at least that a side rises by."""
+FLAT = 1e-9  # share of the peak a sample at least that a side rises by
 
 
 class ReadPulse(NamedTuple):
@@ -261,13 +251,10 @@ def _by_sampling(values: Array, place: float, peak: float) -> Array:
     return np.array([tip, math.hypot(*runs)])
 
 
-NARROWEST = 2
-"""Samples to either side of the first window: five, of which a parabola takes three."""
+NARROWEST = 2  # samples to either side of the first window: five, of which a parabola takes three
+# Times that each window is as long as the one before: half an octave, so that few are tried and none is far too long
 LONGER = 1.4
-"""Times that each window is as long as the one before: half an octave, so that few are tried and none is far too
-long."""
-DIRECT = 2**18
-"""Products up to which a sum over windows is taken as it stands; beyond, by its spectrum."""
+DIRECT = 2**18  # products up to which a sum over windows is taken as it stands; beyond, by its spectrum
 
 
 class SmoothingWindow(NamedTuple):

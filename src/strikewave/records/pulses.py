@@ -20,25 +20,15 @@ from strikewave.records._pulse_kernels import strongest_boxes
 from strikewave.records.record import Array
 from strikewave.records.thresholds import OfBoxes
 
+# Standard deviation of normal noise over the median of its size, 1 / Phi^-1(3/4): a median ignores the blows
 MAD_TO_SIGMA = 1.4826
-"""Standard deviation of normal noise over the median of its size, 1 / Phi^-1(3/4): a median ignores the blows."""
-TRIALS = 40
-"""Independent chances that noise has for each box side by side, found with pure noise."""
-HUMP_OF_BOX = 16
-"""A box that may hold two hits is looked at in means over one in so many of its samples.
-
-They are a fifth of either hit or less."""
-LINE_BLOCKS = 64
-"""Blocks over whose medians the baseline is fitted: enough that blows fill fewer than half of them, and their
-4032 pairs cost nothing."""
-LINE_SAMPLES = 4096
-"""Samples of a block whose median is taken: it is then known to 2 % of the noise, in bounded time."""
-NOISE_SAMPLES = 2**20
-"""Differences of neighbours of which the noise is taken: more would not change it by a thousandth."""
-MEAN_SAMPLES = 2**17
-"""Samples whose means over boxes give the noise of a width: bounds the time of long records."""
-ROUNDING = 1e-12
-"""Share of the largest mean below which a box is rounding, where a record has no noise at all."""
+TRIALS = 40  # independent chances that noise has for each box side by side, found with pure noise
+HUMP_OF_BOX = 16  # parts of a box with two hits over which it is averaged: a fifth of either hit or less
+LINE_BLOCKS = 64  # blocks of the baseline's medians: blows fill under half of them, and 4032 pairs cost nothing
+LINE_SAMPLES = 4096  # samples of a block whose median is taken: it is then known to 2 % of the noise, in bounded time
+NOISE_SAMPLES = 2**20  # differences of neighbours of which the noise is taken: more would not change it by a thousandth
+MEAN_SAMPLES = 2**17  # samples whose means over boxes give the noise of a width: bounds the time of long records
+ROUNDING = 1e-12  # share of the largest mean below which a box is rounding, where a record has no noise at all
 
 
 class Baseline(NamedTuple):

@@ -35,12 +35,10 @@ from strikewave.records.thresholds import OfReading
 from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter, HighPass
 
-RIGID = "rigid_"
-"""With this, a figure is that of the pulse without ringing."""
+RIGID = "rigid_"  # with this, a figure is that of the pulse without ringing
+# Finding where AC coupling was to be taken off and none is recognised
 NOT_COUPLED = HealthNotice("ac-coupling", "no AC coupling is recognised: nothing was taken off", severity="good")
-"""Finding where AC coupling was to be taken off and none is recognised."""
-MOST_NAMED = 4
-"""Channels that a reason names; of more, the others are counted."""
+MOST_NAMED = 4  # channels that a reason names; of more, the others are counted
 
 
 @dataclass(frozen=True)

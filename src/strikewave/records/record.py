@@ -13,9 +13,8 @@ from strikewave.records.health_notice import HealthNotice
 
 Array = NDArray[np.float64]
 
+# Names of a run's histories of whole bodies: what swings in them is the body's motion, no sensor's
 OF_BODY = ("record_acceleration", "rigid_acceleration", "pulse_acceleration")
-"""Names under which the histories of a run hold the acceleration of a whole body: what swings in it is the body's own
-motion, and no sensor's or mount's."""
 
 
 @dataclass(frozen=True, eq=False)

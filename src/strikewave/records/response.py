@@ -32,30 +32,20 @@ from strikewave.base.shock_quantities import FREQUENCY, MILLISECONDS, OF_CHANNEL
 from strikewave.records.record import Array
 from strikewave.records.thresholds import OfAnswers
 
-MOST_MODES, MOST_POLES = 3, 12
-"""Modes reported, and decaying exponentials sought at most."""
-MOST_SAMPLES = 400
-"""Samples of a pencil at most: its time grows with their cube."""
-MOST_FITTED = 20_000
-"""Samples that are fitted at most: longer stretches are thinned."""
-SAMPLES_A_SWING = 8.0
-"""Samples that thinning leaves of a swing of the strongest frequency."""
-SHARE_OF_LARGEST = 0.02
-"""Singular values, over the largest, that count as signal."""
-TINY = 1e-9
-"""Growth a sample below which an exponential is gone at once."""
-WINDOWS = ((0.0, 1.0), (0.1, 1.0), (0.0, 0.8))
-"""Begin and end of the windows, over the stretch."""
-ALIKE = 0.05
-"""Difference of frequencies, over themselves, within which two windows show the same mode."""
-FEWEST = 24
-"""Samples without which no mode is sought."""
+MOST_MODES, MOST_POLES = 3, 12  # modes reported, and decaying exponentials sought at most
+MOST_SAMPLES = 400  # samples of a pencil at most: its time grows with their cube
+MOST_FITTED = 20_000  # samples that are fitted at most: longer stretches are thinned
+SAMPLES_A_SWING = 8.0  # samples that thinning leaves of a swing of the strongest frequency
+SHARE_OF_LARGEST = 0.02  # singular values, over the largest, that count as signal
+TINY = 1e-9  # growth a sample below which an exponential is gone at once
+WINDOWS = ((0.0, 1.0), (0.1, 1.0), (0.0, 0.8))  # begin and end of the windows, over the stretch
+ALIKE = 0.05  # difference of frequencies, over themselves, within which two windows show the same mode
+FEWEST = 24  # samples without which no mode is sought
+# Steps of least squares, halvings of one that makes it worse, and the share of the squares that ends it
 STEPS, HALVINGS, ENOUGH = 40, 8, 1e-9
-"""Steps of least squares, halvings of one that makes it worse, and the share of the squares that ends it."""
-MEMORY = 20
-"""The memory of the noise is followed over one in so many of the samples."""
+MEMORY = 20  # the memory of the noise is followed over one in so many of the samples
+# Times that what a fit has taken of the noise is put back into what it leaves: it then changes by less than 1 %
 ROUNDS = 4
-"""Times that what a fit has taken of the noise is put back into what it leaves: it then changes by less than 1 %."""
 
 
 @declare.dataclass
@@ -254,8 +244,7 @@ def covariance_of(columns: Array, rest: Array) -> Array | None:
     return np.asarray(back @ scattered @ back.T)
 
 
-EFFECTIVE = 1.0 / 3.0
-"""Share of the peak magnitude that the effective duration holds all samples above."""
+EFFECTIVE = 1.0 / 3.0  # share of the peak magnitude that the effective duration holds all samples above
 
 
 class BaseBlow(NamedTuple):

@@ -31,70 +31,48 @@ from strikewave.records.robust import alike_as_one
 from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.records.thresholds import OfRingingSought
 
-QUICKLY = 0.2
-"""Damping ratio above which what is seen in a blow alone is its shape, no ringing."""
-AFTER_WIDTHS, PERIODS = 3.0, 6.0
-"""Widths, or swings if longer, after the blow that are fitted."""
-BEFORE_WIDTHS = 0.6
-"""Widths before the blow that are fitted: they hold its begin."""
-MOST_SAMPLES = 500
-"""Samples that are fitted at most; a finer record is averaged, as far as its ringing allows."""
-A_SWING, A_WIDTH = 12, 24
-"""Samples a swing, and a width, that averaging leaves."""
-FEWEST = 24
-"""Samples without which nine parameters are not fitted."""
+QUICKLY = 0.2  # damping ratio above which what is seen in a blow alone is its shape, no ringing
+AFTER_WIDTHS, PERIODS = 3.0, 6.0  # widths, or swings if longer, after the blow that are fitted
+BEFORE_WIDTHS = 0.6  # widths before the blow that are fitted: they hold its begin
+MOST_SAMPLES = 500  # samples that are fitted at most; a finer record is averaged, as far as its ringing allows
+A_SWING, A_WIDTH = 12, 24  # samples a swing, and a width, that averaging leaves
+FEWEST = 24  # samples without which nine parameters are not fitted
+# Shares of the guess: a soft mount lengthens a pulse, a mode may start late
 STARTS = ((1.0, 0.0), (0.65, 0.0), (1.0, 0.45))
-"""Lengths, and onsets of the swing, from which the fit begins, as shares of the guess: a soft mount makes a pulse
-longer, and a mode may be struck in the middle of the pulse."""
-FITS = 0.03
-"""Misfit below which no other beginning is tried."""
-FAR = 0.2
-"""Misfit of all models from the first beginning above which none is tried again: 1.5 times the largest (0.135) from
-which another beginning led to a fit that is reported, of 545 in 603 planted blows that ring (see `A_LOBE`)."""
+FITS = 0.03  # misfit below which no other beginning is tried
+FAR = 0.2  # misfit that ends the search: 1.5 times the largest that led to a fit, of 545 in 603 planted blows
+# Bounds of begin / length, log length, share of rise, power, log frequency, log decay / frequency, onset / length
 LOWEST = (-1.0, -1.6, 0.05, 0.3, -0.9, -7.0, -0.6)
 HIGHEST = (1.0, 1.1, 0.95, 4.0, 0.9, -0.3, 0.7)
-"""Bounds of begin over length, of the logarithm of the length over its guess, of share of rise and power, of the
-logarithms of the frequency over its guess and of the decay over the frequency, and of the onset of the swing after that
-of the pulse over its length, which only a struck mode has."""
-SPREADS = (0.1, 0.2, 0.1, 0.5, 0.1, 1.0, 0.1)
-"""How far these usually lie from their guess; scales the steps of the fit."""
-ROUNDS, CONVERGED = 30, 1e-5
-"""Evaluations of a fit at most, and the relative change below which it ends."""
+SPREADS = (0.1, 0.2, 0.1, 0.5, 0.1, 1.0, 0.1)  # how far these usually lie from their guess; scales the steps of the fit
+ROUNDS, CONVERGED = 30, 1e-5  # evaluations of a fit at most, and the relative change below which it ends
+# Widths after the feet of a blow by which its pulse is over, and what is recorded is its ringing; and swings in a width
+# below which a blow may be one lobe of its ringing, half a swing and its feet, so that the pulse goes on beneath it.
+# Chosen on 800 planted draws of ringing and of mounts (benchmarks/planted, from seed 300000, which no test has) and 600
+# of swings that are struck within a pulse, each fitted without regard to its tail: of widths 0, 0.25, 0.5, 0.75 and 1,
+# and of swings 0, 0.5, 0.75 and 1, the first with which no tail refuses one of the 1053 fits that are reported. With
+# 0.75 swings seven are lost, and three half a width after the feet; with 1 swing, three at the feet.
 OVER_WIDTHS, A_LOBE = 0.25, 1.0
-"""Widths after the feet of a blow by which its pulse is over, and what is recorded is its ringing; and swings in a
-width below which a blow may be one lobe of its ringing, half a swing and its feet, so that the pulse goes on beneath
-it.
-
-Chosen on 800 planted draws of ringing and of mounts (benchmarks/planted, from seed 300000, which no test has) and 600
-of swings that are struck within a pulse, each fitted without regard to its tail: of widths 0, 0.25, 0.5, 0.75 and 1,
-and of swings 0, 0.5, 0.75 and 1, the first with which no tail refuses one of the 1053 fits that are reported. With 0.75
-swings seven are lost, and three half a width after the feet; with 1 swing, three at the feet."""
+# Frequencies over their guess, and decays over it, of the swings that are tried before a fit: its bounds
 NEAR = np.exp(np.linspace(-0.9, 0.9, 61))
 DECAYS = np.exp(np.linspace(-7.0, -0.3, 12))
-"""Frequencies over their guess, and decays over it, of the swings that are tried before a fit: its bounds."""
-TIP = 0.04
-"""Share of the length of a pulse over which its tip is averaged: a straight one loses 2 % of its peak by it."""
+TIP = 0.04  # share of the length of a pulse over which its tip is averaged: a straight one loses 2 % of its peak by it
+# Decay over frequency above which a mode does not swing: it has gone to its bound to make up for something else
 OVERDAMPED = 0.7
-"""Decay over frequency above which a mode does not swing: it has gone to its bound to make up for something else."""
+# Times that a pulse without ringing may be as wide as the smooth pulse, and share of its peak that it must have
 WIDER, LOWER = 4.0, 0.25
-"""Times that a pulse without ringing may be as wide as the smooth pulse, and share of its peak that it must have."""
+# Standard uncertainties of peak, width, area by shapes outside the family, planted
 SHAPES = np.array([0.025, 0.04, 0.015])
-"""Standard uncertainties of peak, width and velocity change, over themselves, by shapes that the family has not: flat
-tops, saw-teeth and long tails, planted and fitted."""
+# The same of a mode that has an amplitude of its own and swings less than `OfRingingSought.SEPARATE` times in a width:
+# Swing and pulse are alike, and what is missed beyond `OfRingingSought.ENOUGH` may be of either, by as many times more.
 ALIKE = np.array([0.2, 0.25, 0.15])
-"""The same of a mode that has an amplitude of its own and swings less than `OfRingingSought.SEPARATE` times in a width:
-swing and pulse are alike, and what is missed beyond `OfRingingSought.ENOUGH` may be of either, by as many times
-more."""
+# Share of the squares of the columns added to them: a mode and a pulse that look alike share their amplitude
 RIDGE = 1e-10
-"""Share of the squares of the columns added to them: a mode and a pulse that look alike share their amplitude."""
-TINY = 1e-300
-"""Added too: a pulse that lies outside has no square."""
+TINY = 1e-300  # added too: a pulse that lies outside has no square
+# Bound of the correlation of neighbours in what is left: what is left of a shape that no model has is smooth
 SMOOTH_REST = 0.98
-"""Bound of the correlation of neighbours in what is left: what is left of a shape that no model has is smooth."""
-FAST = 64
-"""Spectra have a multiple of so many samples: their transform is fast."""
-DIFFERENCE = math.sqrt(np.finfo(float).eps)
-"""Change of a parameter for a derivative of what is left."""
+FAST = 64  # spectra have a multiple of so many samples: their transform is fast
+DIFFERENCE = math.sqrt(np.finfo(float).eps)  # change of a parameter for a derivative of what is left
 
 
 class RigidPulse(NamedTuple):
@@ -296,8 +274,7 @@ def _struck(pulse: Array, since: Array, step: float, omega: Array | float, decay
     return np.stack([pulse, *swings], axis=-2), np.array([1.0, 0.0, 0.0])
 
 
-MODELS: tuple[Columns, ...] = (_mount, _mode, _struck)
-"""The simplest first."""
+MODELS: tuple[Columns, ...] = (_mount, _mode, _struck)  # the simplest first
 
 
 def _name(model: Columns) -> str:
@@ -469,12 +446,9 @@ def least_beside_one_mode(values: Array, step: float, frequency: float) -> float
     return float(np.sum(values**2) - np.max(taken))
 
 
-FEWEST_AFTER = 8
-"""Samples after a blow without which ringing is not sought."""
-PADDED = 8
-"""Times that a spectrum is padded so that its peak is found between."""
-RINGS_WITHIN = 5.0
-"""Widths after the blow in which its ringing is looked for."""
+FEWEST_AFTER = 8  # samples after a blow without which ringing is not sought
+PADDED = 8  # times that a spectrum is padded so that its peak is found between
+RINGS_WITHIN = 5.0  # widths after the blow in which its ringing is looked for
 
 
 class Stretch(NamedTuple):

@@ -11,21 +11,16 @@ from numpy.typing import ArrayLike
 from strikewave.records.pulses import MAD_TO_SIGMA
 from strikewave.records.record import Array
 
+# Factors by which the median deviation of 2 to 9 normal values is too small; of more of them, 1 + 0.8 / (n - 0.8).
+# Source: ``croux-1992``; a test has them by simulation.
 SMALL_SAMPLE = (1.196, 1.495, 1.363, 1.206, 1.200, 1.140, 1.129, 1.107)
-"""Factors by which the median deviation of 2 to 9 normal values is too small; of more of them, 1 + 0.8 / (n - 0.8).
-
-Source: ``croux-1992``; a test has them by simulation."""
-MOST_OUTLIERS = 4
-"""One in so many values at most is an outlier: more of them are another group."""
-EQUAL = 1e-9
-"""Share of the largest value by which values scatter that are no copies of one another: more than rounding."""
+MOST_OUTLIERS = 4  # one in so many values at most is an outlier: more of them are another group
+EQUAL = 1e-9  # share of the largest value by which values scatter that are no copies of one another: more than rounding
+# Values without which the studentized deviate cannot tell an outlier: with four its bound is all but its largest value
 FEWEST_FOR_OUTLIERS = 5
-"""Values without which the studentized deviate cannot tell an outlier: with four its bound is all but its largest
-value."""
+# Values up to which the distribution of Kendall's S is counted; beyond, it is normal to a percent of its bounds
 EXACT = 60
-"""Values up to which the distribution of Kendall's S is counted; beyond, it is normal to a percent of its bounds."""
-MOST_OF_LINE = 1000
-"""Values between which slopes are taken, half a million of them; of more, means over neighbours."""
+MOST_OF_LINE = 1000  # values between which slopes are taken, half a million of them; of more, means over neighbours
 
 
 def spread_of(values: ArrayLike) -> float:

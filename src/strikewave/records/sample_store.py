@@ -13,13 +13,9 @@ import numpy as np
 from strikewave.records.reading import FileReading
 from strikewave.records.record import Array
 
-IN_MEMORY = 2**20
-"""Samples, of 8 bytes, that stay in memory: 8 MB, little beside the 150 MB of the program; fifty records of 20 000
-samples never meet the disk."""
-PART = 2**28
-"""Bytes of a file on disk: few enough files for thousands of records, and what is not used takes no room."""
-_BYTES = 8
-"""Bytes of a sample."""
+IN_MEMORY = 2**20  # samples kept in memory: 8 MB beside the program's 150; fifty records of 20 000 never meet the disk
+PART = 2**28  # bytes of a file on disk: few enough files for thousands of records, and what is not used takes no room
+_BYTES = 8  # bytes of a sample
 
 
 class SampleStore:

@@ -15,30 +15,25 @@ from strikewave.records.record import Array
 if TYPE_CHECKING:
     from strikewave.signal.filters import Effect, Filter
 
-MOST_SAMPLES = 240
-"""A longer stretch is averaged down to this many before it is fitted: about 50 for each parameter, and means lose
-little of a pulse that is 80 of them wide."""
+MOST_SAMPLES = 240  # more are averaged: 50 for each parameter, and a pulse 80 of them wide loses little by it
+# Bounds of peak, begin, length (over the guess), share of rise, power: a step and a spike fit, none runs away in noise
 LOWEST, HIGHEST = np.array([0.05, -math.inf, 0.2, 0.05, 0.3]), np.array([3.0, math.inf, 4.0, 0.95, 4.0])
-"""Bounds of peak, begin, length, share of rise and power, the first three over the guess: wide enough for a step and a
-spike, and so that no parameter runs away in noise."""
-BEFORE = 0.5
-"""Lengths before the first sample at which a pulse may begin: one that is cut has begun before its stretch."""
+BEFORE = 0.5  # lengths before the first sample at which a pulse may begin: one that is cut has begun before its stretch
+# Pulses from which the fit begins: flat, between a half-sine and a haversine, and pointed. Near the feet of a power
+# below one the sum of squares has a kink at each sample, and valleys between them: of 959 blows, measured and planted,
+# One in twenty is fitted better than from the middle power alone.
 STARTS = np.array([[1.0, -0.1, 1.2, 0.5, power] for power in (0.6, 1.3, 2.5)])
-"""Pulses from which the fit begins: flat, between a half-sine and a haversine, and pointed. Near the feet of a power
-below one the sum of squares has a kink at each sample, and valleys between them: of 959 blows, measured and planted,
-one in twenty is fitted better than from the middle power alone."""
+# How far peak, begin, length, share of rise and power usually lie from the guess; scales the steps of the fit
 SPREADS = np.array([1.0, 0.1, 0.3, 0.2, 1.0])
-"""How far peak, begin, length, share of rise and power usually lie from the guess; scales the steps of the fit."""
+# Evaluations of a fit at most, and the relative change below which it ends: noise moves the parameters far more
 ROUNDS, CONVERGED = 50, 1e-6
-"""Evaluations of a fit at most, and the relative change below which it ends: noise moves the parameters far more."""
 
 
+# Samples of a pulse that a filter is tried on, and times one over the cutoff to either side of it
 FILTERED, BESIDE_FILTERED = 400, 3.0
-"""Samples of a pulse that a filter is tried on, and times one over the cutoff to either side of it."""
+# Share of a parameter by which it is changed for a derivative: squared, it is far below an uncertainty
 DERIVATIVE = 1e-4
-"""Share of a parameter by which it is changed for a derivative: squared, it is far below an uncertainty."""
-TOE_POINTS = 33
-"""Points at which a toe is integrated: straight lines between them keep 0.1 % of it."""
+TOE_POINTS = 33  # points at which a toe is integrated: straight lines between them keep 0.1 % of it
 
 
 @declare.dataclass
@@ -54,8 +49,7 @@ class PulseUncertainty:
     )
 
 
-BUDGETED = tuple(declare.declarations(PulseUncertainty))
-"""Figures of a blow that have an uncertainty."""
+BUDGETED = tuple(declare.declarations(PulseUncertainty))  # figures of a blow that have an uncertainty
 
 
 class SmoothPulse(NamedTuple):

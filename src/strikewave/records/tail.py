@@ -21,20 +21,15 @@ from strikewave.records.thresholds import OfTails
 from strikewave.signal.filters import ac_uncoupled
 from strikewave.signal.motion import integral
 
-AFTER = 0.15
-"""Widths after a blow from which on its tail is looked at."""
+AFTER = 0.15  # widths after a blow from which on its tail is looked at
+# Times that each half of a stretch is as long as the one before, from a width on: both a fast decay and a long one are
+# followed by some dozens of them. Stretches overlap by half, and are weighted as Hann's window does: what swings once
+# In a width, or faster, has no mean.
 GROWS = 1.15
-"""Times that each half of a stretch is as long as the one before, from a width on: both a fast decay and a long one
-are followed by some dozens of them. Stretches overlap by half, and are weighted as Hann's window does: what swings
-once in a width, or faster, has no mean."""
-WINDOW = 5.0
-"""Time constants over which a decay is looked at: it has died out by then."""
-ROUNDS = 6
-"""Rounds of narrowing the window to the time constant found."""
-LAST_THIRD = 3
-"""Divisor of the number of stretches of a tail: the last third show where the record stands at last."""
-RATES = 120
-"""Time constants tried for a free exponential."""
+WINDOW = 5.0  # time constants over which a decay is looked at: it has died out by then
+ROUNDS = 6  # rounds of narrowing the window to the time constant found
+LAST_THIRD = 3  # divisor of the number of stretches of a tail: the last third show where the record stands at last
+RATES = 120  # time constants tried for a free exponential
 
 
 class Tail(NamedTuple):
@@ -279,8 +274,7 @@ def _decay(time: Array, level: Array) -> tuple[Array, float]:
     return _on(level, columns[k]), float(constants[k])
 
 
-SETTLED_AFTER = 5.0
-"""Widths after the last blow from which on a record is taken to be at rest."""
+SETTLED_AFTER = 5.0  # widths after the last blow from which on a record is taken to be at rest
 
 
 def uncoupled(values: Array, step: float, start: float, pulses: Sequence[RecordedPulse], constant: float) -> Array:

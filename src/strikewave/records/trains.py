@@ -19,18 +19,13 @@ from strikewave.records._pulse_kernels import best_chains
 from strikewave.records.record import Array
 from strikewave.records.thresholds import OfTrains
 
-LONG_TRAIN = 400
-"""Contacts from whose gaps the period is taken: those of longer trains come again."""
-NEIGHBOURS = 6
-"""Contacts after each to which a gap is tried as the period: a blow, its rebounds, and the next."""
-BIN = 0.05
-"""Share by which periods that are tried differ: well within `OfTrains.JITTER`."""
+LONG_TRAIN = 400  # contacts from whose gaps the period is taken: those of longer trains come again
+NEIGHBOURS = 6  # contacts after each to which a gap is tried as the period: a blow, its rebounds, and the next
+BIN = 0.05  # share by which periods that are tried differ: well within `OfTrains.JITTER`
 
 
-MAINS = (20e-3, 10e-3, 1.0 / 60.0, 1.0 / 120.0)
-"""Periods of the mains and of their rectified form, s."""
-WHOLE_PERIOD = 1.0 / 75.0
-"""Periods of the mains longer than this are whole, the others half, s."""
+MAINS = (20e-3, 10e-3, 1.0 / 60.0, 1.0 / 120.0)  # periods of the mains and of their rectified form, s
+WHOLE_PERIOD = 1.0 / 75.0  # periods of the mains longer than this are whole, the others half, s
 
 
 def mains_period(times: Array, widths: Array, locked: bool = False) -> float:

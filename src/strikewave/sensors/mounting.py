@@ -29,28 +29,23 @@ from strikewave.base.shock_quantities import BANDWIDTH, RATIO
 from strikewave.sensors.response import IDENTITY, LinearSystem
 from strikewave.waves.spectral import USUAL_BAND, LossFit, dynamic_stiffness, fit_loss
 
-RESOLVED = 200e3
-"""Frequency up to which the elements follow the wave in a gasket, Hz: buffers let nothing through far below, and
-recorders cut it off."""
+RESOLVED = 200e3  # Hz that elements follow in a gasket: buffers let nothing through far below, and recorders cut it off
 
-ELEMENTS_PER_WAVE = 1.5
-"""Elements of degree 4 in a wavelength at that frequency: they agree with the continuous layer to 0.03 dB there, and to
-1e-4 dB at half of it."""
+ELEMENTS_PER_WAVE = 1.5  # degree-4 elements a wave: within 0.03 dB of the continuous layer, 1e-4 dB at half of it
 
-MOST_STATES = 2000
-"""A buffer with more states than this is refused: its exponential would take a minute."""
+MOST_STATES = 2000  # a buffer with more states than this is refused: its exponential would take a minute
 
+# Gauss-Lobatto nodes of degree 4, and their weights, which make the mass of a node
 _NODES = np.array([-1.0, -math.sqrt(3.0 / 7.0), 0.0, math.sqrt(3.0 / 7.0), 1.0])
 _MASSES = np.array([0.1, 49.0 / 90.0, 32.0 / 45.0, 49.0 / 90.0, 0.1])
-"""Gauss-Lobatto nodes of degree 4, and their weights, which make the mass of a node."""
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(4)
+# Four Gauss points, their weights, and the derivative of the polynomials through the nodes there: exact stiffness
 _SLOPES = np.column_stack(
     [
         np.polyval(np.polyder(np.polyfit(_NODES, np.eye(5)[j], 4)), _GAUSS)  # of the j-th Lagrange polynomial
         for j in range(5)
     ]
 )
-"""Four Gauss points, their weights, and the derivative of the polynomials through the nodes there: exact stiffness."""
 
 
 @dataclass(frozen=True)
@@ -276,14 +271,12 @@ def mounting_system(mounting: Mounting) -> LinearSystem:
 
 Array = NDArray[np.float64]
 
-LOWEST = 10.0
-"""Frequency from which a mounting is looked at, Hz: below, no mounting of a sensor has a resonance."""
+LOWEST = 10.0  # frequency from which a mounting is looked at, Hz: below, no mounting of a sensor has a resonance
 
-POINTS = 1200
-"""Frequencies from `LOWEST` to `RESOLVED`, 0.8 % apart: below a resonance a magnitude rises over far more."""
+POINTS = 1200  # frequencies from `LOWEST` to `RESOLVED`, 0.8 % apart: below a resonance a magnitude rises over far more
 
+# Times that a crossing or a peak is looked at more closely, and points each time: 2e-7 of a frequency is left
 ZOOMS, ZOOMED = 3, 33
-"""Times that a crossing or a peak is looked at more closely, and points each time: 2e-7 of a frequency is left."""
 
 
 @declare.dataclass

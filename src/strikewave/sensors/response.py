@@ -19,12 +19,8 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-BLOCK = 256
-"""Samples that are answered by one product of matrices. Chosen: longer blocks cost more products a sample, shorter ones
-more steps of the loop; a power of two, so that the power of Phi takes eight products."""
-GROUP = 4
-"""Blocks of one product of matrices: so small a one runs on this thread alone. Larger ones wake threads of the library
-behind numpy that wait longer than they work, and double the processor time of a run of a stack."""
+BLOCK = 256  # samples of one product. Chosen: longer blocks cost products, shorter ones loops; Phi's power takes eight
+GROUP = 4  # blocks of one product: few enough for one thread; waking those of the library doubles processor time
 
 
 class LinearSystem(NamedTuple):
@@ -46,8 +42,7 @@ class LinearSystem(NamedTuple):
     d: float
 
 
-IDENTITY = LinearSystem(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 1.0)
-"""Output is input: what nothing lies between."""
+IDENTITY = LinearSystem(np.zeros((0, 0)), np.zeros(0), np.zeros(0), 1.0)  # output is input: what nothing lies between
 
 
 def seismic(resonance: float, quality: float) -> LinearSystem:

@@ -20,16 +20,11 @@ from strikewave.sensors.mounting import RESOLVED, band
 from strikewave.signal.oscillators import interpolate
 from strikewave.signal.pulse import WIDTH_FRACTION, Pulse, largest, measure_pulse
 
-HEAVY_SENSOR = 0.02
-"""Share of the assembly's mass above which a buffered sensor loads back what it sits on: it then changes that motion by
-about as much, which the model leaves out."""
+HEAVY_SENSOR = 0.02  # share of the assembly's mass above which a sensor loads its site by about as much: not modelled
 
 
-FILTER_PERIODS = 2.0
-"""Periods of its cutoff within which a recorder's filter has answered a blow: four Butterworth poles are then within
-1 % of a step, and the answer to an impulse is below 1.4 % of its largest value."""
-LAST_SHARE = 0.02
-"""Last part of a reading whose mean tells where it stands: what rings there cancels."""
+FILTER_PERIODS = 2.0  # periods in which a filter has answered: four Butterworth poles then miss 1 % of a step
+LAST_SHARE = 0.02  # last part of a reading whose mean tells where it stands: what rings there cancels
 
 
 class SensorChannel(NamedTuple):
@@ -123,21 +118,20 @@ def channel_notices(
 
 Array = NDArray[np.float64]
 
+# New samples to a step of the motion, as far as they are no more than so many: what lies in the band of a motion then
+# Has 32 to a period, and a parabola through the top of a sine is 1e-5 low.
 FINER, MOST_SAMPLES = 16, 4_000_000
-"""New samples to a step of the motion, as far as they are no more than so many: what lies in the band of a motion then
-has 32 to a period, and a parabola through the top of a sine is 1e-5 low."""
 
-TOLERATED = 0.05
-"""Change of peak or width that is tolerated: the usual uncertainty of a calibrated shock accelerometer."""
+TOLERATED = 0.05  # change of peak or width that is tolerated: the usual uncertainty of a calibrated shock accelerometer
 
+# Places of the first instant of a recorder, in sampling intervals, that are tried: what is farthest off counts
 PHASES = (0.0, 0.25, 0.5, 0.75)
-"""Places of the first instant of a recorder, in sampling intervals, that are tried: what is farthest off counts."""
 
+# Verdicts on a blow, in words
 TAKES, RANGE, FULL_SCALE, RESONANCE, RECORDER, NOISE = (
     *("can take it", "range exceeded", "full scale of the recorder exceeded", "pulse too short for its resonance"),
     *("pulse too short for its recorder", "not known: noise of the record drives its resonance"),
 )
-"""Verdicts on a blow, in words."""
 
 
 @declare.dataclass

@@ -14,24 +14,14 @@ from strikewave.signal.pulse import RISE_LOW, crossing, refine_peak
 
 Array = NDArray[np.float64]
 
-FINER = 16
-"""Points between two samples around a crossing or a peak: lines and parabolas between them err by less than 1e-3 of a
-sample (measured, see the test)."""
-AROUND = 3
-"""Samples on either side of a peak between which it is sought again, band-limited."""
-TOP = 0.8
-"""Share of a peak at which its width gives its curvature: wide enough that noise does not."""
-SAME_STEP = 1e-9
-"""Share by which steps may differ and be the same: rounding."""
-COHERENT, CHANCE = 0.25, 1e-3
-"""Coherence from which a band has signal, where signal and noise of both are about as large; and the probability
-that noise alone reaches what is asked of a band of few lines."""
-LINES, WIDENED = 8.0, 0.1
-"""Independent lines of a band at least, and its width over its frequency where that is more."""
-CLEARLY = 1.1
-"""How much farther a correlation reaches below zero than above it where two histories have opposite signs."""
-ROUNDS, CLOSE = 30, 1e-9
-"""Newton steps at most for the largest correlation, and the samples within which it has ended."""
+FINER = 16  # points between two samples: lines and parabolas then err by less than 1e-3 of a sample (measured)
+AROUND = 3  # samples on either side of a peak between which it is sought again, band-limited
+TOP = 0.8  # share of a peak at which its width gives its curvature: wide enough that noise does not
+SAME_STEP = 1e-9  # share by which steps may differ and be the same: rounding
+COHERENT, CHANCE = 0.25, 1e-3  # coherence of equal signal and noise; chance that noise alone passes a short band
+LINES, WIDENED = 8.0, 0.1  # independent lines of a band at least, and its width over its frequency where that is more
+CLEARLY = 1.1  # how much farther a correlation reaches below zero than above it where two histories have opposite signs
+ROUNDS, CLOSE = 30, 1e-9  # Newton steps at most for the largest correlation, and the samples within which it has ended
 
 
 class EvenHistory(NamedTuple):

@@ -20,24 +20,22 @@ from strikewave.signal.pulse import HALF_SINE_RISE, HALF_SINE_WIDTH, measure_pul
 
 Array = NDArray[np.float64]
 
+# Share of a response that may be left where padding ends: a thousand times rounding, and far below any record
 SETTLED = 1e-13
-"""Share of a response that may be left where padding ends: a thousand times rounding, and far below any record."""
-MOST_POLES = 12
-"""Poles of a filter, at most: recorders have 2 to 8. Chosen well above, so that only a slip is refused."""
+MOST_POLES = 12  # poles of a filter, at most: recorders have 2 to 8. Chosen well above, so that only a slip is refused
+# Cutoff of each pass over the channel class, and its poles: appendix C of SAE J211-1
 SAE_J211_CUTOFF, SAE_J211_POLES = 2.0775, 2
-"""Cutoff of each pass over the channel class, and its poles: appendix C of SAE J211-1."""
+# Samples of a half-sine on which a filter is tried, at least, the longest step as a share of one over the cutoff, and
+# how many times one over the cutoff the history goes on to either side: peak and width are then good to 1e-6 (measured
+# At five times the cutoff).
 HALF_SINE_SAMPLES, CUTOFF_STEP, REACH = 400, 0.02, 3.0
-"""Samples of a half-sine on which a filter is tried, at least, the longest step as a share of one over the cutoff, and
-how many times one over the cutoff the history goes on to either side: peak and width are then good to 1e-6 (measured at
-five times the cutoff)."""
+# Share by which a filter may change a figure unless said otherwise, about what a calibrated chain is uncertain by; and
+# The shares that can be asked for: a width stays off by 4e-3 at ten cutoffs, beyond a half the pulse is another one.
 ADVISED_LOSS, LOSSES = 0.02, (5e-3, 0.5)
-"""Share by which a filter may change a figure unless said otherwise, about what a calibrated chain is uncertain by; and
-the shares that can be asked for: a width stays off by 4e-3 at ten cutoffs, beyond a half the pulse is another one."""
+# Cutoffs of a half-sine of 1 s that are searched, Hz, how many of them at first, and how exactly: a cutoff is stated to
+# Three digits.
 CUTOFFS, CUTOFFS_TRIED, CUTOFF_ROUNDING = (0.3, 20.0), 40, 1e-4
-"""Cutoffs of a half-sine of 1 s that are searched, Hz, how many of them at first, and how exactly: a cutoff is stated
-to three digits."""
-FEET = 0.02
-"""Share of the peak from which on a pulse is integrated, as a record is measured."""
+FEET = 0.02  # share of the peak from which on a pulse is integrated, as a record is measured
 
 
 def low_pass(values: ArrayLike, step: float, cutoff: float, order: int = 4, axis: int = -1) -> Array:

@@ -19,28 +19,19 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-RATE = 1e4
-"""Sampling rate that the standard asks for, Hz."""
-SAMPLES = 1000
-"""Samples to which an interval of any length is brought: at the standard's 10 kHz, 0.1 s, as long as a crash pulse. The
-slope is then averaged over 0.9 % of the interval."""
+RATE = 1e4  # sampling rate that the standard asks for, Hz
+SAMPLES = 1000  # samples of any interval: 0.1 s at the standard's 10 kHz, so that a slope is averaged over 0.9 % of it
 
+# Half widths of the corridors over the largest magnitude of the reference, and the power between them
 INNER, OUTER, CORRIDOR_POWER = 0.05, 0.5, 2
-"""Half widths of the corridors over the largest magnitude of the reference, and the power between them."""
-MOST_SHIFT = 0.2
-"""Share of the interval beyond which a shift counts as no phase at all: 1 - INIT_min, INIT_min = 0.8."""
-MOST_MAGNITUDE, MOST_SLOPE = 0.5, 2.0
-"""Relative errors of magnitude and of slope beyond which their scores are 0."""
-WARPING = 0.1
-"""Share of the interval by which time may be warped for the magnitude."""
-AVERAGED = 9
-"""Samples over which slopes are averaged; fewer towards the ends: 7, 5, 3, 1."""
-WEIGHTS = (0.4, 0.2, 0.2, 0.2)
-"""Weights of corridor, phase, magnitude and slope in the overall rating."""
-FEWEST = 2 * AVERAGED
-"""Samples without which slopes are not averaged anywhere."""
+MOST_SHIFT = 0.2  # share of the interval beyond which a shift counts as no phase at all: 1 - INIT_min, INIT_min = 0.8
+MOST_MAGNITUDE, MOST_SLOPE = 0.5, 2.0  # relative errors of magnitude and of slope beyond which their scores are 0
+WARPING = 0.1  # share of the interval by which time may be warped for the magnitude
+AVERAGED = 9  # samples over which slopes are averaged; fewer towards the ends: 7, 5, 3, 1
+WEIGHTS = (0.4, 0.2, 0.2, 0.2)  # weights of corridor, phase, magnitude and slope in the overall rating
+FEWEST = 2 * AVERAGED  # samples without which slopes are not averaged anywhere
+# Words of an overall rating, each with the rating from which on it applies: table of the standard, from memory
 GRADES = (("excellent", 0.94), ("good", 0.8), ("fair", 0.58), ("poor", 0.0))
-"""Words of an overall rating, each with the rating from which on it applies: table of the standard, from memory."""
 
 
 class Rating(NamedTuple):

@@ -27,32 +27,25 @@ def legendre(count: int) -> tuple[Array, Array]:
     return np.asarray(0.5 * (places + 1.0)), np.asarray(0.5 * weights)
 
 
+# Gauss-Legendre rule on 0 to 1; exact to rounding up to eight decay times or half a period (3e-14, measured)
 NODES, WEIGHTS = legendre(24)
-"""Gauss-Legendre rule on 0 to 1; exact to rounding up to eight decay times or half a period (3e-14, measured)."""
 
-FEW = legendre(8)
-"""The same, up to one radian or decay time: 6 nodes leave 8e-14, 8 leave 2e-15 (measured)."""
+FEW = legendre(8)  # the same, up to one radian or decay time: 6 nodes leave 8e-14, 8 leave 2e-15 (measured)
 
-STIFF = 8.0
-"""Decay times a step above which the exponential integrals are taken in closed form: up to there the rule is exact, and
-from one on their differences lose no digits."""
+STIFF = 8.0  # decay times a step where closed forms begin: the rule is exact below, their differences above one
 
+# Smallest |K|/w: K in a denominator must not vanish, and its square, 1e-14, is what a response is off by
 CRITICAL = 1e-7
-"""Smallest |K|/w: K in a denominator must not vanish, and its square, 1e-14, is what a response is off by."""
 
+# Places in a step at which a response is looked at: dense at its start, where fast modes die
 PLACES = np.linspace(0.0, 1.0, 17) ** 2
-"""Places in a step at which a response is looked at: dense at its start, where fast modes die."""
 
-BETWEEN_PLACES = 1.1
-"""Factor by which the largest P and R of `bend` may exceed those at the places; measured: 1.008, up to three times
-critical damping."""
+BETWEEN_PLACES = 1.1  # factor of P and R of `bend` between places; measured: 1.008 up to 3 times critical damping
 
+# Least 1 - 2 a - w^2/8 at which that formula bounds a peak inside a step: below, the largest P and R bound it better
 CALM = 0.5
-"""Least 1 - 2 a - w^2/8 at which that formula bounds a peak inside a step: below, the largest P and R bound it
-better."""
 
-SERIES_TERMS = 8
-"""Terms of sin(K v)/K beyond the first, |K v| below 1: the next is 1e-16."""
+SERIES_TERMS = 8  # terms of sin(K v)/K beyond the first, |K v| below 1: the next is 1e-16
 
 
 class Response(NamedTuple):
@@ -320,6 +313,7 @@ def _free_creep(w: Array, zeta: float, start: Array, change: Array) -> tuple[Arr
     return value, value
 
 
+# Kinds of spectra: what is looked at of the oscillator, and the powers of 2 pi f and of the step that make SI of it
 KINDS = {
     "absolute": (acceleration, 0, 0),
     "displacement": (displacement, 0, 2),
@@ -327,18 +321,13 @@ KINDS = {
     "pseudo-velocity": (displacement, 1, 2),
     "equivalent-static": (displacement, 2, 2),
 }
-"""Responses that a spectrum can be of: what is looked at of the oscillator, and the powers of 2 pi f and of the step
-that make SI of it."""
 
-SMOOTH = 20
-"""Samples a period below which straight lines are no longer good: they lose (pi/20)^2/3 = 0.8 % there."""
+SMOOTH = 20  # samples a period below which straight lines are no longer good: they lose (pi/20)^2/3 = 0.8 % there
 
+# A frequency takes the least that leaves `SMOOTH` samples a period; few, as each costs a pass
 FACTORS = (1, 2, 4, 8, 10)
-"""Factors of interpolation: a frequency takes the least that leaves `SMOOTH` samples a period, and 10 serves up to half
-the sampling rate; few factors, since the record is gone through once for each."""
 
-_ROUNDING = 1e-12
-"""Relative rounding of the samples a period of a frequency at the edge of a factor."""
+_ROUNDING = 1e-12  # relative rounding of the samples a period of a frequency at the edge of a factor
 
 
 class Group(NamedTuple):
@@ -363,20 +352,16 @@ def groups(step: float, fn: Array, upsample: bool = True) -> Iterator[Group]:
         yield Group(FACTORS[i], members, 2.0 * np.pi * fn[members], step / FACTORS[i])
 
 
-REACH = 32
-"""Samples on each side that interpolation looks at: flat within 1e-4 up to 0.46 of the sampling rate."""
+REACH = 32  # samples on each side that interpolation looks at: flat within 1e-4 up to 0.46 of the sampling rate
 
-KAISER = 8.0
-"""Shape of its Kaiser window: 6 and 10 leave 5e-4 and 2.5e-3 with as many samples (measured)."""
+KAISER = 8.0  # shape of its Kaiser window: 6 and 10 leave 5e-4 and 2.5e-3 with as many samples (measured)
 
-BLOCK = 4096
-"""Samples whose responses are held together: 100 frequencies of them take 3 MB, which stays in a cache."""
+BLOCK = 4096  # samples whose responses are held together: 100 frequencies of them take 3 MB, which stays in a cache
 
+# Half widths, in steps, of the parabolas about a peak: the error of each is of the third power of its width
 NARROWER = (0.08, 0.01, 0.001)
-"""Half widths, in steps, of the parabolas about a peak: the error of each is of the third power of its width."""
 
-TINY = 1e-300
-"""Least magnitude of a curvature as a divisor."""
+TINY = 1e-300  # least magnitude of a curvature as a divisor
 
 
 def interpolate(history: Array, factor: int) -> Array:

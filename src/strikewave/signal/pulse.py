@@ -10,20 +10,15 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-WIDTH_FRACTION = 0.1
-"""Share of the peak at which a pulse's width is taken unless said otherwise: the convention of shock tests, high enough
-to stand above noise and baseline."""
-FOOT = 0.02
-"""Share of the peak at which a pulse begins and ends when its area is taken: what lies below the foot of a half-sine is
-0.02 % of its area, and what drifts beside it is left out."""
-RISE_LOW, RISE_HIGH = 0.1, 0.9
-"""Shares of the peak between which a rise time is taken: the field's definition."""
+WIDTH_FRACTION = 0.1  # share of the peak at which widths are taken: a convention, above noise and baseline
+FOOT = 0.02  # share of the peak where a pulse begins and ends: feet below hold 0.02 % of a half-sine, the rest is drift
+RISE_LOW, RISE_HIGH = 0.1, 0.9  # shares of the peak between which a rise time is taken: the field's definition
+# Width at 10 % of the peak of a half-sine, over its duration
 HALF_SINE_WIDTH = 1.0 - 2.0 * math.asin(WIDTH_FRACTION) / math.pi
-"""Width at 10 % of the peak of a half-sine, over its duration."""
+# Rise from 10 to 90 % of a half-sine, over its duration
 HALF_SINE_RISE = (math.asin(RISE_HIGH) - math.asin(RISE_LOW)) / math.pi
-"""Rise from 10 to 90 % of a half-sine, over its duration."""
+# Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %
 FEWEST_INTERVALS = 10.0
-"""Sampling intervals a pulse below which the recorder is warned of: the worst loss of peak is then 1.2 %."""
 
 
 class Pulse(NamedTuple):

@@ -21,22 +21,18 @@ from strikewave.signal.oscillators import KINDS, extremes, followed, framed, gro
 
 Array = NDArray[np.float64]
 
-INITIAL = ("rest", "shifted", "steady")
-"""How a record can begin; see `Scope`."""
-SIDES = ("maximax", "positive", "negative")
-"""Sides of a spectrum: the larger of both polarities, or one of them."""
+INITIAL = ("rest", "shifted", "steady")  # how a record can begin; see `Scope`
+SIDES = ("maximax", "positive", "negative")  # sides of a spectrum: the larger of both polarities, or one of them
+# Parts of a response: with the vibration after the shock, without it, or that alone
 PARTS = ("total", "primary", "residual")
-"""Parts of a response: with the vibration after the shock, without it, or that alone."""
 
+# Usual of shock spectra: a resonance of 5 % damping is wider than a twelfth of an octave
 PER_OCTAVE, QUALITY = 12.0, 10.0
-"""Frequencies an octave, and quality factor, where none is given: the usual ones of shock response spectra, a resonance
-of 5 % damping being wider than a twelfth of an octave."""
 
+# Periods of free vibration after the record in which its largest vector sum lies: the first swing, and a little
 LAST_SWING = 1.05
-"""Periods of free vibration after the record in which its largest vector sum lies: the first swing, and a little."""
 
-_SAME_FREQUENCY = 1e-9
-"""Relative rounding of a frequency reached by even ratios."""
+_SAME_FREQUENCY = 1e-9  # relative rounding of a frequency reached by even ratios
 
 
 @dataclass(frozen=True)
@@ -469,11 +465,10 @@ def _check(q: float, kind: str, scope: Scope) -> None:
             raise ValueError(f"the {name} of a spectrum must be one of {', '.join(allowed)}, got {got!r}")
 
 
+# Share of shocks below the limit and its confidence: P95/50 of maximum expected environments
 PROPORTION, CONFIDENCE = 0.95, 0.5
-"""Share of shocks below the limit, and how sure that is, where none is stated: P95/50, usual for maximum expected
-environments."""
+# Spectra without which no limit is given: of two the factor is exact and useless (2.3 deviations of two values)
 FEWEST = 3
-"""Spectra without which no limit is given: of two the factor is exact and useless (2.3 deviations of two values)."""
 
 
 def envelope(spectra: Sequence[ArrayLike]) -> Array:

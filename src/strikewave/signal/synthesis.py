@@ -26,28 +26,24 @@ Array = NDArray[np.float64]
 
 PEAK, MILLISECONDS, DECIBELS = Quantity("m/s^2", "g"), Quantity("s", "ms"), Quantity("dB", "dB")
 DAMPED_SINES, WAVELETS = "damped-sines", "wavelets"
-BASES = (DAMPED_SINES, WAVELETS)
-"""Kinds of components that add up to a motion."""
+BASES = (DAMPED_SINES, WAVELETS)  # kinds of components that add up to a motion
+# Periods of the lowest damped sine in a motion: with 5 % damping it has then come down to 1 %, and is faded out
 PERIODS = 15.0
-"""Periods of the lowest damped sine in a motion: with 5 % damping it has then come down to 1 %, and is faded out."""
+# Share of a motion, at its end, over which damped sines are faded out by half a cosine; wavelets end by themselves
 FADED = 0.2
-"""Share of a motion, at its end, over which damped sines are faded out by half a cosine; wavelets end by themselves."""
+# Half-sines of a wavelet, an odd number: it is about as narrow in frequency as an oscillator with Q = 10
 HALF_SINES = 9
-"""Half-sines of a wavelet, an odd number: it is about as narrow in frequency as an oscillator with Q = 10."""
+# Frequency of the compensating pulses over the lowest one, and their damping: those that Sandia's SDynPy takes
 COMPENSATION_SHARE, COMPENSATION_DAMPING = 1.0 / 3.0, 0.95
-"""Frequency of the compensating pulses over the lowest one, and their damping: those that Sandia's SDynPy takes."""
-DECAYED = 18.0
-"""Time constants after which a damped sine is left out: it has come down to 1.5e-8."""
+DECAYED = 18.0  # time constants after which a damped sine is left out: it has come down to 1.5e-8
+# Largest distance to the target, dB, at which the iteration ends: a sixth of the tightest tolerance in use
 CLOSE = 0.25
-"""Largest distance to the target, dB, at which the iteration ends: a sixth of the tightest tolerance in use."""
-MOST_STEPS = 40
-"""Steps of the iteration at most; those that come close do it in 5 to 25 (measured on five spectra)."""
+MOST_STEPS = 40  # steps of the iteration at most; those that come close do it in 5 to 25 (measured on five spectra)
+# Power of the ratio of target and spectrum by which an amplitude is corrected: neighbours correct it too
 CORRECTED = 0.7
-"""Power of the ratio of target and spectrum by which an amplitude is corrected: neighbours correct it too."""
-ROUNDING = 1e-9
-"""Share of the largest value below which what is left at the end is rounding: compensation leaves 1e-15."""
+ROUNDING = 1e-9  # share of the largest value below which what is left at the end is rounding: compensation leaves 1e-15
+# Largest factor of a correction: a component that its neighbours drown is not driven to zero at once
 LARGEST_CORRECTION = 4.0
-"""Largest factor of a correction: a component that its neighbours drown is not driven to zero at once."""
 
 
 @declare.dataclass

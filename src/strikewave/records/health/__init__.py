@@ -25,6 +25,7 @@ from strikewave.records.health_notice import (
 
 __all__ = ["CHECKS", "examine"]
 
+# Every check in the order of findings: why no blow is seen comes before that none is
 CHECKS = (
     Check(
         "dead", "bad", OF_BOTH, blows.dead,
@@ -284,8 +285,6 @@ CHECKS = (
         (*BLOW, "interval"),
     ),
 )  # fmt: skip
-"""Every check, in the order of their findings: why no blow is seen, such as a record that begins in it, before that
-none is."""
 
 
 def examine(record: SampledRecord, *only: Callable[[Any], Iterable[Fault]]) -> list[HealthNotice]:

@@ -17,8 +17,7 @@ from strikewave.records.robust import spread_of
 from strikewave.records.thresholds import OfBlows, OfResponses
 from strikewave.records.trains import mains_period, missing_of
 
-LISTED = 3
-"""Places that a message names; the others are counted."""
+LISTED = 3  # places that a message names; the others are counted
 
 
 def dead(record: SampledRecord) -> Iterator[Fault]:

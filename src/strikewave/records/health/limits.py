@@ -24,24 +24,20 @@ from strikewave.records.response import FEWEST
 from strikewave.records.thresholds import HARMED, OfNoise, OfRange, OfResponses, OfSwings, OfTops
 from strikewave.signal.pulse import crossing
 
+# Degree of the polynomial through the upper half of a pulse: it follows every smooth one to 0.1 % of its peak
 BENDS = 6
-"""Degree of the polynomial through the upper half of a pulse: it follows every smooth one to 0.1 % of its peak."""
-UPPER, TIP = 0.5, 0.9
-"""Shares of the peak at which the widths of the upper half and of the tip are taken."""
+UPPER, TIP = 0.5, 0.9  # shares of the peak at which the widths of the upper half and of the tip are taken
+# Width of the tip over that of the upper half of a half-sine, 0.431. A linear spring makes a half-sine. Contacts, felt
+# and foam stiffen as they are pressed, and make more pointed pulses; only what yields, is made to be flat, or is
+# Compressed by an amplifier has a flatter top.
 ROUNDEST = (0.5 * math.pi - math.asin(TIP)) / (0.5 * math.pi - math.asin(UPPER))
-"""Width of the tip over that of the upper half of a half-sine, 0.431.
-
-A linear spring makes a half-sine. Contacts, felt and foam stiffen as they are pressed, and make more pointed pulses;
-only what yields, is made to be flat, or is compressed by an amplifier has a flatter top."""
-HALFWAY = np.array([0.25, 0.75])
-"""Shares of the peak between which the slopes of sides are compared."""
+HALFWAY = np.array([0.25, 0.75])  # shares of the peak between which the slopes of sides are compared
+# Share of the upper half's height from which on samples enter its polynomial; places at which that is looked at
 FROM, FINE = 0.8, 2001
-"""Share of the upper half's height from which on samples enter its polynomial; places at which that is looked at."""
+# Share of the peak below which a foot is the contact's; largest peak of the flanks over that seen
 LOW, HIGHEST = 0.2, 3.0
-"""Lower share of the peak at which the half-sine of the flanks is as wide as they are (below, the foot is that of the
-contact), and its largest peak over that seen."""
+# Shares of the peak at which the part of a side begins that is looked at, over `OfTops.OVER`
 LEVELS = np.array([0.02, 0.06, 0.1, 0.14, 0.18, 0.22])
-"""Shares of the peak at which the part of a side begins that is looked at, over `OfTops.OVER`."""
 
 
 class Flank(NamedTuple):
@@ -224,12 +220,10 @@ def _legendre(size: int, degree: int) -> Array:
     return np.asarray(np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, size), degree), dtype=float)
 
 
+# Samples in which at least three different values stand, or the record is a switch or a count, and has no rail
 LEVELS_LOOKED_AT = 4096
-"""Samples in which at least three different values stand, or the record is a switch or a count, and has no rail."""
-BESIDE = 3
-"""Samples to either side of a run at a rail through which a parabola is laid."""
-LAG = 16
-"""Parts of a swing over which its slope is taken: it then still is 97 % of the true one."""
+BESIDE = 3  # samples to either side of a run at a rail through which a parabola is laid
+LAG = 16  # parts of a swing over which its slope is taken: it then still is 97 % of the true one
 
 
 def clipped(record: BlowRecord) -> Iterator[Fault]:

@@ -17,14 +17,10 @@ from strikewave.records.response import FEWEST
 from strikewave.records.smooth_pulse import BUDGETED
 from strikewave.records.thresholds import HARMED, OfNoise
 
-MAINS = (50.0, 60.0)
-"""Frequencies of the mains, Hz."""
-HARMONICS = 3
-"""Harmonics of the mains that are looked for: what rectifiers make besides is small."""
-A_PERIOD = 30
-"""Means of the record a period of the mains: ten a period of its third harmonic."""
-MOST_MEANS = 6000
-"""Means that are looked at: two hundred periods tell enough."""
+MAINS = (50.0, 60.0)  # frequencies of the mains, Hz
+HARMONICS = 3  # harmonics of the mains that are looked for: what rectifiers make besides is small
+A_PERIOD = 30  # means of the record a period of the mains: ten a period of its third harmonic
+MOST_MEANS = 6000  # means that are looked at: two hundred periods tell enough
 
 
 def noisy(record: BlowRecord) -> Iterator[Fault]:

@@ -14,28 +14,25 @@ from strikewave.records.measuring import RecordedPulse, one_sided, stretch_of
 from strikewave.records.ringing import RINGS_WITHIN, ringing_of
 from strikewave.records.thresholds import HARMED, OfRinging, OfRingingSought
 
-COMPARED = ("peak", "width", "velocity_change")
-"""Figures that are compared with those of the pulse without ringing."""
-WIDTH_BY_LEVEL = 0.68
-"""Share by which the width of a half-sine at 10 % changes with a level under it, over its peak,
-2 / (pi sqrt(1 - 0.1^2)) over 0.936; the smooth pulse is no measure of it where it misses the feet."""
+COMPARED = ("peak", "width", "velocity_change")  # figures that are compared with those of the pulse without ringing
+WIDTH_BY_LEVEL = 0.68  # width of a half-sine at 10 % over a level under it: 2 / (pi sqrt(1 - 0.1^2)) / 0.936
 
 
+# Message on ringing that no model tells from the blow
 SLOW = (
     "after the blow the record swings by {value:%0} of the peak, about as slowly as the blow itself, and no single "
     "mode explains it: peak, rise and width may hold such ringing too; a smooth pulse misses the blow by {misfit:%0}"
 )
-"""Message on ringing that no model tells from the blow."""
+# Message on ringing that is distinct from the blow, though of no single mode
 NO_MODE = (
     "the blow rings at about {frequency}, by {of_peak:%0} of the peak, and no single mode explains it; against the "
     "smooth pulse"
 )
-"""Message on ringing that is distinct from the blow, though of no single mode."""
+# Message on ringing that has died out when the blow ends
 WITHIN = (
     "on its way up to the peak and down from it the record goes back, and a contact pushes once: the blow rings, too "
     "fast for this rate or too briefly to be taken off, which may make"
 )
-"""Message on ringing that has died out when the blow ends."""
 
 
 def ringing(record: BlowRecord) -> Iterator[Fault]:

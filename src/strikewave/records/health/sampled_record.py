@@ -28,17 +28,13 @@ from strikewave.records.trains import Contacts
 from strikewave.signal.oscillators import acceleration, recursion
 
 Made = TypeVar("Made")
+# Widths before the first blow whose scatter is taken, of 16 samples at least: known to a fifth, and no drift in it
 BEFORE, FEWEST_BEFORE = 2.0, 16
-"""Widths before the first blow whose scatter is taken, of 16 samples at least: known to a fifth, and no drift in it."""
+# Shares and samples of both ends: short beside a pre-trigger, so that a cut blow fills them
 BEGINNING, FEWEST_OF_PART = 20, 8
-"""The first twentieth of a record is its beginning, and the last its end, of eight samples at least.
-
-Chosen: short beside what a pre-trigger lasts, so that a blow that is cut fills much of it."""
+# Figures that jump where two tops differ by less than the noise: they are withheld, and the channel is not suspect
 JUMPING = ("delay", "duration", "rms")
-"""Figures that jump by half a swing, or by what it holds, where two tops, or a top and the level, differ by less than
-the noise: they are then withheld, and the channel is not suspect for it."""
-UNIQUE = 1e-9
-"""Share of the span below which two values are one: the rounding of a calibration."""
+UNIQUE = 1e-9  # share of the span below which two values are one: the rounding of a calibration
 
 
 def effects_of_level(pulse: RecordedPulse, level: float, after_peak: bool = False) -> dict[str, float]:

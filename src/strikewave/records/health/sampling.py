@@ -13,8 +13,7 @@ from strikewave.records.response import FEWEST
 from strikewave.records.thresholds import HARMED, OfAnswers, OfSampling
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
-FEWEST_AROUND = 64
-"""Samples to either side of the largest blow, at least, whose spectrum is looked at."""
+FEWEST_AROUND = 64  # samples to either side of the largest blow, at least, whose spectrum is looked at
 
 
 def few_samples(record: BlowRecord) -> Iterator[Fault]:

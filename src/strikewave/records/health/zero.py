@@ -27,12 +27,9 @@ from strikewave.records.tail import TailModel
 from strikewave.records.thresholds import OfBeginning, OfZero
 from strikewave.signal.filters import ac_uncoupled
 
-LAST_QUARTER = 4
-"""A drift of the velocity is that of the last quarter of what follows the blow."""
-TIME_CONSTANTS = 40
-"""Time constants of a decay of the zero that are tried."""
-MOST_LOOKED_AT = 4000
-"""Samples of a free decay in which its zero is looked for."""
+LAST_QUARTER = 4  # a drift of the velocity is that of the last quarter of what follows the blow
+TIME_CONSTANTS = 40  # time constants of a decay of the zero that are tried
+MOST_LOOKED_AT = 4000  # samples of a free decay in which its zero is looked for
 
 
 class _Edges(NamedTuple):

@@ -23,6 +23,7 @@ from strikewave.base.errors import EXISTING_FILE, InputError, StrikewaveError, s
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.record import Array, Channel, Record
 
+# Module of each format, in the order in which they are asked; text, which takes almost anything, comes last
 FORMATS = {
     "tdms": "recorders",
     "mdf": "recorders",
@@ -38,17 +39,12 @@ FORMATS = {
     "lvm": "lvm",
     "text": "text",
 }
-"""Module of each format, in the order in which they are asked; text, which takes almost anything, comes last."""
-HEAD = 8192
-"""Bytes shown to ``sniff``: HDF5 may begin behind a user block of 4096."""
+HEAD = 8192  # bytes shown to ``sniff``: HDF5 may begin behind a user block of 4096
+# A file whose channels would take more bytes in memory is refused: 2 thousand million samples, what a workstation holds
 LARGEST_ARRAY = 16 * 2**30
-"""A file whose channels would take more bytes in memory is refused: 2 thousand million samples, what a workstation
-holds."""
 
 
-SHORTEST_STEP, LONGEST_STEP = 1e-15, 1e6
-"""Between two samples, s: the fastest oscilloscopes take one in 4e-12 s, and a million seconds are twelve days. Beyond,
-powers of a step leave the range of numbers."""
+SHORTEST_STEP, LONGEST_STEP = 1e-15, 1e6  # s: the fastest oscilloscopes take 4e-12; a million are twelve days
 
 
 class Options(NamedTuple):
@@ -215,13 +211,10 @@ def _reader(file: Path, head: bytes) -> Callable[[Path, Options], Record]:
     raise InputError("FILE", file, "a known format: " + ", ".join(FORMATS), hint)
 
 
+# A shorter piece is no measurement: no blow has so few samples, and a clock that is often set back makes such ones
 FEWEST_SAMPLES = 16
-"""A shorter piece is no measurement: no blow has so few samples, and a clock that is often set back makes such ones."""
-MOST_MEASUREMENTS = 1000
-"""Measurements of a file that are read: each is examined as a record of its own."""
-BACK = 0.5
-"""Share of a piece by which time must fall back behind it: a new measurement begins about where the one before did, and
-a clock that is set right in between moves by less."""
+MOST_MEASUREMENTS = 1000  # measurements of a file that are read: each is examined as a record of its own
+BACK = 0.5  # share of a piece that time falls back before a new measurement: a clock that is set moves by less
 
 
 def apart(record: Record) -> Record:

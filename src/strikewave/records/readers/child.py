@@ -25,18 +25,14 @@ from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers import FORMATS, LARGEST_ARRAY, Options
 from strikewave.records.record import Channel, Record
 
-MEMORY = 2**29
-"""Memory that a child may take for a small file, bytes: the libraries alone take 200 MB. Larger files add
-`MEMORY_PER_BYTE`."""
+MEMORY = 2**29  # bytes a child may take for a small file: libraries take 200 MB; larger files add `MEMORY_PER_BYTE`
+# Bytes of memory for each byte of a file: two bytes become a double and its time stamp, packed data several times that
 MEMORY_PER_BYTE = 100
-"""Bytes of memory for each byte of a file: two bytes become a double and its time stamp, packed data several times
-that."""
+# How long a child may take for a small file, s: importing its library takes some of them on a busy machine
 SECONDS = 20.0
-"""How long a child may take for a small file, s: importing its library takes some of them on a busy machine."""
+# Lowest rate at which a child must read a larger file, bytes/s: every library reads many times as fast
 BYTES_PER_SECOND = 1e6
-"""Lowest rate at which a child must read a larger file, bytes/s: every library reads many times as fast."""
-LONGEST_HINT = 200
-"""Characters of a library's own words in an error: a line or two."""
+LONGEST_HINT = 200  # characters of a library's own words in an error: a line or two
 
 
 def isolated(reader: str, path: Path, options: Options) -> Record:

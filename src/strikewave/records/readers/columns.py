@@ -15,30 +15,24 @@ from strikewave.base.errors import InputError
 from strikewave.records.readers import LARGEST_ARRAY
 from strikewave.records.record import Array
 
-BLOCK = 8 * 2**20
-"""Bytes read at a time: large enough for Arrow to be fast, little beside the columns."""
-LONGEST_LINE = 2**20
-"""A longer line, in bytes, is refused: ten thousand cells of a hundred characters."""
+BLOCK = 8 * 2**20  # bytes read at a time: large enough for Arrow to be fast, little beside the columns
+LONGEST_LINE = 2**20  # a longer line, in bytes, is refused: ten thousand cells of a hundred characters
+# A line with more cells is refused: no recorder has as many channels, and each column takes memory of its own
 MOST_COLUMNS = 10_000
-"""A line with more cells is refused: no recorder has as many channels, and each column takes memory of its own."""
+# A line that begins so is a comment
 COMMENTS = ("#", "%", "//")
-"""A line that begins so is a comment."""
-MOST_WORDS = 1000
-"""Different words of a coded column that are told apart: more are no names of channels."""
-_MISSING = frozenset({"nan", "+nan", "-nan", "na", "n/a", "null"})
-"""Words for a missing value, in small letters."""
+MOST_WORDS = 1000  # different words of a coded column that are told apart: more are no names of channels
+_MISSING = frozenset({"nan", "+nan", "-nan", "na", "n/a", "null"})  # words for a missing value, in small letters
+# The same as Arrow takes them, letter by letter
 _NULLS = ["", " ", "nan", "NaN", "NAN", "+nan", "-nan", "-NaN", "NA", "N/A", "n/a", "null", "NULL"]
-"""The same as Arrow takes them, letter by letter."""
+# Lines by which marks are found where all but one give no numbers at all, and the share of them that are numbers
 _SAMPLE, _PLAIN = 40, 0.8
-"""Lines by which marks are found where all but one give no numbers at all, and the share of them that are numbers."""
-_SMALL = 16 * 2**10
-"""Bytes of a block below which it is read line by line and not halved again: some hundred lines."""
-_THREADED = 2**20
-"""Bytes of a block from which on Arrow takes threads: smaller ones are read before threads have begun."""
+_SMALL = 16 * 2**10  # bytes of a block below which it is read line by line and not halved again: some hundred lines
+_THREADED = 2**20  # bytes of a block from which on Arrow takes threads: smaller ones are read before threads have begun
+# Bytes that no text has: all control characters but tab, line ends, form feed and the old end of file
 _CONTROL = bytes(set(range(32)) - {9, 10, 12, 13, 26}) + b"\x7f"
-"""Bytes that no text has: all control characters but tab, line ends, form feed and the old end of file."""
+# Characters that may stand at either end of a line and mean nothing; the last is the mark of byte order
 _ENDS = " \t\r\n\x1a\ufeff"
-"""Characters that may stand at either end of a line and mean nothing; the last is the mark of byte order."""
 
 
 class Marks(NamedTuple):

@@ -20,31 +20,23 @@ from strikewave.records.readers.headings import PICO, is_time, name_and_unit, se
 from strikewave.records.readers.long_table import Labels, as_asked, as_long_table, labels_of, may_count
 from strikewave.records.record import Array, Channel, Record
 
+# A file with more arrays is refused: no recorder has as many channels, and each takes time to look at
 MOST_ARRAYS = 10_000
-"""A file with more arrays is refused: no recorder has as many channels, and each takes time to look at."""
-MOST_COLUMNS = 64
-"""A 2-D array whose short side is longer is no table of channels: pictures and maps are wider."""
-LARGEST_RATIO = 1000.0
-"""A file that claims to hold more bytes than this for each byte it has is refused, once it claims `FREE_BYTES`.
-
-Deflate packs 1032 to 1 at best; measured records, with noise in them, pack 10 to 1."""
+MOST_COLUMNS = 64  # a 2-D array whose short side is longer is no table of channels: pictures and maps are wider
+LARGEST_RATIO = 1000.0  # bytes claimed for each in the file: Deflate packs 1032 to 1 at best, measured records 10 to 1
+# Bytes that any file may claim, however small: no machine is harmed by them. A constant record packs as well as that
 FREE_BYTES = 256 * 2**20
-"""Bytes that any file may claim, however small: no machine is harmed by them. A constant record packs as well as
-that."""
-LONGEST_TEXT = 200
-"""Characters of an attribute that is shown: a line or two."""
-ONE_MEASUREMENT = 3600.0
-"""Time between the begins of channels, s, beyond which they are hardly of one measurement: blows and shots last
-seconds, and a recorder starts its channels together."""
+LONGEST_TEXT = 200  # characters of an attribute that is shown: a line or two
+ONE_MEASUREMENT = 3600.0  # s between begins of channels of one measurement: blows and shots last seconds
+# Arrays named in a finding, and `LONGEST_NAMED` characters of each: enough to know them, few enough for a line
 MOST_NAMED = 8
-"""Arrays named in a finding, and `LONGEST_NAMED` characters of each: enough to know them, few enough for a line."""
-LONGEST_NAMED = 40
-"""See `MOST_NAMED`."""
+LONGEST_NAMED = 40  # see `MOST_NAMED`
 
+# Names of arrays that hold time; others that only sound like it do so where none of these is there
 TIMES = {"time", "t", "times", "timestamp", "timestamps", "zeit", "temps"}
-"""Names of arrays that hold time; others that only sound like it do so where none of these is there."""
+# Names that are time in text, where columns are few, and more often something else in files of named arrays
 _AXES = {"x", "s"}
-"""Names that are time in text, where columns are few, and more often something else in files of named arrays."""
+# Names of attributes and scalars that hold a sampling rate, Hz
 _RATES = {
     "fs",
     "sampling_rate",
@@ -55,11 +47,9 @@ _RATES = {
     "samplefreq",
     "rate",
 }
-"""Names of attributes and scalars that hold a sampling rate, Hz."""
+# Those of a step, s
 _STEPS = {"dt", "wf_increment", "sampling_interval", "sample_interval", "sampling_period", "delta_t", "time_step"}
-"""Those of a step, s."""
-_STARTS = {"t0", "start_time", "wf_start_offset", "starttime"}
-"""Those of the time of the first sample, s."""
+_STARTS = {"t0", "start_time", "wf_start_offset", "starttime"}  # those of the time of the first sample, s
 
 
 class ArrayColumn(NamedTuple):

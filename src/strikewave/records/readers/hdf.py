@@ -34,12 +34,10 @@ from strikewave.records.readers.common import (
 from strikewave.records.readers.headings import is_time
 from strikewave.records.record import Record
 
-DEEPEST = 16
-"""Groups in groups: measured files have three or four, and a hostile one could nest for ever."""
-MOST_ATTRIBUTES = 200
-"""Attributes of a group or array that are read: rates, units and scales are among the first few."""
+DEEPEST = 16  # groups in groups: measured files have three or four, and a hostile one could nest for ever
+MOST_ATTRIBUTES = 200  # attributes of a group or array that are read: rates, units and scales are among the first few
+# First bytes of HDF5, at the beginning or after a user block of 512 bytes or twice as many and so on
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
-"""First bytes of HDF5, at the beginning or after a user block of 512 bytes or twice as many and so on."""
 
 
 def sniff_hdf(head: bytes) -> bool:

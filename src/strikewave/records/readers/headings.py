@@ -14,6 +14,7 @@ import numpy as np
 from strikewave.records.readers.columns import Marks, cells_of, is_comment, number
 from strikewave.records.record import Array
 
+# Seconds of a unit of time as instruments write it, in English and German
 _SECONDS = {
     "s": 1.0, "sec": 1.0, "secs": 1.0, "second": 1.0, "seconds": 1.0, "sekunde": 1.0, "sekunden": 1.0,
     "ms": 1e-3, "msec": 1e-3, "millisecond": 1e-3, "milliseconds": 1e-3,
@@ -22,52 +23,40 @@ _SECONDS = {
     "ps": 1e-12, "min": 60.0, "minute": 60.0, "minutes": 60.0, "h": 3600.0, "hour": 3600.0, "hours": 3600.0,
     "millisekunden": 1e-3, "mikrosekunden": 1e-6, "nanosekunden": 1e-9,
 }  # fmt: skip
-"""Seconds of a unit of time as instruments write it, in English and German."""
-UNITS_OF_TIME = ("s", "ms", "us", "ns", "ps", "min", "h")
-"""Units that are offered for one that is none."""
+UNITS_OF_TIME = ("s", "ms", "us", "ns", "ps", "min", "h")  # units that are offered for one that is none
+# Factors before Hz; ``m`` is mega, as no instrument samples in millihertz
 _HERTZ = {"": 1.0, "k": 1e3, "m": 1e6, "g": 1e9}
-"""Factors before Hz; ``m`` is mega, as no instrument samples in millihertz."""
+# A printed number: whole digits, decimals, power of ten
 _DIGITS = re.compile(r"[+-]?(\d*)(?:[.,](\d*))?(?:[eE]([+-]?\d{1,4}))?")
-"""A printed number: whole digits, decimals, power of ten."""
+# A number in a line; its parts are bounded, so that hostile lines take no time
 _NUMBER = r"([+-]?(?:\d{1,25}(?:[.,]\d{0,25})?|[.,]\d{1,25})(?:[eE][+-]?\d{1,3})?)"
-"""A number in a line; its parts are bounded, so that hostile lines take no time."""
+# Pattern between a name and its number: a unit in brackets, a mark, blanks, the letters of a drive or channel
 _LINK = r"\"?\s{0,5}(?:[\[(]([^\])]{1,12})[\])])?\"?\s{0,5}[:=,;\t ]\s{0,5}\"?(?:[A-Za-z]\w{0,9}:)?\s{0,5}"
-"""Pattern between a name and its number: a unit in brackets, a mark, blanks, the letters of a drive or channel."""
-_NO_DATE = r"(?!\d|[-/:.]\d)"
-"""Pattern behind a number that is not the first one of a date or a time of day."""
-_AFTER = r"\"?[\s,;]{0,5}\"?([A-Za-zµμ/]{0,14})"
-"""A unit after the number."""
+_NO_DATE = r"(?!\d|[-/:.]\d)"  # pattern behind a number that is not the first one of a date or a time of day
+_AFTER = r"\"?[\s,;]{0,5}\"?([A-Za-zµμ/]{0,14})"  # a unit after the number
+# Names of a sampling rate, in English and German
 _RATE = r"sampl(?:e|ing)[ _-]?(?:rate|frequency|freq\.?)|fs|f_s|abtastrate|abtastfrequenz|samples per second"
-"""Names of a sampling rate, in English and German."""
+# Names of a step in time
 _INTERVAL = (
     r"sampl(?:e|ing)[ _-]?(?:interval|period|time)|abtast(?:intervall|zeit|periode)|dt|delta[ _-]?[tx]|tinc|"
     r"xincr|x[ _-]?increment|(?:horizontal|time)[ _-](?:interval|step|increment)|time ?step|increment"
 )
-"""Names of a step in time."""
-_NAMES_OF_START = r"t0|x0|t_0|xzero|start"
-"""Names of the time of the first sample."""
+_NAMES_OF_START = r"t0|x0|t_0|xzero|start"  # names of the time of the first sample
+# Patterns of a rate, a step and a start in the lines above the data
 _STATED = {
     kind: re.compile(rf"(?<![A-Za-z0-9_])(?:{names}){_LINK}{_NUMBER}{_NO_DATE}{_AFTER}", re.IGNORECASE)
     for kind, names in (("rate", _RATE), ("interval", _INTERVAL), ("start", _NAMES_OF_START))
 }
-"""Patterns of a rate, a step and a start in the lines above the data."""
-_CHUNK = 2**20
-"""Time stamps compared at once: keeps the memory beside them small."""
-_LONGEST = 500
-"""Characters of a line that are looked at: bounds the time of patterns on hostile lines."""
+_CHUNK = 2**20  # time stamps compared at once: keeps the memory beside them small
+_LONGEST = 500  # characters of a line that are looked at: bounds the time of patterns on hostile lines
+# Times the last printed digit that stamps may stray by: rounding by half a digit at both ends, and floating point
 _WITHIN_DIGIT = 1.01
-"""Times the last printed digit that stamps may stray by: rounding by half a digit at both ends, and floating point."""
-_WITHIN_STEP = 0.01
-"""Share of a step by which stamps may stray whose digits are finer than it."""
-_EVEN = 0.1
-"""Share of a step by which stamps may stray and still have the mean step: jitter, not gaps."""
-_ROUNDING = 8.0
-"""Units in the last place by which computed stamps may stray."""
+_WITHIN_STEP = 0.01  # share of a step by which stamps may stray whose digits are finer than it
+_EVEN = 0.1  # share of a step by which stamps may stray and still have the mean step: jitter, not gaps
+_ROUNDING = 8.0  # units in the last place by which computed stamps may stray
+# Share of differences that must be the usual one, and how many times it the others must be, where there are gaps alone
 _ALIKE, _FAR_LARGER = 0.95, 1.5
-"""Share of differences that must be the usual one, and how many times it the others must be, where there are gaps
-alone."""
-_COARSE = 4.0
-"""Printed digits within a step below which the step is taken over a lag, where rounding counts less."""
+_COARSE = 4.0  # printed digits within a step below which the step is taken over a lag, where rounding counts less
 
 
 def seconds_in(unit: str) -> float | None:
@@ -218,48 +207,43 @@ def _hertz(unit: str) -> float | None:
     return None if match is None else _HERTZ[match[1]]
 
 
-LONGEST_NAME = 200
-"""Characters of a heading that are looked at: bounds the time of patterns on hostile lines."""
-LONGEST_UNIT = 40
-"""Characters of a unit; the longest that instruments write has 13."""
-_BRACKETS = re.compile(r"^(.*?)\s*[\[({]([^\[\](){}]{1,30})[\])}]$")
-"""A name with a unit in brackets."""
-_BEHIND = re.compile(r"/|,|(?:^|\s)in\s")
-"""Marks before a unit without brackets."""
+LONGEST_NAME = 200  # characters of a heading that are looked at: bounds the time of patterns on hostile lines
+LONGEST_UNIT = 40  # characters of a unit; the longest that instruments write has 13
+_BRACKETS = re.compile(r"^(.*?)\s*[\[({]([^\[\](){}]{1,30})[\])}]$")  # a name with a unit in brackets
+_BEHIND = re.compile(r"/|,|(?:^|\s)in\s")  # marks before a unit without brackets
+# A unit within a sentence: ``time in ms since the trigger``, ``acceleration (g) of the board``
 _WITHIN = re.compile(r"(?:^|\s)in\s+(\S{1,40})(?=\s)|[\[(]([^\[\]()]{1,30})[\])]")
-"""A unit within a sentence: ``time in ms since the trigger``, ``acceleration (g) of the board``."""
+# A heading that ends in a unit in brackets, in a line of several
 _BRACKETED = re.compile(r"[^\[\](){}]{1,200}[\[({][^\[\](){}]{1,30}[\])}]")
-"""A heading that ends in a unit in brackets, in a line of several."""
+# A word before the names of all columns: ``columns: time acceleration``
 _BEFORE_NAMES = re.compile(r"\s{0,5}[\w ]{1,30}:\s")
-"""A word before the names of all columns: ``columns: time acceleration``."""
+# Units behind an underscore, in files that write that of time so: ``time_ms``, ``board_g``
 _SUFFIXES = {
     "g": "g", "n": "N", "kn": "kN", "v": "V", "mv": "mV", "pa": "Pa", "kpa": "kPa", "mpa": "MPa", "m_s2": "m/s^2",
     "ms2": "m/s^2", "mps2": "m/s^2", "mm": "mm", "ustrain": "ustrain",
 }  # fmt: skip
-"""Units behind an underscore, in files that write that of time so: ``time_ms``, ``board_g``."""
+# Units as instruments write them; anything else behind a mark is part of the name
 _KNOWN = re.compile(
     r"[pnuµμmkMG]?(?:s|V|A|g|N|Pa|m|m/s|m/s\^?2|m/s²|m/s/s|Hz|Ω|bar|C|W|J|eu|EU)|°C?|deg|rad|rpm|%|psi|gn|g0|"
     r"(?:milli|micro|nano|kilo)?(?:second|volt|amp(?:ere)?|meter|metre|newton|pascal)s?|"
     r"sec|min|[um]sec|[mµuμ]?strain|[µuμ]m/m|[µuμ]?[εe]|counts?|lbf?",
     re.IGNORECASE,
 )
-"""Units as instruments write them; anything else behind a mark is part of the name."""
+# Headings of time, in several languages
 _TIME = re.compile(
     r"(?:[\w.-]{1,30}[ _-]){0,3}(?:time|zeit|timestamp|messzeit)(?:[ _-]?(?:axis|base|stamp|value|achse|\d{1,3}))?"
     r"|t|x|x[ _-]?(?:axis|value|achse)|s|secs?|seconds?|sekunden?|temps|tiempo|tempo|elapsed|zeitachse|timebase",
     re.IGNORECASE,
 )
-"""Headings of time, in several languages."""
+# Headings of a column that counts samples
 _COUNTER = re.compile(
     r"#|no\.?|nr\.?|n|index|sequence|samples?|points?|sample[ _-]?(?:no\.?|number|index)", re.IGNORECASE
 )
-"""Headings of a column that counts samples."""
+# Letters before a comment above the data
 _BEFORE_COMMENTS = "#%/;!* "
-"""Letters before a comment above the data."""
-_MOST_COMMENTS = 50
-"""Comments above the data in which a header is looked for, from the last one up."""
+_MOST_COMMENTS = 50  # comments above the data in which a header is looked for, from the last one up
+# Names of a line that gives the units of all columns after time
 _Y_UNITS = re.compile(r"(?:vertical|y)[ _-]?units?(?:[ _-]label)?", re.IGNORECASE)
-"""Names of a line that gives the units of all columns after time."""
 
 
 class Headings(NamedTuple):
@@ -479,8 +463,8 @@ def _comments(line: str) -> bool:
     return line.lstrip().startswith(tuple(_BEFORE_COMMENTS.strip()))
 
 
+# Picoseconds of a second: clock times are whole ones, as a double of seconds since 1904 holds no microsecond
 PICO = 10**12
-"""Picoseconds of a second: clock times are whole ones, as a double of seconds since 1904 holds no microsecond."""
 _STEP = re.compile(
     r"dt|delta[ _-]?[tx]|x[ _-]?incr(?:ement)?|tinc|(?:sampl(?:e|ing)|time|horizontal)[ _-]?(?:interval|period|step|"
     r"increment)|abtast(?:intervall|zeit)|increment|wf_increment",
@@ -489,19 +473,18 @@ _STEP = re.compile(
 _START = re.compile(
     r"t_?0|x_?0|xzero|start(?:[ _-]?time)?|wf_start_(?:time|offset)|startzeit|trigger[ _-]?time", re.IGNORECASE
 )
+# Names of a step, of a start, and a line that counts the samples, in English and German
 _COUNT = re.compile(
     r"[#%/;!* \"]{0,5}(?:(?:number|no\.?|num|anzahl)[ _-]?(?:of|der)?[ _-]?)?(?:samples|points|data[ _-]?points|"
     r"messwerte|werte|record[ _-]?length|block[ _-]?(?:size|length)|sample[ _-]?count|npts|blockl(?:ä|ae)nge)[\"]?"
     r"(?:[ _-]?(?:points|samples))?[\"]?\s{0,5}[:=,;\t ][\s:=,;\"]{0,5}(\d{1,12})\"?\s{0,5}(?:[,;\t].{0,200})?",
     re.IGNORECASE,
 )
-"""Names of a step, of a start, and a line that counts the samples, in English and German."""
+# A time of day, perhaps behind a date
 _CLOCK = re.compile(
     r"(?:(\S{6,12})[ T]{1,3})?(\d{1,2}):(\d{2}):(\d{2})(?:[.,](\d{1,40}))?\s{0,2}([AaPp][Mm])?", re.ASCII
 )
-"""A time of day, perhaps behind a date."""
-_ISO = re.compile(r"(\d{4})[-/](\d{1,2})[-/](\d{1,2})")
-"""A date that can be read in one way only."""
+_ISO = re.compile(r"(\d{4})[-/](\d{1,2})[-/](\d{1,2})")  # a date that can be read in one way only
 
 
 class PerChannel(NamedTuple):

@@ -20,8 +20,8 @@ from strikewave.records.record import Array, Channel, Record
 
 Lines = NDArray[Any]
 """Places of lines, or whether each is one."""
+# More different words are no names of channels: recorders have fewer, and a column of remarks has more
 MOST_LABELS = 64
-"""More different words are no names of channels: recorders have fewer, and a column of remarks has more."""
 _NUMBERED = r"(?:[ _-]?(?:no\.?|nr\.?|num(?:ber)?|nummer|name|id|index))?"
 _OF_CHANNEL = re.compile(
     rf"(?:channel|chan|ch|kanal|sensor|signal|probe|gauge|variable|series|voie|canal|messstelle|position|quantity|"
@@ -35,8 +35,8 @@ _OF_MEASUREMENT = re.compile(
     rf"(?:shot|run|test|measurement|event|trial|blow|repeat|record|segment|versuch|messung|schuss|schlag|stoss){_NUMBERED}",
     re.IGNORECASE,
 )
+# Headings of columns that name a channel, surely so, a measurement, or the unit of the line
 _OF_UNIT = re.compile(r"units?|einheit(?:en)?|unit(?:e|é)s?|dimension", re.IGNORECASE)
-"""Headings of columns that name a channel, surely so, a measurement, or the unit of the line."""
 
 
 class Labels(NamedTuple):

@@ -36,35 +36,27 @@ from strikewave.records.readers.headings import PICO, last_digit, name_and_unit,
 from strikewave.records.readers.text import odd_cells
 from strikewave.records.record import Array, Channel, Record
 
-_BEGIN = b"LabVIEW Measurement"
-"""First words of a file with a header."""
+_BEGIN = b"LabVIEW Measurement"  # first words of a file with a header
+# Around a block that other programs own, below the header of a segment
 _SPECIAL, _SPECIAL_END = b"***Start_Special***", b"***End_Special***"
-"""Around a block that other programs own, below the header of a segment."""
-_MARK = b"***End_of_Header***"
-"""Ends the header of the file, and that of each segment."""
-_LARGEST_HEADER = 2**20
-"""Bytes of a header: LabVIEW writes some hundred, and a line for each channel."""
-_MOST_SEGMENTS = 10_000
-"""Segments of a file: as many blows of one test, and each is looked at."""
-_BLOCK = 2**22
-"""Bytes in which lines are counted at a time: keeps the memory small."""
-_EDGE = 4096
-"""Bytes at both ends of a segment by which its digits are judged: some tens of lines."""
-_MOST_JUDGED = 64
-"""Columns whose digits are judged one by one; of more only the first, which holds time."""
-_SAME_STEP = 0.01
-"""Share by which the steps of segments may differ where one goes on from the other."""
+_MARK = b"***End_of_Header***"  # ends the header of the file, and that of each segment
+_LARGEST_HEADER = 2**20  # bytes of a header: LabVIEW writes some hundred, and a line for each channel
+_MOST_SEGMENTS = 10_000  # segments of a file: as many blows of one test, and each is looked at
+_BLOCK = 2**22  # bytes in which lines are counted at a time: keeps the memory small
+_EDGE = 4096  # bytes at both ends of a segment by which its digits are judged: some tens of lines
+_MOST_JUDGED = 64  # columns whose digits are judged one by one; of more only the first, which holds time
+_SAME_STEP = 0.01  # share by which the steps of segments may differ where one goes on from the other
+# Units in the last place, and share of a step a sample, within which header and stamps agree: both are printed
 _ROUNDING, _PER_SAMPLE = 8.0, 1e-9
-"""Units in the last place, and share of a step a sample, within which header and stamps agree: both are printed."""
+# Date and time of a segment's first samples, as LabVIEW writes them in any language
 _DATE = re.compile(r"(\d{4})/(\d{1,2})/(\d{1,2})")
 _TIME = re.compile(r"(\d{1,2}):(\d{1,2}):(\d{1,2})(?:[.,](\d{1,40}))?")
-"""Date and time of a segment's first samples, as LabVIEW writes them in any language."""
+# An earlier year is that of no clock: LabVIEW counts from 1904, and a waveform without a time begins there
 _FIRST_YEAR = 1970
-"""An earlier year is that of no clock: LabVIEW counts from 1904, and a waveform without a time begins there."""
+# Lines before that of the channels that may belong to a segment's head: notes and the name of the test
 _HEAD_LINES = 50
-"""Lines before that of the channels that may belong to a segment's head: notes and the name of the test."""
+# Marks between cells by the word of the header; empty for blanks
 _SEPARATORS = {"tab": "\t", "comma": ",", "semicolon": ";", "space": "", "": "\t"}
-"""Marks between cells by the word of the header; empty for blanks."""
 
 
 class Segment(NamedTuple):

@@ -27,16 +27,12 @@ from strikewave.records.readers.common import (
 )
 from strikewave.records.record import Record
 
-DEEPEST = 8
-"""Structs in structs: measured files have two or three, and a hostile one could nest for ever."""
+DEEPEST = 8  # structs in structs: measured files have two or three, and a hostile one could nest for ever
+# NumPy's types by the numbers of MATLAB's
 _TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
-"""NumPy's types by the numbers of MATLAB's."""
-_MATRIX, _COMPRESSED = 14, 15
-"""Types of elements that hold an array, and one that is packed."""
-_STRUCT, _NUMBERS, _COMPLEX = 2, range(6, 16), 0x0800
-"""Classes of arrays, and the flag of complex ones."""
-_OLD_TYPES = ("f8", "f4", "i4", "i2", "u2", "u1")
-"""NumPy's types by the third digit of the type of version 4."""
+_MATRIX, _COMPRESSED = 14, 15  # types of elements that hold an array, and one that is packed
+_STRUCT, _NUMBERS, _COMPLEX = 2, range(6, 16), 0x0800  # classes of arrays, and the flag of complex ones
+_OLD_TYPES = ("f8", "f4", "i4", "i2", "u2", "u1")  # numPy's types by the third digit of the type of version 4
 
 
 class _Variable(NamedTuple):

@@ -44,16 +44,12 @@ from strikewave.records.readers.common import (
 from strikewave.records.readers.headings import PICO, seconds_in
 from strikewave.records.record import Record
 
-MANY_SEGMENTS = 1000
-"""Segments, each with a head and samples of some channels, above which a file is read with limits of time and memory:
-npTDMS looks at each of them for each channel, which takes minutes where there are 10 000 of both."""
+MANY_SEGMENTS = 1000  # segments read under limits beyond it: npTDMS looks at each for each channel, for minutes
+# Head of a segment: mark, flags, version, offsets of the next one and of its samples; flag of big-endian numbers
 _TDMS_HEAD, _BIG_ENDIAN = 28, 1 << 6
-"""Bytes of the head of a segment: its mark, flags, version, and how far the next one and its samples are; the flag of
-big-endian numbers."""
 
+# Seconds from 1904, from which TDMS counts, to 1970: an earlier time is that of no clock, but of a waveform without one
 _FIRST_SECOND = 24107 * 86400
-"""Seconds from 1904, from which TDMS counts, to 1970: an earlier time is that of no clock, but of a waveform without
-one."""
 
 
 def sniff_tdms(head: bytes) -> bool:
@@ -137,8 +133,8 @@ def _clock_time(value: Any) -> int | None:
     return int(seconds) * PICO + (int(fractions) * PICO >> 64)
 
 
+# Conversions from numbers to numbers, without text or formulas, by version
 _PLAIN = {3: {0, 1, 2, 6, 7, 8, 9, 65535}, 4: {0, 1, 2, 4, 5, 6}}
-"""Conversions from numbers to numbers, without text or formulas, by version."""
 
 
 def sniff_mdf(head: bytes) -> bool:
@@ -203,10 +199,8 @@ def _physical(values: Any, conversion: Any) -> Any:
         return values
 
 
-_MICROSECOND = 1e-6
-"""s; times of such a file are in microseconds."""
-_MOST_PER_BYTE = 8
-"""Samples for each byte of the file at most: a sample has one bit at least."""
+_MICROSECOND = 1e-6  # s; times of such a file are in microseconds
+_MOST_PER_BYTE = 8  # samples for each byte of the file at most: a sample has one bit at least
 
 
 def sniff_ide(head: bytes) -> bool:
@@ -264,6 +258,7 @@ def _sensor_columns(path: Path, channel: Any) -> list[ArrayColumn]:
     return columns
 
 
+# Family and parser of RigolWFM by the first four bytes
 _MAGIC = {
     b"\xa5\xa5\xa4\x01": ("B", "wfm1000b"),
     b"\xa1\xa5\x00\x00": ("C", "wfm1000c"),
@@ -273,9 +268,7 @@ _MAGIC = {
     b"RG01": ("5", "bin5000"),
     b"RG03": ("DHO", "dho1000"),
 }
-"""Family and parser of RigolWFM by the first four bytes."""
-_MOST_CHANNELS = 4
-"""Analog channels of any of these oscilloscopes."""
+_MOST_CHANNELS = 4  # analog channels of any of these oscilloscopes
 
 
 def sniff_rigol(head: bytes) -> bool:
@@ -341,18 +334,12 @@ def _analog_column(channel: Any) -> ArrayColumn:
     return ArrayColumn(f"CH{channel.channel_number}", volts.size, lambda: volts, unit, step, start)
 
 
-BLOCK = 2**18
-"""Frames of 24-bit samples that are unpacked at a time: 3 MB, little beside the channel."""
-_INTEGERS = {8: "u1", 16: "i2", 32: "i4"}
-"""NumPy's types of integers by their bits; those of 8 bits have no sign."""
-_FLOATS = {32: "f4", 64: "f8"}
-"""NumPy's types of floats by their bits."""
-_PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE
-"""Formats: plain integers, floats, and one that names its format farther on."""
-_MOST_CHUNKS = 1000
-"""Chunks before the samples: players write a few, and a hostile file could have them without end."""
-_UNKNOWN_SIZE = 2**32 - 1
-"""Size of the samples where 32 bits do not hold it."""
+BLOCK = 2**18  # frames of 24-bit samples that are unpacked at a time: 3 MB, little beside the channel
+_INTEGERS = {8: "u1", 16: "i2", 32: "i4"}  # numPy's types of integers by their bits; those of 8 bits have no sign
+_FLOATS = {32: "f4", 64: "f8"}  # numPy's types of floats by their bits
+_PCM, _FLOAT, _EXTENSIBLE = 1, 3, 0xFFFE  # formats: plain integers, floats, and one that names its format farther on
+_MOST_CHUNKS = 1000  # chunks before the samples: players write a few, and a hostile file could have them without end
+_UNKNOWN_SIZE = 2**32 - 1  # size of the samples where 32 bits do not hold it
 
 
 class _WavFormat(NamedTuple):
@@ -443,12 +430,10 @@ def _scaled(raw: Any, layout: _WavFormat, scale: float) -> Any:
     return out
 
 
-TIME_RESPONSE = 1
-"""Function type of a time response."""
-MEASURED = 58
-"""Data set of a function at a degree of freedom."""
+TIME_RESPONSE = 1  # function type of a time response
+MEASURED = 58  # data set of a function at a degree of freedom
+# Beginning of a data set: -1 in a line, then its number
 _UFF_HEAD = re.compile(rb"\A[ \r\n]*-1 *\r?\n *\d{1,5}[bB \r\n]")
-"""Beginning of a data set: -1 in a line, then its number."""
 
 
 def sniff_uff(head: bytes) -> bool:

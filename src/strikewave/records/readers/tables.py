@@ -32,18 +32,14 @@ from strikewave.records.readers.headings import is_unit, name_and_unit, names_a_
 from strikewave.records.readers.long_table import MOST_LABELS
 from strikewave.records.record import Record
 
-MOST_ROWS = 2**20
-"""Rows that Excel itself can hold."""
-MOST_CELLS = 20_000_000
-"""A workbook with more cells is refused; reading them would take minutes."""
+MOST_ROWS = 2**20  # rows that Excel itself can hold
+MOST_CELLS = 20_000_000  # a workbook with more cells is refused; reading them would take minutes
+# A column with fewer numbers, beside columns of twice as many and more, holds settings: no blow has so few samples
 FEWEST_NUMBERS = 16
-"""A column with fewer numbers, beside columns of twice as many and more, holds settings: no blow has so few samples."""
-MOST_SHEETS = 100
-"""Sheets of a workbook that are read: a hundred blows, one a sheet."""
-LONGEST_CELL = 100
-"""Characters of a cell of the head in which a setting is looked for."""
+MOST_SHEETS = 100  # sheets of a workbook that are read: a hundred blows, one a sheet
+LONGEST_CELL = 100  # characters of a cell of the head in which a setting is looked for
+# Rows before the first row of numbers that are kept: names and units stand in the last two, settings above them
 LONGEST_HEAD = 200
-"""Rows before the first row of numbers that are kept: names and units stand in the last two, settings above them."""
 
 
 def sniff_excel(head: bytes) -> bool:
@@ -209,10 +205,8 @@ def _names(above: list[tuple[Any, ...]], width: int, places: Container[int]) -> 
     return [name_and_unit(name) for name in last]
 
 
-_BATCH = 2**18
-"""Rows loaded at a time: 2 MB a column."""
-_LONGEST_VALUE = 200
-"""Bytes of metadata that are read: units are short, and pandas keeps its whole schema there."""
+_BATCH = 2**18  # rows loaded at a time: 2 MB a column
+_LONGEST_VALUE = 200  # bytes of metadata that are read: units are short, and pandas keeps its whole schema there
 
 
 def sniff_parquet(head: bytes) -> bool:

@@ -64,32 +64,25 @@ from strikewave.records.readers.long_table import (
 )
 from strikewave.records.record import Array, Channel, Record
 
-HEAD = 2**20
-"""Bytes from the beginning in which header and first data are looked for: heads of loggers have kilobytes."""
-_PART = 2**16
-"""Bytes from the middle and the end of a large file that are looked at: some hundred lines."""
+HEAD = 2**20  # bytes from the beginning in which header and first data are looked for: heads of loggers have kilobytes
+_PART = 2**16  # bytes from the middle and the end of a large file that are looked at: some hundred lines
+# Lines of both ends and the middle that show a layout; a short file shows all
 _LINES, _MIDDLE_LINES, _SHORT = 200, 100, 500
-"""Lines of the beginning and the end, and of the middle, by which marks and columns are judged; a shorter file is
-judged by all of its lines."""
+# Characters of those lines at most, for lines of thousands of cells, and lines that are left at least
 _MOST_JUDGED, _FEWEST_JUDGED = 2**18, 8
-"""Characters of those lines at most, for lines of thousands of cells, and lines that are left at least."""
-_CLEAN = 5
-"""One line in so many must be numbers alone for the others to be left out as words, errors or heads."""
-_SPARSE, _FEWEST = 100, 16
-"""A column with a value in fewer than one line in so many, or in fewer lines than a blow needs samples while most have
-none, holds settings, not samples."""
-_BESIDE = 40
-"""First lines of the data beside which settings may stand without a column of their own."""
+_CLEAN = 5  # one line in so many must be numbers alone for the others to be left out as words, errors or heads
+_SPARSE, _FEWEST = 100, 16  # a column with fewer values, by share or count, holds settings: a blow needs more samples
+_BESIDE = 40  # first lines of the data beside which settings may stand without a column of their own
+# Lines above the data in which settings of each channel are looked for, and letters of their names
 _MOST_SETTINGS, _LONGEST_KIND = 40, 60
-"""Lines above the data in which settings of each channel are looked for, and letters of their names."""
+# Numbers above the last one, all of as many digits, or so many of any, by which it is known to be cut
 _FEWEST_ALIKE, _FEWEST_MANY = 8, 50
-"""Numbers above the last one, all of as many digits, or so many of any, by which it is known to be cut."""
+# Cells of a line of data that hold no number: over the range, an error, blanks of dashes and the like
 _OVER = re.compile(
     r"[+-]?\d\S*|[<>+-]?\s?(?:over\w*|ovr|ovld|o\.?l\.?|inf\w*|∞|clip\w*|error)|-{1,9}|\*{1,9}|\?{1,9}", re.IGNORECASE
 )
-"""Cells of a line of data that hold no number: over the range, an error, blanks of dashes and the like."""
+# Decimals and digits of the power of a printed number
 _DECIMALS = re.compile(r"[+-]?\d*(?:[.,](\d*))?(?:[eE][+-]?(\d*))?")
-"""Decimals and digits of the power of a printed number."""
 
 
 class Look(NamedTuple):
@@ -413,24 +406,19 @@ def _digits(cell: str) -> tuple[int, int]:
 
 Rows = Sequence[Sequence[str]]
 """Cells of some lines."""
-_SHOWN = 1000
-"""Lines by which a column is judged to be time or a count."""
-_FIRST = 20
-"""Lines in which time without a name must rise evenly by its own digits, before all are looked at."""
-_EDGE_LINES = 50
-"""Lines at either end by which the digits of time are judged: they may grow fewer as it grows."""
+_SHOWN = 1000  # lines by which a column is judged to be time or a count
+_FIRST = 20  # lines in which time without a name must rise evenly by its own digits, before all are looked at
+_EDGE_LINES = 50  # lines at either end by which the digits of time are judged: they may grow fewer as it grows
+# Lines after the head in which a rate is looked for too: some instruments write settings beside the first data
 _AFTER_HEAD = 40
-"""Lines after the head in which a rate is looked for too: some instruments write settings beside the first data."""
+# Lines of samples by which two first numbers are known to be none: start and step of Tektronix and the like
 _MARKED = 20
-"""Lines of samples by which two first numbers are known to be none: start and step of Tektronix and the like."""
+# Share by which a rate that is stated may differ from that of the file without a warning: clocks are good to 1e-4
 SAME_RATE = 0.01
-"""Share by which a rate that is stated may differ from that of the file without a warning: clocks are good to 1e-4."""
-_MOST_CODED = 4
-"""Columns of words in which names of channels, measurements and units are looked for."""
+_MOST_CODED = 4  # columns of words in which names of channels, measurements and units are looked for
+# Letters of the last line of a head that comes again with each measurement, and lines of such a head at most
 _SHORTEST_HEAD, _MOST_HEAD_LINES = 3, 200
-"""Letters of the last line of a head that comes again with each measurement, and lines of such a head at most."""
-_SPARE = 1.05
-"""Times the lines that a file is thought to have: lines grow longer with time."""
+_SPARE = 1.05  # times the lines that a file is thought to have: lines grow longer with time
 
 
 def sniff_text(head: bytes) -> bool:
