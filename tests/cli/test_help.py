@@ -131,13 +131,13 @@ def test_the_shell_completes_commands_options_cases_and_choices(words, offered, 
 def test_completion_names_what_the_libraries_know():
     """Choices stand as literals in signatures, so that a help imports no library; both are the same."""
     from strikewave.analyses.fem.decks import CODES
+    from strikewave.analyses.layered_bars import QUANTITIES
     from strikewave.analyses.record import srs
     from strikewave.cases.files import bundled_cases
     from strikewave.contact.law import SHAPES
     from strikewave.exchange.units import SYSTEMS
     from strikewave.papers.li_ma_2019.result import PAPER
     from strikewave.reporting.options import complete_case
-    from strikewave.reporting.waves import QUANTITIES
     from strikewave.signal.oscillators import KINDS
     from strikewave.signal.srs import PARTS
     from strikewave.studies.buffer.candidate import RANKS

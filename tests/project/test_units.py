@@ -20,7 +20,7 @@ TABLES = (
 )  # fmt: skip
 """Modules that know units themselves: how they convert, what is offered, which one suits a size, which ones files have and
 cases are written in."""
-PICTURES = ("reporting/style.py", "reporting/waves.py", "web/charts.py")
+PICTURES = ("reporting/style.py", "analyses/layered_bars.py", "web/charts.py")
 """Modules that draw, beside those in `figures`: an axis may say its own units."""
 
 

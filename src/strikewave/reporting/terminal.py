@@ -30,9 +30,7 @@ from strikewave.reporting.numbers import headed, shown, shown_heads
 from strikewave.reporting.parts import written
 
 if TYPE_CHECKING:
-    from strikewave.cases.stack_of_case import FittedLoss
     from strikewave.reporting.parts import Table
-    from strikewave.sensors.trial import SensorChannel
 
 STARTED = time.perf_counter()
 """When the program started, but for what is imported before this module."""
@@ -371,23 +369,6 @@ def print_bands(result: Result, values: Mapping[str, float]) -> None:
         columns = [*keys(named), *texts(value, inputs), *numerals(rest, priority=MORE)]
         table("What the results depend on", columns, band_rows(result, values, whole=is_wide()))
         tell(result.band_method.words())
-
-
-def print_fits(losses: Sequence[FittedLoss]) -> None:
-    """Print how well loss factors are held over their bands."""
-    from strikewave.reporting.waves import fit_table
-
-    if losses:
-        report_table(fit_table(losses))
-
-
-def print_losses(channels: Sequence[SensorChannel]) -> None:
-    """Print the insertion loss of the buffered sensors."""
-    from strikewave.reporting.waves import loss_table
-
-    losses = loss_table(channels)
-    if losses.rows:
-        report_table(losses)
 
 
 def print_published(published: Sequence[Comparison]) -> None:

@@ -16,6 +16,7 @@ from PIL import Image
 from pypdf import PdfReader
 
 import strikewave as sw
+from strikewave.analyses.clauses import SHOWN
 from strikewave.analyses.record.laboratory_report import (
     DOUBT,
     MOST_LINES,
@@ -28,7 +29,6 @@ from strikewave.analyses.record.sentences import tag_of_records
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.stated_test import NO_TEST, ReportTables, StatedTest, example_file, load_test
 from strikewave.cases.tables.common import PerformedTest
-from strikewave.reporting.clause_words import SHOWN
 from strikewave.reporting.pdf import check_pdf, pdf_of
 from strikewave.specifications.ideal_pulses import IdealPulse
 

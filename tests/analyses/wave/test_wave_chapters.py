@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from strikewave import load_case, run_case, run_wave
+from strikewave.analyses.layered_bars import LOSS_FREQUENCIES, loss_tables
 from strikewave.analyses.machine.report import report
 from strikewave.analyses.wave.report import wave_report
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.result import Band
-from strikewave.reporting.waves import LOSS_FREQUENCIES, loss_table
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +62,7 @@ def test_insertion_loss_table_is_that_of_the_continuous_layers(struck):
     from strikewave.sensors import insertion_loss
 
     channels = build_channels(struck.case)
-    table = loss_table(channels)
+    [table] = loss_tables(channels)
     (row,) = table.rows
     expected = insertion_loss(channels[1].sensor.mounting, np.array(LOSS_FREQUENCIES))
     assert row[0] == "buffered"

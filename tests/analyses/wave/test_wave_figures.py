@@ -14,12 +14,7 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from strikewave import load_case, run_case, run_wave
-from strikewave.analyses.machine.report import struck_field
-from strikewave.analyses.wave import report
-from strikewave.analyses.wave.report import field_of_solution, wave_animation, wave_page, wave_report, write_wave_gif
-from strikewave.reporting.chapters import inline_svg
-from strikewave.reporting.style import spread
-from strikewave.reporting.waves import (
+from strikewave.analyses.layered_bars import (
     QUANTITIES,
     SNAPSHOTS,
     WaveField,
@@ -31,6 +26,11 @@ from strikewave.reporting.waves import (
     staircase_diagram,
     xt_diagram,
 )
+from strikewave.analyses.machine.report import struck_field
+from strikewave.analyses.wave import report
+from strikewave.analyses.wave.report import field_of_solution, wave_animation, wave_page, wave_report, write_wave_gif
+from strikewave.reporting.chapters import inline_svg
+from strikewave.reporting.style import spread
 from strikewave.waves import BONDED, End, Impactor, Joint, Layer, LoadPulse, Stack, Tap, WantedError, run_bar
 
 STEEL, ALLOY = (7820.0, 211e9), (2780.0, 72e9)

@@ -10,6 +10,7 @@ from dataclasses import field
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.analyses.clauses import clause_words, decision_words
 from strikewave.base import declare
 from strikewave.base.declare import MAIN, MORE, Quantity
 from strikewave.base.errors import InputError
@@ -17,7 +18,6 @@ from strikewave.base.result import FAILED, WARNING, Band, Notice
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.base.texts import frequency_text
 from strikewave.records.budget import Budget
-from strikewave.reporting.clause_words import clause_words, decision_words
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.signal.interpolation import resampled

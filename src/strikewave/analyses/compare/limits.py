@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
+from strikewave.analyses.clauses import tag_of
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NOT_MEASURED
 from strikewave.base.errors import InputError, nearest
@@ -15,7 +16,6 @@ from strikewave.base.result import FAILED, Notice
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.base.texts import NO_DOUBT, sign_needed
 from strikewave.base.units import parse_quantity, typed_number
-from strikewave.reporting.clause_words import tag_of
 from strikewave.reporting.numbers import axis_unit, doubted
 from strikewave.reporting.parts import written
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, together

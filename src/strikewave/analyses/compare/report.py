@@ -5,14 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-from strikewave.analyses.compare.curve import SpecificationVerdict
-from strikewave.analyses.compare.figures import half_figures, overlay, summary_figure
-from strikewave.analyses.compare.limits import verdict_of
-from strikewave.analyses.compare.result import TOGETHER, CompareResult, IsoScores
-from strikewave.base.shock_quantities import MICROSECONDS
-from strikewave.base.texts import percent
-from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import (
+from strikewave.analyses.clauses import (
     SHOWN,
     clause_columns,
     clause_words,
@@ -21,6 +14,13 @@ from strikewave.reporting.clause_words import (
     verdict_tag,
     why_column,
 )
+from strikewave.analyses.compare.curve import SpecificationVerdict
+from strikewave.analyses.compare.figures import half_figures, overlay, summary_figure
+from strikewave.analyses.compare.limits import verdict_of
+from strikewave.analyses.compare.result import TOGETHER, CompareResult, IsoScores
+from strikewave.base.shock_quantities import MICROSECONDS
+from strikewave.base.texts import percent
+from strikewave.reporting import chapters
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, columns_of, face_table, line_table
 from strikewave.reporting.parts import Part, Picture, Section, Table

@@ -10,6 +10,7 @@ from typing import get_args
 
 import numpy as np
 
+from strikewave.analyses.clauses import budget_notices
 from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement, shift_to_gap
 from strikewave.analyses.compare.curve import (
     PREFIX,
@@ -32,7 +33,6 @@ from strikewave.base.units import si_value
 from strikewave.records.ringing import FEWEST_AFTER, RINGS_WITHIN, strongest_frequency
 from strikewave.records.thresholds import OfRingingSought
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import budget_in_python, low_pass_of, wrong_choice
 from strikewave.signal.alignment import Shift, are_opposite

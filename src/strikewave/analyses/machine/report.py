@@ -9,6 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.analyses.layered_bars import (
+    WaveField,
+    field_pictures,
+    fit_tables,
+    layer_table,
+    route_section,
+    sensor_part,
+)
 from strikewave.analyses.machine.figures import pulses
 from strikewave.analyses.machine.figures.animation import machine_page, write_machine_gif
 from strikewave.analyses.machine.figures.geometry import strike_geometry
@@ -36,16 +44,6 @@ from strikewave.reporting.parts import NONE, Cell, Flow, Link, Part, Picture, Se
 from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import Trace, save, traces
 from strikewave.reporting.terminal import progress_bar, say
-from strikewave.reporting.waves import (
-    PEAK_WORDS,
-    WaveField,
-    field_pictures,
-    fit_table,
-    layer_table,
-    mismatch_words,
-    route_section,
-    sensor_part,
-)
 from strikewave.uncertainty.runs import computed_beside
 from strikewave.waves.transit import TimeGrid, field_nodes
 
@@ -318,7 +316,11 @@ def stack_section(solution: Solution) -> list[Section]:
     route = solution.case.solver.route
     band = "" if reading.bandwidth is None else f" at a bandwidth of {text_of(reading, 'bandwidth')}"
     refused = reading.total_peak is None
-    text = f"{PEAK_WORDS} Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
+    text = (
+        "A peak is the value of largest magnitude, with its sign. Rigid is the momentum rate of the assembly over its "
+        "mass; total is what a perfect sensor at the section would read; wave is total minus rigid. "
+        f"Total and wave are stated{band}, at the tap {names[0]}; route: {route}."
+    )
     if refused:
         text += " No peak of total and wave is quoted: see the warning on the rise."
     table = face_table(solution, "wave_blows", "waves", "Rigid, total and wave acceleration")
@@ -367,8 +369,12 @@ def accuracy_section(solution: Solution) -> list[Section]:
         return []
 
     losses = fitted_losses(solution.case)
-    tables: list[Part] = [layer_table(setup), *([fit_table(losses)] if losses else [])]
-    return [Section("Accuracy of the waves", mismatch_words(setup), tables)]
+    tables: list[Part] = [layer_table(setup), *fit_tables(losses)]
+    text = (
+        "Waves run on delay lines: exact but for the rounding of each transit to whole time steps. The largest "
+        f"relative difference of a transit is {setup.mismatch:.1e}."
+    )
+    return [Section("Accuracy of the waves", text, tables)]
 
 
 def _settled(force: Any) -> int:

@@ -27,11 +27,10 @@ from strikewave.reporting.run_and_write import Command, case_folder, run_and_wri
 from strikewave.reporting.terminal import (
     print_bands,
     print_face,
-    print_fits,
-    print_losses,
     print_published,
     print_rows,
     progress_bar,
+    report_table,
     tell,
 )
 
@@ -143,8 +142,10 @@ def _print_waves(solution: Solution) -> None:
             f"waves: time step {text_of(setup, 'step')}, which changes a layer's length by "
             f"{setup.mismatch:.1e} of it at most (layer by layer in the report)"
         )
-    print_losses(build_channels(solution.case))
-    print_fits(fitted_losses(solution.case))
+    from strikewave.analyses.layered_bars import fit_tables, loss_tables
+
+    for shown in (*loss_tables(build_channels(solution.case)), *fit_tables(fitted_losses(solution.case))):
+        report_table(shown)
 
 
 def _print_collisions(solution: Solution) -> None:

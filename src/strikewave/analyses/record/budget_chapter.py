@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from strikewave.analyses.clauses import held_words
 from strikewave.analyses.record.figures.records import figure_unit
 from strikewave.analyses.record.result import RecordResult
 from strikewave.analyses.record.tables import Names, called, figure_text, percents, rows_of
@@ -16,7 +17,6 @@ from strikewave.records.reading import ChannelReading
 from strikewave.records.record import Channel
 from strikewave.records.smooth_pulse import BUDGETED
 from strikewave.reporting import faces
-from strikewave.reporting.clause_words import held_words
 from strikewave.reporting.numbers import doubted, listed
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from strikewave.analyses.clauses import budget_notices
 from strikewave.analyses.record.options import RecordSpecificationOptions, filtered
 from strikewave.analyses.record.result import RecordResult, record_result
 from strikewave.analyses.record.rows import name_of
@@ -33,7 +34,6 @@ from strikewave.records import (
 from strikewave.records.budget import Budget
 from strikewave.records.reading import with_budget
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
 from strikewave.specifications.judging import Rule

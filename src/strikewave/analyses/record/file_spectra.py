@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from strikewave.analyses.clauses import budget_notices
 from strikewave.analyses.record.options import SpecificationOptions, filtered
 from strikewave.analyses.record.rolling_window import ALLOWED_Q, Rolling, read_rolling
 from strikewave.analyses.record.rows import name_of
@@ -36,7 +37,6 @@ from strikewave.base.units import si_value
 from strikewave.records import ChannelReading, FileReading, Options, Request, SampleStore, compare
 from strikewave.records.reading import check_amounts
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.clause_words import budget_notices
 from strikewave.reporting.faces import amount
 from strikewave.reporting.options import Typed, wrong_choice
 from strikewave.reporting.terminal import say

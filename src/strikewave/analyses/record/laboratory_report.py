@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from strikewave._version import __version__
+from strikewave.analyses.clauses import amount, clause_name, doubted_words, limit_words, tag_of, value_words
 from strikewave.analyses.record.budget_chapter import source_table
 from strikewave.analyses.record.figures.verdicts import draw_limits, shown_window
 from strikewave.analyses.record.result import RecordResult
@@ -31,7 +32,6 @@ from strikewave.base.texts import percent
 from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
 from strikewave.reporting import chapters, faces
 from strikewave.reporting.chapters import Head, whole_page
-from strikewave.reporting.clause_words import amount, clause_name, doubted_words, limit_words, tag_of, value_words
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.measured_files import digests_of

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from strikewave.analyses.clauses import SHOWN, clause_columns, clause_name, decision_words, value_words
 from strikewave.analyses.record.budget_chapter import (
     budget_lines,
     mean_expanded,
@@ -59,7 +60,6 @@ from strikewave.records.measuring import RecordedPulse
 from strikewave.records.response import MeasuredResponse
 from strikewave.records.ringing import RigidPulse
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.clause_words import SHOWN, clause_columns, clause_name, decision_words, value_words
 from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import amount
 from strikewave.reporting.layout import keys, numerals, texts

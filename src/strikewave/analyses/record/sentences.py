@@ -6,6 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from strikewave.analyses.clauses import (
+    clause_name,
+    first_upper,
+    not_judged_names,
+    share_words,
+    verdict_sentence,
+    verdict_tag,
+    why_words,
+)
 from strikewave.analyses.record.chapters import pair_words, response_words
 from strikewave.analyses.record.rows import counted
 from strikewave.analyses.record.tables import between, called, figure_text, percents, plus_minus, rows_of, short_names
@@ -15,15 +24,6 @@ from strikewave.records.campaign import COPY, Campaign, Outlier
 from strikewave.records.health_notice import worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
-from strikewave.reporting.clause_words import (
-    clause_name,
-    first_upper,
-    not_judged_names,
-    share_words,
-    verdict_sentence,
-    verdict_tag,
-    why_words,
-)
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import NONE, Tag
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict

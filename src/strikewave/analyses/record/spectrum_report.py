@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+from strikewave.analyses.clauses import held_words, verdict_tag
 from strikewave.analyses.record.figures import records
 from strikewave.analyses.record.figures.spectra import (
     MOST_NAMES,
@@ -21,7 +22,6 @@ from strikewave.analyses.record.verdicts import spectra_section, spectra_sentenc
 from strikewave.base.shock_quantities import ACCELERATION
 from strikewave.base.texts import percent
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import held_words, verdict_tag
 from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import hertz, one_in, spelled
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from strikewave.analyses.clauses import held_words
 from strikewave.analyses.record.file_spectra import FilesAsked, judged_spectra_of
 from strikewave.analyses.record.options import filtered_folder
 from strikewave.analyses.record.rows import name_of
@@ -14,7 +15,6 @@ from strikewave.analyses.record.verdicts import SpectraJudge, print_spectra_verd
 from strikewave.base.declare import KEY, MORE
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.clause_words import held_words
 from strikewave.reporting.layout import numerals
 from strikewave.reporting.numbers import one_in
 from strikewave.reporting.output_options import Output

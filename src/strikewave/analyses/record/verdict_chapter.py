@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from strikewave.analyses.clauses import SHOWN, clause_columns, clause_name, decision_words, doubted_words, tag_of
 from strikewave.analyses.record.figures.verdicts import shock_figure
 from strikewave.analyses.record.sentences import WHY_HEAD, name_of_shock, why_of_shock
-from strikewave.reporting.clause_words import SHOWN, clause_columns, clause_name, decision_words, doubted_words, tag_of
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict

@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.analyses.clauses import clause_columns, clause_words, decision_words, verdict_words, why_column
 from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
 from strikewave.base.declare import KEY
 from strikewave.base.errors import InputError
 from strikewave.base.result import FAILED, WARNING, Notice
 from strikewave.records.budget import Budget
-from strikewave.reporting.clause_words import clause_columns, clause_words, decision_words, verdict_words, why_column
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Typed

@@ -11,6 +11,26 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from strikewave.analyses.layered_bars import (
+    DASHED,
+    JOINT_STYLES,
+    QUANTITIES,
+    THICK,
+    WaveField,
+    distance_label,
+    draw_along,
+    field_pictures,
+    fit_tables,
+    layer_table,
+    name_layers,
+    route_section,
+    sandwiched,
+    sensor_part,
+    shade_layers,
+    shades,
+    staircase_diagram,
+    xt_diagram,
+)
 from strikewave.analyses.wave.result import WaveSolution, error_words, wave_tables, wave_words
 from strikewave.base.shock_quantities import ACCELERATION, FORCE, LENGTH, MICROSECONDS, STRESS, VELOCITY
 from strikewave.reporting import chapters
@@ -50,26 +70,6 @@ from strikewave.reporting.style import (
     traces,
 )
 from strikewave.reporting.terminal import progress_bar
-from strikewave.reporting.waves import (
-    DASHED,
-    JOINT_STYLES,
-    QUANTITIES,
-    THICK,
-    WaveField,
-    distance_label,
-    draw_along,
-    field_pictures,
-    fit_table,
-    layer_table,
-    name_layers,
-    route_section,
-    sandwiched,
-    sensor_part,
-    shade_layers,
-    shades,
-    staircase_diagram,
-    xt_diagram,
-)
 from strikewave.waves import Impactor, Tap
 
 if TYPE_CHECKING:
@@ -204,8 +204,7 @@ def _accuracy_section(solution: WaveSolution) -> Section:
     accuracy = error_words(solution)
     accuracy = accuracy[0].upper() + accuracy[1:]
     tables: list[Part] = [] if solution.method == "spectral" else [layer_table(solution.waves)]
-    if solution.losses:
-        tables.append(fit_table(solution.losses))
+    tables += fit_tables(solution.losses)
     return Section("Accuracy of the waves", f"{accuracy}.", tables)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
+from strikewave.analyses.layered_bars import MOST_LAYERS
 from strikewave.base import declare
 from strikewave.base.datasets import LabelledArrays, quantity
 from strikewave.base.declare import KEY, MAIN, MORE, Quantity, declarations
@@ -39,7 +40,6 @@ from strikewave.reporting.faces import amount, face_rows, face_table, numbers_of
 from strikewave.reporting.numbers import listed, spelled
 from strikewave.reporting.parts import Table
 from strikewave.reporting.shown_result import Curve, history_curve
-from strikewave.reporting.waves import MOST_LAYERS
 from strikewave.sensors import Reading
 from strikewave.sensors.trial import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
+from strikewave.analyses.layered_bars import MOST_LAYERS, fit_tables, loss_tables
 from strikewave.analyses.wave.result import error_words, wave_tables, wave_words
 from strikewave.analyses.wave.run import WaveSolution, run_wave, with_bands
 from strikewave.base.compiling import compiling_shown
@@ -17,17 +18,7 @@ from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.faces import amount, face_columns, face_rows
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
-from strikewave.reporting.terminal import (
-    print_bands,
-    print_fits,
-    print_losses,
-    print_rows,
-    progress_bar,
-    report_table,
-    say_compiling,
-    tell,
-)
-from strikewave.reporting.waves import MOST_LAYERS
+from strikewave.reporting.terminal import print_bands, print_rows, progress_bar, report_table, say_compiling, tell
 
 
 def run_wave_case(
@@ -92,12 +83,12 @@ def show(solution: WaveSolution) -> None:
         title = "Layers as the time step makes them" + (f" ({more} more in the JSON)" if more > 0 else "")
         rows = face_rows(solution, "layers")[:MOST_LAYERS]
         print_rows(title, face_columns(solution, "layers", "lengths", rows=rows), detail=True)
-    print_fits(solution.losses)
-    for shown in wave_tables(solution):
+    for shown in (*fit_tables(solution.losses), *wave_tables(solution)):
         report_table(shown)
     if solution.channels:
         print_rows("What the sensors read", face_columns(solution, "sensors"))
-        print_losses(solution.channels)
+        for shown in loss_tables(solution.channels):
+            report_table(shown)
     print_bands(solution, solution.figures)
     tell(error_words(solution))
     tell("balance: " + ", ".join(check.words for check in solution.balance_checks))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.fem.figures.pictures import mesh_picture, view_of
 from strikewave.analyses.fem.report import fields_section
+from strikewave.analyses.layered_bars import staircase_diagram, xt_diagram
 from strikewave.analyses.wave.report import field_of_solution
 from strikewave.base.shock_quantities import ACCELERATION, IMPULSE, LENGTH, MICROSECONDS, STRESS
 from strikewave.base.texts import percent
@@ -52,7 +53,6 @@ from strikewave.reporting.faces import amount, text_of
 from strikewave.reporting.numbers import listed, with_unit
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Picture, Section, Table, Tag
 from strikewave.reporting.style import Trace
-from strikewave.reporting.waves import staircase_diagram, xt_diagram
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

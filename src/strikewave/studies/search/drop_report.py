@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from strikewave.analyses.clauses import clause_columns, verdict_words
 from strikewave.analyses.record.figures.verdicts import draw_shock
 from strikewave.base.shock_quantities import LENGTH
 from strikewave.base.texts import percent
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import clause_columns, verdict_words
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import face_columns, face_table
 from strikewave.reporting.layout import keys, numerals, texts

@@ -17,6 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.analyses.clauses import first_upper, tag_of, verdict_words
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.notices import run_verdict
 from strikewave.base import declare
@@ -33,7 +34,6 @@ from strikewave.cases.contact_of_case import cushion_of_contact, or_else
 from strikewave.contact.cushions import Cushion
 from strikewave.machines import Blow, blows, run_machine
 from strikewave.machines.launch import drop_for_half_sine
-from strikewave.reporting.clause_words import first_upper, tag_of, verdict_words
 from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import columns_of, text_of
 from strikewave.reporting.shown_result import Curve, history_curve

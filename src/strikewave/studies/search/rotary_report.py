@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import numpy as np
 
+from strikewave.analyses.clauses import clause_columns
 from strikewave.base.declare import declarations
 from strikewave.base.result import Verdicts
 from strikewave.base.shock_quantities import FORCE
 from strikewave.base.texts import percent
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import clause_columns
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import text_of
 from strikewave.reporting.numbers import axis_unit, headed, shown

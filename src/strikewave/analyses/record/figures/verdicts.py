@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from strikewave.analyses.clauses import SHOWN
 from strikewave.analyses.record.figures.spectra import hertz_ticks, log_axis, number_tick
-from strikewave.reporting.clause_words import SHOWN
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.style import (
     BLUE,

@@ -7,11 +7,11 @@ from collections import Counter
 from collections.abc import Callable
 from typing import ClassVar
 
+from strikewave.analyses.clauses import limit_words
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NOT_MEASURED, Quantity
 from strikewave.base.shock_quantities import ACCELERATION, MICROSECONDS, MILLISECONDS
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.clause_words import limit_words
 from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import listed
 from strikewave.specifications.judging import STATUSES, Limits, judged

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from strikewave.analyses.clauses import tag_of, verdict_words
 from strikewave.analyses.record.figures.verdicts import draw_spectrum_limits
 from strikewave.analyses.record.specification.synthesis import SynthesisResult, synthesis_words
 from strikewave.analyses.record.verdicts import spectra_section
 from strikewave.base.declare import declarations
 from strikewave.reporting import chapters
-from strikewave.reporting.clause_words import tag_of, verdict_words
 from strikewave.reporting.faces import face_table
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.parts import Picture, Section, Tag

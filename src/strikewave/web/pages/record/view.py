@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 import strikewave
+from strikewave.analyses.clauses import verdict_words
 from strikewave.analyses.compare.report import agreement_tables
 from strikewave.analyses.compare.result import CompareResult
 from strikewave.analyses.record.figures.records import figure_unit, shown
@@ -25,7 +26,6 @@ from strikewave.base.texts import percent
 from strikewave.cases.files import bundled_cases
 from strikewave.records.health_notice import STATUSES
 from strikewave.records.reading import ChannelReading
-from strikewave.reporting.clause_words import verdict_words
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.parts import NONE
 from strikewave.reporting.shown_result import shown_table

@@ -610,10 +610,6 @@ MOST_LAYERS = 50
 LOSS_FREQUENCIES = (1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5)
 """Where the insertion loss of a buffer is listed, Hz (chosen: 1, 2, 5 steps over the flat range and the resonances of
 shock accelerometers)."""
-PEAK_WORDS = (
-    "A peak is the value of largest magnitude, with its sign. Rigid is the momentum rate of the assembly over its "
-    "mass; total is what a perfect sensor at the section would read; wave is total minus rigid."
-)
 _RECORDED = {"resonance": KILOHERTZ, "range": ACCELERATION, "sampling": KILOHERTZ, "filter": KILOHERTZ}
 """Data of each sensor in the table of sensors."""
 _ROUTES = (
@@ -624,14 +620,14 @@ _ROUTES = (
 )
 
 
-def fit_table(losses: Sequence[FittedLoss]) -> Table:
-    """List where energy is lost: the loss factor of the case, its band, the largest relative deviation of the model."""
+def fit_tables(losses: Sequence[FittedLoss]) -> list[Table]:
+    """List each loss factor with its band and the largest relative deviation of the model; no table without any."""
     rows: list[list[Cell]] = []
     for loss in losses:
         low, high = (f"{shown(end, *KILOHERTZ.units):g}" for end in (loss.low, loss.high))
         rows.append([loss.where, f"{loss.loss_factor:g}", f"{low} to {high}", percent(loss.error, 1)])
     band = headed("band", *KILOHERTZ.units)
-    return Table("Fit of the loss factors", ["where", "loss factor", band, "largest deviation"], rows)
+    return [Table("Fit of the loss factors", ["where", "loss factor", band, "largest deviation"], rows)][: len(rows)]
 
 
 def layer_table(setup: WaveSetup) -> Table:
@@ -699,14 +695,6 @@ def _largest(values: Any) -> float:
     return float(finite[np.argmax(np.abs(finite))]) if finite.size else math.nan
 
 
-def mismatch_words(setup: WaveSetup) -> str:
-    """Say how waves ran on delay lines, and by how much a transit was rounded."""
-    return (
-        "Waves run on delay lines: exact but for the rounding of each transit to whole time steps. The largest "
-        f"relative difference of a transit is {setup.mismatch:.1e}."
-    )
-
-
 def sensor_part(channels: Sequence[SensorChannel], picture: Figure, readings: Table) -> Section:
     """Show what the sensors read, describe them, and say what their buffers take off."""
     described: list[list[Cell]] = []
@@ -735,19 +723,16 @@ def sensor_part(channels: Sequence[SensorChannel], picture: Figure, readings: Ta
         frequency = np.geomspace(1e3, 1e5, 201)
         curves = [(sensor.name, frequency, loss_of(sensor.mounting, frequency)) for sensor in buffered]
         caption = "Insertion loss: how much the buffer reduces the motion below it; negative where it amplifies."
-        parts += [Picture(insertion_loss(curves), caption), loss_table(channels)]
+        parts += [Picture(insertion_loss(curves), caption), *loss_tables(channels)]
     return Section("Sensors", "", parts)
 
 
-def loss_table(channels: Sequence[SensorChannel]) -> Table:
-    """List the insertion loss of the buffered sensors."""
+def loss_tables(channels: Sequence[SensorChannel]) -> list[Table]:
+    """List the insertion loss of the buffered sensors; no table where none is buffered."""
     rows: list[list[Cell]] = [
         [sensor.name, *(f"{value:.1f}" for value in loss_of(sensor.mounting, np.array(LOSS_FREQUENCIES)))]
         for sensor, _, _ in channels
         if not sensor.mounting.direct
     ]
-    return Table(
-        "Insertion loss (dB; negative where the mounting amplifies)",
-        ["sensor", *(amount(KILOHERTZ, f) for f in LOSS_FREQUENCIES)],
-        rows,
-    )
+    heads = ["sensor", *(amount(KILOHERTZ, f) for f in LOSS_FREQUENCIES)]
+    return [Table("Insertion loss (dB; negative where the mounting amplifies)", heads, rows)][: len(rows)]
