@@ -6,19 +6,42 @@ writes gaskets.csv, joints.csv and both pictures into FOLDER (out/validate), and
 """
 
 import csv
+import itertools
 import os
 import sys
 from dataclasses import astuple, fields
 from pathlib import Path
 
+import numpy as np
+
 from strikewave.papers.li_ma_2019.figures import gasket_figure, joint_figure
 from strikewave.papers.li_ma_2019.published import published_number
 from strikewave.papers.li_ma_2019.report_tables import span_text
 from strikewave.papers.li_ma_2019.runs import executing
-from strikewave.papers.li_ma_2019.unknowns import FINE_GASKETS as FINE_GASKETS
-from strikewave.papers.li_ma_2019.unknowns import FINE_JOINTS as FINE_JOINTS
-from strikewave.papers.li_ma_2019.unknowns import FixtureBlow, GasketCell, Unknowns, gasket_study, joint_study
+from strikewave.papers.li_ma_2019.unknowns import (
+    RIGID,
+    FixtureBlow,
+    GasketCell,
+    GasketGrid,
+    JointGrid,
+    Unknowns,
+    gasket_study,
+    joint_study,
+)
 from strikewave.studies.engine.pools import ProcessPool
+
+FINE_GASKETS = GasketGrid(
+    tuple(float(f"{modulus:.3g}") for modulus in np.geomspace(5e6, 1e9, 13)),
+    (0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0),
+    (1e-3, 2e-3, 3e-3, 4.5e-3, 6e-3),
+)
+"""The gaskets of the command in finer steps: minutes."""
+FINE_JOINTS = JointGrid(
+    tuple(float(f"{preload:.3g}") for preload in np.geomspace(30.0, 30e3, 13)),
+    (*(float(f"{stiffness:.3g}") for stiffness in np.geomspace(0.2e9, 20e9, 13)), RIGID),
+    tuple(itertools.product((100.0, 300.0, 1e3, 3e3), (0.5e9, 1e9, 2e9, 5e9))),
+)
+"""The joints of the command in finer steps."""
 
 
 def main() -> None:

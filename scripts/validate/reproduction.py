@@ -20,13 +20,14 @@ from kit import Comparison, keep
 
 from strikewave import load_case, run_fem
 from strikewave.analyses.fem.result import FemSolution
-from strikewave.papers.li_ma_2019 import answers
-from strikewave.papers.li_ma_2019.further import MeshRow
+from strikewave.papers.li_ma_2019 import compared_numbers
+from strikewave.papers.li_ma_2019.compared_numbers import Computed, si_unit
+from strikewave.papers.li_ma_2019.element_studies import MeshRow
+from strikewave.papers.li_ma_2019.published import PublishedNumber
 from strikewave.papers.li_ma_2019.report import reproduction_report
 from strikewave.papers.li_ma_2019.reproduce import reproduce
-from strikewave.papers.li_ma_2019.result import Computed, Reproduction, si_unit
+from strikewave.papers.li_ma_2019.result import Reproduction
 from strikewave.papers.li_ma_2019.runs import ELEMENT_CASES, NON_REFLECTING, WAVE_ELEMENTS, Effort, coarser
-from strikewave.papers.li_ma_2019.types import PublishedNumber
 
 DECIDED = {"reflecting": ["not"], "yielding": ["partly"], "mean": ["partly"]}
 """Verdicts of findings that element runs show, by a word of their topic: those of docs/reproduction.md."""
@@ -117,14 +118,14 @@ def main() -> None:
     if quick:
         return
     wrong = ["an equation or a check does not hold: the page says which"] if whole.broken else []
-    for name in (answers.DYNA_PEAK, answers.DYNA_FORCE, answers.DYNA_WAVE_PEAK):
+    for name in (compared_numbers.DYNA_PEAK, compared_numbers.DYNA_FORCE, compared_numbers.DYNA_WAVE_PEAK):
         best = whole.row(name).best
         if best is None or not best.by.startswith("li-ma-2019-fem"):
             wrong.append(f"{name} is not from elements")
     shown = {row.topic: row.verdict for row in whole.findings if "elements" in row.shown_by or "fem" in row.shown_by}
     found = {word: [verdict for topic, verdict in shown.items() if word in topic] for word in DECIDED}
     wrong += [f"{word}: {found[word]}, not {wanted}" for word, wanted in DECIDED.items() if found[word] != wanted]
-    wrong += wave_misses(whole.further.meshes[WAVE_ELEMENTS])
+    wrong += wave_misses(whole.element_studies.meshes[WAVE_ELEMENTS])
     FOLDER.mkdir(parents=True, exist_ok=True)
     (FOLDER / "report.html").write_text(reproduction_report(whole), encoding="utf-8")
     print(f"{len(ELEMENT_CASES)} element cases, {len(whole.findings)} findings; written: {FOLDER / 'report.html'}")

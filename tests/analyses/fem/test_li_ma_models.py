@@ -10,7 +10,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cases.case import load_case
 from strikewave.fem.model import NonReflecting
 from strikewave.fem.run import balance_measure
-from strikewave.papers.li_ma_2019.further import FRAME, answer, changed, dimensions, mesh_rows, seats, studied
+from strikewave.papers.li_ma_2019.element_studies import FRAME, answer, changed, dimensions, mesh_rows, seats, studied
 from strikewave.papers.li_ma_2019.runs import coarser, executing
 
 RIGID, WAVE = "li-ma-2019-fem-rigid", "li-ma-2019-fem-wave"

@@ -9,7 +9,7 @@ from strikewave.analyses.fem.run import run_fem
 from strikewave.cases.case import load_case
 from strikewave.fem.run import interval_means, mean_force
 from strikewave.papers.li_ma_2019.element_pulses import element_numbers, rise_slope, whole_force
-from strikewave.papers.li_ma_2019.further import NO_YIELD
+from strikewave.papers.li_ma_2019.element_studies import NO_YIELD
 from strikewave.papers.li_ma_2019.runs import (
     QUIET_ELEMENTS,
     QUIET_WAVE_ELEMENTS,

@@ -18,6 +18,9 @@ from scipy.optimize import brentq
 
 from strikewave.base.constants import material
 from strikewave.papers.li_ma_2019.equations import (
+    STEPS_OF_TRANSIT,
+    ContactExample,
+    WaveExample,
     arrival_times,
     delivered,
     end_speeds,
@@ -25,7 +28,6 @@ from strikewave.papers.li_ma_2019.equations import (
     mean_over_rigid,
     solid_bar_speed,
 )
-from strikewave.papers.li_ma_2019.examples import STEPS_OF_TRANSIT, ContactExample, WaveExample
 from strikewave.waves import round_bar
 
 N = 10.0 / 9.0

@@ -14,7 +14,7 @@ from strikewave import load_case
 from strikewave.analyses.fem.run import run_fem
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.texts import percent
-from strikewave.papers.li_ma_2019 import answers as known
+from strikewave.papers.li_ma_2019 import compared_numbers as known
 from strikewave.papers.li_ma_2019 import figures as draw
 from strikewave.papers.li_ma_2019 import reproduce as whole_run
 from strikewave.papers.li_ma_2019.element_pulses import BodyPulse, element_numbers, rise_slope, struck_body, whole_force

@@ -11,7 +11,7 @@ from strikewave.base.documents import plain
 from strikewave.cases.case import load_case
 from strikewave.papers.li_ma_2019.bodies import SimpleAnswer
 from strikewave.papers.li_ma_2019.body_reasons import BodyRow
-from strikewave.papers.li_ma_2019.further import (
+from strikewave.papers.li_ma_2019.element_studies import (
     SHARE,
     STAGES,
     Answer,
@@ -82,7 +82,7 @@ def test_bodies_stand_in_the_chosen_units():
 @pytest.mark.verify
 def test_blows_are_those_of_whole_bodies():
     from strikewave.analyses.fem.run import run_fem
-    from strikewave.papers.li_ma_2019.further import studied
+    from strikewave.papers.li_ma_2019.element_studies import studied
     from strikewave.papers.li_ma_2019.runs import coarser
 
     case = load_case("li-ma-2019-fem-rigid")

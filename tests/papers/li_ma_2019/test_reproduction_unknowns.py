@@ -15,7 +15,7 @@ from strikewave.analyses.machine.run import run_case
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.papers.li_ma_2019 import unknowns
-from strikewave.papers.li_ma_2019.answers import number_rows
+from strikewave.papers.li_ma_2019.compared_numbers import number_rows
 from strikewave.papers.li_ma_2019.figures import gasket_figure, joint_figure
 from strikewave.papers.li_ma_2019.findings import costly_rate, lost_between_samples, tangential_blow, tangential_speed
 from strikewave.papers.li_ma_2019.published import published_number

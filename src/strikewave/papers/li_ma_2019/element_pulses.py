@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.fem.run import PartMeasure, contact_measure, interval_means, mean_acceleration, mean_force, middles
-from strikewave.papers.li_ma_2019.types import ElementNumbers
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
@@ -17,26 +16,47 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SPECIMEN = "sensor"
-"""Part that stands for the tested specimen."""
+"""Name of the part that stands for the tested specimen."""
 SHELL = "shell"
-"""Part that stands for the cylinder shell in the frame."""
+"""Name of the part that stands for the cylinder shell in the frame."""
 EARLY, LATE = (0.1, 0.3), (0.5, 0.9)
 """Shares of the peak between which the slope of the contact force is taken early, where the contact is elastic, and
 late, where it is plastic; the ends and the top are left out, where a pulse bends."""
 
 
 @dataclass(frozen=True)
-class BodyPulse:
-    """The blow that a body took.
+class ElementNumbers:
+    """Numbers of a run of finite elements, whole bodies; None where the run does not measure them."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the part or group.
-    time, acceleration : array
-        s after first touch, and m/s^2 along the blow: means over the intervals of the histories.
-    measure : PartMeasure
-        Its peak and width.
+    peak_force: float | None = None
+    """Largest force of the contact between striker and fixture, N."""
+    rigid_peak: float | None = None
+    """Largest acceleration of the whole struck body, its momentum rate over its mass, m/s^2."""
+    width: float | None = None
+    """Width of that pulse at 10 % of its peak, s."""
+    impulse: float | None = None
+    """Impulse of the contact force, N s."""
+    momentum: float | None = None
+    """Largest momentum of the struck body, N s."""
+    slope_early: float | None = None
+    """Slope of the rise of the contact force between 10 and 30 % of its peak, N/s."""
+    slope_late: float | None = None
+    """Slope of the rise of the contact force between 50 and 90 % of its peak, N/s."""
+    section_peak: float | None = None
+    """Largest acceleration of the mid section of the sensor, m/s^2."""
+    mean_peak: float | None = None
+    """Largest acceleration of the sensor, mean over the part, m/s^2."""
+    plastic_strain: float | None = None
+    """Largest equivalent plastic strain anywhere."""
+    shell_stress: float | None = None
+    """Largest von Mises stress of the cylinder shell in the frame, Pa."""
+
+
+@dataclass(frozen=True)
+class BodyPulse:
+    """The blow that a body took: its history along the blow, and its peak and width.
+
+    ``time`` counts from first touch, s; ``acceleration``, m/s^2, is a mean over the intervals of the histories.
     """
 
     name: str
@@ -55,16 +75,7 @@ def struck_body(solution: FemSolution) -> str:
 
 
 def body_pulse(solution: FemSolution, name: str) -> BodyPulse:
-    """Return the rigid-body pulse of a part or group along its blow.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> from strikewave.analyses.fem.run import run_fem
-    >>> pulse = body_pulse(run_fem(load_case("two-bars-fem", ["fem.duration=5 us"])), "bar")
-    >>> bool(np.isclose(pulse.acceleration.max(), pulse.measure.rigid_peak))
-    True
-    """
+    """Return the rigid-body pulse of a part or group along its blow."""
     measure = {**solution.parts, **solution.groups}[name]
     along = mean_acceleration(solution.run, name) @ np.array(measure.direction)
     return BodyPulse(name, middles(solution.run.time) - first_touch(solution), along, measure)
@@ -77,7 +88,7 @@ def first_touch(solution: FemSolution) -> float:
 
 
 def specimen_body(solution: FemSolution) -> str:
-    """Return the part that stands for the tested specimen, or the struck body where there is none of that name."""
+    """Return the part that stands for the tested specimen, or the struck body where there is none."""
     return SPECIMEN if SPECIMEN in solution.run.parts else struck_body(solution)
 
 
@@ -109,17 +120,7 @@ def rise_slope(time: Array, values: Array, shares: tuple[float, float]) -> float
 
 
 def element_numbers(solution: FemSolution) -> ElementNumbers:
-    """Return what a model measured, of whole bodies, for the findings.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> from strikewave.analyses.fem.run import run_fem
-    >>> sizes = [f"mesh.part.{part}.size=2 mm" for part in ("striker", "bar")]
-    >>> numbers = element_numbers(run_fem(load_case("two-bars-fem", ["fem.duration=40 us", *sizes])))
-    >>> round(numbers.impulse, 2), numbers.mean_peak
-    (0.1, None)
-    """
+    """Return the numbers of a model that findings rest on, of whole bodies."""
     body, run = struck_body(solution), solution.run
     pulse, force = body_pulse(solution, body), whole_force(solution)
     has_specimen = SPECIMEN in run.parts

@@ -1,25 +1,26 @@
-"""The numbered equations of Li & Ma 2019, one row each: words from equations.toml, numbers computed when called.
+"""The numbered equations of Li & Ma 2019, a row each: words from equations.toml, numbers computed on two examples.
 
-Equations (1) to (25) of Li & Ma 2019, the contact force: their numbers on an example. Each is taken for itself, with
-what enters it repaired and C that of the exact factor. Symbols: K stiffness (N/m^n), C damping (N s/m^(n + 1)), chi =
-C v0/K, n = 10/9, d indentation (m), m_eq equivalent mass (kg), v0 closing speed (m/s), e restitution, I the integral
-of (15).
+The paper gives neither contact length nor speed, restitution nor specimen: those of the examples are assumed.
+Materials are the paper's, the struck mass follows from its simulated force and acceleration. Each equation is judged
+for itself, with what enters it repaired and C that of the exact factor.
 
-Equations (26) to (40) of Li & Ma 2019, the stress wave: their numbers on an example. Times count from the first
-arrival at x. Symbols: t0 transit of the specimen (s), tl = (l - x)/c what is left of it behind x, F_I and F_II
-reflections, gamma first strain over incident strain, eps_i incident strain, Z impedance.
+Contact force, (1) to (25): K stiffness (N/m^n), C damping (N s/m^(n + 1)), chi = C v0/K, n = 10/9, d indentation (m),
+m_eq equivalent mass (kg), v0 closing speed (m/s), e restitution, I the integral of (15).
+
+Stress wave, (26) to (40): times count from the first arrival at x; t0 transit of the specimen (s), tl = (l - x)/c the
+rest of it behind x, F_I and F_II reflections, gamma first strain over incident strain, eps_i incident strain, Z
+impedance.
 """
 
 from __future__ import annotations
 
-import functools
 import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import resources
 from statistics import harmonic_mean
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,25 +28,302 @@ from scipy.integrate import quad, simpson
 from scipy.optimize import brentq
 from scipy.special import i0, i1, j0, j1
 
-from strikewave.base.constants import Material
-from strikewave.contact import Stiffness, exact, factor, impact_history, palmgren, restitution
-from strikewave.papers.li_ma_2019.examples import (
-    SAMPLES,
-    ContactExample,
-    FarEnd,
-    SolvedContact,
-    Watched,
-    WaveExample,
-    incident_of,
-    pulse_of,
-    solve_blow,
-    step_of,
-    watch,
+from strikewave.base import declare
+from strikewave.base.constants import Material, material
+from strikewave.base.declare import Quantity
+from strikewave.base.shock_quantities import RATIO
+from strikewave.contact import (
+    Chain,
+    ChainContact,
+    ChainMotion,
+    Impact,
+    Stiffness,
+    exact,
+    factor,
+    impact_history,
+    palmgren,
+    reduced_mass,
+    restitution,
+    simulate,
+    solve_impact,
 )
-from strikewave.papers.li_ma_2019.types import EquationRow
-from strikewave.waves import Layer
+from strikewave.papers.li_ma_2019.published import EXPONENT, SEE_UNIT, published_number
+from strikewave.waves import BONDED, BarRun, End, Layer, LoadPulse, Stack, Tap, WantedError, round_bar, run_bar
 from strikewave.waves.dispersion import phase_speed
-from strikewave.waves.li_ma import Sandwich, acceleration, arrivals, mean_acceleration, strain, velocity
+from strikewave.waves.li_ma import Incident, Sandwich, acceleration, arrivals, mean_acceleration, strain, velocity
+
+Array = NDArray[np.float64]
+FarEnd = Literal["free", "matched", "rigid"]
+
+STEPS_OF_TRANSIT = 256
+"""Steps of the delay lines in a transit of the specimen: a power of two, so that x/l = 1/4 lies on a step."""
+SAMPLES = 2001
+"""Samples of each half of the integrated motion: an odd number for Simpson's rule, whose error falls as its 4th
+power."""
+LEAST_REFLECTION = 0.05
+"""Least share of a wave that both interfaces reflect: its square, the second echo, must stand out of rounding."""
+SIMULATED_FORCE = published_number("force simulated").value
+"""Contact force that the paper simulates, N."""
+STRUCK_MASS = round(SIMULATED_FORCE / published_number("rigid peak simulated").value, 3)
+"""Mass that this force accelerates to the simulated peak, kg."""
+SLOWEST = published_number("wave width").value
+"""The paper's longest pulse, s."""
+TOLERANCE = 1e-12
+"""Local error of the integrated motion: as small as double precision bears, since it judges formulas."""
+FOLLOWED = 1.5
+"""Time of the integrated motion over the duration of the closed form, so that the release lies within it."""
+TURNING = 1e-9
+"""Accuracy of the time of the largest indentation, over the duration: the rate is 0 there, and so its error."""
+
+
+@dataclass(frozen=True)
+class ContactExample:
+    """Two free bodies in line contact; contact length, striker mass, speed and restitution are assumed."""
+
+    striker: Material = field(default_factory=lambda: material("65Mn"))
+    struck: Material = field(default_factory=lambda: material("65Mn"))
+    contact_length: float = 0.04  # m
+    striker_mass: float = 0.2  # kg
+    struck_mass: float = STRUCK_MASS  # kg
+    speed: float = 20.0  # m/s
+    restitution: float = 0.5  # that is asked for
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.restitution < 1.0:
+            raise ValueError(
+                f"the restitution must lie between 0 and 1 for a loss to be there, got {self.restitution!r}"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedContact:
+    """A contact example solved twice: in closed form, and by integrating both bodies in time (DOP853)."""
+
+    example: ContactExample
+    stiffness: float  # K, N/m^n
+    exponent: float  # n
+    damping: float  # C = chi K/v0 of the exact factor, N s/m^(n + 1)
+    mass: float  # m_eq, kg
+    closed: Impact
+    motion: ChainMotion
+    turning: float  # time of the largest indentation in the motion, s
+    end: float  # time of the release, s
+
+    @property
+    def deepest(self) -> float:
+        """Largest indentation in closed form, m."""
+        return float(self.closed.max_indentation)
+
+    @property
+    def energy(self) -> float:
+        """Energy of the approach, m_eq v0^2/2, J."""
+        return 0.5 * self.mass * self.example.speed**2
+
+    def damping_work(self, begin: float, end: float) -> float:
+        """Return the work of C d^n d' over the integrated motion between two times, J."""
+        times = np.linspace(begin, end, SAMPLES)
+        depth, rate = self.approach(times)
+        return float(simpson(self.damping * depth**self.exponent * rate**2, x=times))
+
+    def approach(self, times: Array) -> tuple[Array, Array]:
+        """Return indentation (m) and its rate (m/s) of the integrated motion."""
+        striker, struck = self.motion.positions(times).T
+        fast, slow = self.motion.speeds(times).T
+        return np.maximum(striker - struck, 0.0), fast - slow
+
+
+def solve_blow(example: ContactExample) -> SolvedContact:
+    """Solve an example in closed form and by the integrator.
+
+    Examples
+    --------
+    >>> blow = solve_blow(ContactExample())
+    >>> round(blow.deepest * 1e3, 4), round(float(blow.closed.peak_force) / 1e3, 1)
+    (0.134, 324.9)
+    """
+    law = palmgren(example.striker, example.struck, example.contact_length)
+    factor = float(exact(example.restitution))
+    contact = law.contact(factor)
+    closed = solve_impact(contact, example.striker_mass, example.struck_mass, example.speed)
+    bodies = {"striker": example.striker_mass, "struck": example.struck_mass}
+    chain = Chain(bodies, [ChainContact("striker", "struck", contact)])
+    motion = simulate(chain, {}, {"striker": example.speed}, FOLLOWED * float(closed.duration), TOLERANCE)
+    end = float(motion.contacts(0)[0, 1])
+
+    def rate(time: float) -> float:
+        return float(-np.diff(motion.speeds(time))[0])
+
+    turning = float(brentq(rate, 0.0, end, xtol=TURNING * end))
+    mass = float(reduced_mass(example.striker_mass, example.struck_mass))
+    damping = factor * law.stiffness / example.speed
+    return SolvedContact(example, law.stiffness, law.exponent, damping, mass, closed, motion, turning, end)
+
+
+@dataclass(frozen=True)
+class WaveExample:
+    """A specimen of another impedance between two endless bars, seen at x = position l.
+
+    The bars are 65Mn, 2A12, 65Mn of 30 mm, the specimen 50 mm long (assumed); the lengths of the others do not count.
+    """
+
+    upper: Layer = field(default_factory=lambda: round_bar("upper", material("65Mn"), 0.05, 0.03))
+    specimen: Layer = field(default_factory=lambda: round_bar("specimen", material("2A12"), 0.05, 0.03))
+    lower: Layer = field(default_factory=lambda: round_bar("lower", material("65Mn"), 0.05, 0.03))
+    position: float = 0.5  # assumed
+    force: float = SIMULATED_FORCE  # peak of the incident wave, N
+    short: float = 20e-6  # length of a pulse of about two transits, s (assumed)
+    slow: float = SLOWEST  # length of the paper's slowest pulse, s
+
+    def __post_init__(self) -> None:
+        if not (0.0 < self.position < 1.0 and (self.position * STEPS_OF_TRANSIT).is_integer()):
+            raise ValueError(
+                f"the position x/l must be a multiple of 1/{STEPS_OF_TRANSIT} between 0 and 1, got {self.position!r}"
+            )
+        echoes = abs(self.sandwich.first_reflection), abs(self.sandwich.second_reflection)
+        if not LEAST_REFLECTION < min(echoes) <= max(echoes) < 1.0:
+            raise ValueError(
+                f"both interfaces must reflect more than {LEAST_REFLECTION:g} of a wave for echoes to be seen, got "
+                f"{echoes[0]:.3g} and {echoes[1]:.3g}: take a specimen of another impedance"
+            )
+
+    @property
+    def sandwich(self) -> Sandwich:
+        """The three bars in the form of the paper's route."""
+        return Sandwich(self.upper, self.specimen, self.lower)
+
+    @property
+    def rest(self) -> float:
+        """(l - x)/l, the paper's t_(l-x) over t0."""
+        return 1.0 - self.position
+
+    @property
+    def incident(self) -> float:
+        """Strain of the incident wave at its peak."""
+        return self.force / (self.upper.modulus * self.upper.area)
+
+
+@dataclass(frozen=True, eq=False)
+class Watched:
+    """Waves in the specimen at x by delay lines: time from the first arrival there (s), strain, m/s, m/s^2."""
+
+    time: Array
+    strain: Array
+    velocity: Array
+    acceleration: Array
+
+    def at(self, time: float) -> int:
+        """Return the sample at a time."""
+        return int(np.argmin(np.abs(self.time - time)))
+
+    def arrivals(self) -> Array:
+        """Return when the strain jumps, s."""
+        jumps = np.abs(np.diff(self.strain)) > 1e-9 * np.abs(self.strain).max()
+        return self.time[1:][jumps]
+
+
+def watch(
+    example: WaveExample, pulse: LoadPulse, transits: float, end: FarEnd = "matched", position: float | None = None
+) -> Watched:
+    """Follow an incident wave through the bars by delay lines, for so many transits of the specimen.
+
+    The endless bars are cut to the transit of the specimen: every transit is a whole number of steps, so that the delay
+    lines are exact, and nothing comes back from behind the lower one. With a free or rigid end the specimen is the last
+    layer.
+    """
+    place = example.position if position is None else position
+    transit = example.specimen.transit
+    upper, lower = (
+        Layer(bar.name, bar.density, bar.modulus, bar.area, bar.bar_speed * transit)
+        for bar in (example.upper, example.lower)
+    )
+    bars = (upper, example.specimen, lower) if end == "matched" else (upper, example.specimen)
+    stack = Stack(bars, (BONDED,) * (len(bars) - 1), End(end))
+    first = (1.0 + place) * transit
+    wanted = WantedError(step=transit / STEPS_OF_TRANSIT)
+    run: BarRun = run_bar(stack, pulse, [Tap(1, place)], first + transits * transit, wanted)
+    strain = run.force[:, 0] / (example.specimen.modulus * example.specimen.area)
+    return Watched(run.time - first, strain, run.velocity[:, 0], run.acceleration[:, 0])
+
+
+def step_of(example: WaveExample) -> LoadPulse:
+    """Return a jump of the incident wave that stays."""
+    return LoadPulse("rectangle", example.force, 1.0, kind="incident")
+
+
+def pulse_of(example: WaveExample, duration: float) -> LoadPulse:
+    """Return a smooth incident pulse, F0 sin^2(pi t/T)."""
+    return LoadPulse("sine-squared", example.force, duration, kind="incident")
+
+
+def incident_of(example: WaveExample, pulse: LoadPulse) -> Incident:
+    """Return strain and strain rate of an incident pulse, the rate of a jump being zero."""
+    over = 1.0 / (example.upper.modulus * example.upper.area)
+
+    def rate(t: Array) -> Array:
+        if pulse.shape == "rectangle":
+            return np.zeros_like(t)
+        slope = pulse.peak * math.pi / pulse.duration * np.sin(2.0 * math.pi * t / pulse.duration)
+        return np.where((t >= 0.0) & (t < pulse.duration), over * slope, 0.0)
+
+    return Incident(lambda t: over * pulse.at(t), rate)
+
+
+Section = Literal["3.1", "3.2"]
+Verdict = Literal["right", "approximate", "misprint", "wrong", "definition"]
+Basis = Literal["independent", "round trip", "identity"]
+
+
+@declare.dataclass
+class EquationRow:
+    """One numbered equation of the paper: as printed, corrected, exact."""
+
+    number: str = declare.word('as the paper numbers it, "(24)"; that which it uses twice is "(35)" and "second (35)"')
+    section: Section = declare.word("3.1 contact force, 3.2 stress wave")
+    what: str = declare.word("what the equation says")
+    formula: str = declare.word("the printed formula, plain Unicode text")
+    tex: str = declare.word("it to typeset, as TeX")
+    corrected: str = declare.word("the repaired formula; empty where the printed one stands")
+    corrected_tex: str = declare.word("it to typeset, as TeX")
+    quantity: str = declare.word("the number that is compared")
+    unit: str = declare.word('its unit; "1" without one')
+    printed: float | None = declare.number(
+        Quantity.of_data("SI, see printed_unit, else unit"), "what the printed formula gives"
+    )
+    corrected_value: float | None = declare.number(SEE_UNIT, "what the corrected one gives")
+    exact: float | None = declare.number(SEE_UNIT, "the answer that they are held against: see basis")
+    verdict: Verdict = declare.word(
+        "right: the numbers agree within rounding; approximate: an estimate, off by what the row shows; misprint: the "
+        "formula as printed cannot be meant; wrong: it does not hold; definition: an identity or a name"
+    )
+    note: str = declare.word("why, and where the exact number comes from")
+    basis: Basis = declare.word(
+        "what the exact one is: independent, found another way; round trip, the same rule inverted, or a number that "
+        "was put in and is read back; identity, the same thing by algebra or by the conservation that the solution is "
+        "built on",
+        default="independent",
+    )
+    printed_unit: str = declare.word("unit of the printed number where it is not unit", default="")
+
+    @declare.computed(declare.number(RATIO, "what the printed value is off the exact one; null in another unit"))
+    def deviation(self) -> float | None:
+        """What the printed value is off the exact one, relative to that (absolute where the exact one is 0).
+
+        None where the two are not in one unit.
+        """
+        return None if self.printed_unit else _deviation(self.printed, self.exact)
+
+    @declare.computed(declare.number(RATIO, "what the corrected value is off the exact one"))
+    def corrected_deviation(self) -> float | None:
+        """What the corrected value is off the exact one, as `deviation`."""
+        return _deviation(self.corrected_value, self.exact)
+
+
+def _deviation(value: float | None, exact: float | None) -> float | None:
+    """Return (value - exact)/|exact|, or the difference where exact is 0; None where one is missing."""
+    if value is None or exact is None:
+        return None
+    return (value - exact) / (abs(exact) or 1.0)
+
 
 EQUAL = 5e-7
 """Relative difference that is written as 0 %: as much is left by integration and rounding."""
@@ -53,7 +331,7 @@ EQUAL = 5e-7
 
 @dataclass(frozen=True)
 class Values:
-    """What an equation gives as printed, corrected and exactly; ``words`` are what its text mentions by name."""
+    """Numbers of an equation as printed, corrected and exact; ``words`` are those that its text mentions by name."""
 
     printed: float | None
     corrected: float | None = None
@@ -61,35 +339,26 @@ class Values:
     words: Mapping[str, float | str] = field(default_factory=dict)
 
 
-EXPONENT = 10.0 / 9.0
-"""Exponent n of the line contact, as (2) and (3) print it."""
 FORCE = 20e3
 """Force of the rows on stiffness, N: about the 19.7 kN that the paper simulates."""
 SHALLOW = 1e-6
 """Depth at which K is read off Palmgren's formula, m: any would do, since the formula is a power."""
 PRINTED_INTEGRAL = 0.3
-"""The right side of (15)."""
+"""Right side of (15)."""
 INTEGRAL = 0.25 * math.sqrt(math.pi) * math.gamma(19.0 / 18.0) / math.gamma(23.0 / 9.0)
-"""Its left side, B(19/18, 3/2)/2."""
+"""Left side of (15), B(19/18, 3/2)/2."""
 BEARING_MODULUS = 206e9 / (1.0 - 0.3**2)
 """E' of bearing steel, for which the rule of roller bearings holds, Pa."""
 
 
 def contact_values(example: ContactExample) -> dict[str, Values]:
-    """Return the numbers of (1) to (25).
-
-    Examples
-    --------
-    >>> values = contact_values(ContactExample())
-    >>> round(values["(25)"].printed, 4), round(values["(25)"].exact, 4)
-    (0.474, 0.5)
-    """
+    """Return the numbers of (1) to (25)."""
     blow = solve_blow(example)
     return {**_stiffness(example), **_impact(blow), **_losses(blow), **_turning(blow), **_damping(blow)}
 
 
 class Delivered(NamedTuple):
-    """Restitution that was asked for, and what comes out as printed, with (15) exact, and with the exact factor."""
+    """The restitution asked for, and the results as printed, with (15) exact and with the exact factor."""
 
     asked: float
     printed: float
@@ -98,13 +367,7 @@ class Delivered(NamedTuple):
 
 
 def delivered(asked: float) -> Delivered:
-    """Return what comes out where a restitution is asked for.
-
-    Examples
-    --------
-    >>> print([round(value, 4) for value in delivered(0.3)])
-    [0.3, 0.2591, 0.2672, 0.3]
-    """
+    """Return the restitution that each damping factor gives where one is asked for."""
     laws = ("li-ma-printed", "li-ma-corrected", "exact")
     return Delivered(asked, *(float(restitution(factor(law, asked))) for law in laws))
 
@@ -146,7 +409,12 @@ def _impact(blow: SolvedContact) -> dict[str, Values]:
     depth, rate = float(peak.indentation[0]), float(peak.rate[0])
     fast, slow = (float(speed) for speed in blow.motion.speeds(blow.end))
     lost = 0.5 * one * (v0**2 - fast**2) - 0.5 * other * slow**2
-    impulse, work = _impulse_and_work(blow)
+    impulse = work = 0.0
+    for begin, end in ((0.0, blow.turning), (blow.turning, blow.end)):  # the force has a kink at neither end
+        times = np.linspace(begin, end, SAMPLES)
+        pressed = blow.motion.forces(times)[:, 0]
+        impulse += float(simpson(pressed, x=times))
+        work += float(simpson(pressed * blow.approach(times)[1], x=times))
     e = (slow - fast) / v0
     closed_loss = float(blow.closed.energy_lost)
     damped = blow.damping_work(0.0, blow.turning) + blow.damping_work(blow.turning, blow.end)
@@ -160,17 +428,6 @@ def _impact(blow: SolvedContact) -> dict[str, Values]:
         "(10)": Values(one * other / (one + other), exact=impulse / (v0 * (1.0 + e))),
         "(11)": Values(damped, exact=closed_loss),
     }
-
-
-def _impulse_and_work(blow: SolvedContact) -> tuple[float, float]:
-    """Return impulse (N s) and work (J) of the contact force over the integrated motion."""
-    impulse = work = 0.0
-    for begin, end in ((0.0, blow.turning), (blow.turning, blow.end)):
-        times = np.linspace(begin, end, SAMPLES)
-        force = blow.motion.forces(times)[:, 0]
-        impulse += float(simpson(force, x=times))
-        work += float(simpson(force * blow.approach(times)[1], x=times))
-    return impulse, work
 
 
 def _losses(blow: SolvedContact) -> dict[str, Values]:
@@ -242,24 +499,22 @@ def _damping(blow: SolvedContact) -> dict[str, Values]:
     }
 
 
-Array = NDArray[np.float64]
-
 LOW_FREQUENCY = 2.0 * math.pi * 100.0
-"""rad/s: a wave over a thousand times as long as the example's bar is thick, where c = sqrt(E/rho) must hold."""
+"""rad/s: a wave a thousand times as long as the bar of the example is thick, where c = sqrt(E/rho) must hold."""
 INTO_WINDOW = 0.3
-"""How far into its window, over t0, an equation with several waves is read: away from its ends, where waves arrive."""
+"""Place in its window, over t0, at which an equation with several waves is read: away from arrivals."""
 BEHIND_FRONT = 0.01
-"""How far behind a front, over t0, its height is read: past the jump, long before the next one."""
+"""Distance behind a front, over t0, at which its height is read: past the jump, before the next one."""
 PASSED = 6.0
 """Transits after the pulse for which a wave is followed: until the echoes that count have passed."""
 NOTHING = 1e-30
-"""Share of an area that stands for a free end; its inverse for a rigid wall: below rounding, and no division by 0."""
+"""Share of an area that stands for a free end (its inverse for a wall): below rounding, no division by 0."""
 SETTLED = 60.0
 """Transits after which a step has settled to rounding in all but extreme examples."""
 
 
 class Arrivals(NamedTuple):
-    """When the waves of a step come to x after the first, over t0."""
+    """The times at which the waves of a step come to x after the first, over t0."""
 
     printed: tuple[float, ...]
     corrected: tuple[float, ...]
@@ -267,14 +522,7 @@ class Arrivals(NamedTuple):
 
 
 def arrival_times(example: WaveExample, count: int = 5) -> Arrivals:
-    """Return when the first waves come to x: by (36), corrected, and by delay lines; over t0.
-
-    Examples
-    --------
-    >>> times = arrival_times(WaveExample())
-    >>> times.printed, times.exact
-    ((0.0, 0.5, 1.5, 2.5, 3.5), (0.0, 1.0, 2.0, 3.0, 4.0))
-    """
+    """Return when the first waves come to x: by (36), corrected, and by delay lines; over t0."""
     sums = (arrivals(example.sandwich, example.position, count, route) for route in ("as printed", "corrected"))
     printed, corrected = (tuple(sorted(wave.transits for wave in waves)) for waves in sums)
     seen = watch(example, step_of(example), float(count)).arrivals() / example.specimen.transit
@@ -282,14 +530,7 @@ def arrival_times(example: WaveExample, count: int = 5) -> Arrivals:
 
 
 def wave_values(example: WaveExample) -> dict[str, Values]:
-    """Return the numbers of (26) to (40).
-
-    Examples
-    --------
-    >>> values = wave_values(WaveExample())
-    >>> round(values["(30)"].printed / values["(30)"].exact, 9)
-    0.5
-    """
+    """Return the numbers of (26) to (40)."""
     seen = watch(example, step_of(example), PASSED)
     return {**_first(example, seen), **_echoes(example, seen), **_any_number(example), **_motion(example)}
 
@@ -433,8 +674,8 @@ def end_speeds(example: WaveExample, end: FarEnd) -> tuple[float, float, float]:
 def mean_over_rigid(example: WaveExample) -> float:
     """Return the largest mean of the wave acceleration over the specimen, over its largest net force per mass.
 
-    The mean is that of the corrected route, the force that of delay lines: 1, so that a rigid-body acceleration has no
-    place beside it.
+    The mean is that of the corrected route, the force that of delay lines. It is 1: the wave's mean is the rigid-body
+    acceleration, which cannot be added to it.
 
     Examples
     --------
@@ -452,14 +693,7 @@ def mean_over_rigid(example: WaveExample) -> float:
 
 
 def equation_rows(contact: ContactExample | None = None, wave: WaveExample | None = None) -> tuple[EquationRow, ...]:
-    """Return all numbered equations in their order, with what they give on an example.
-
-    Parameters
-    ----------
-    contact : ContactExample, optional
-        For (1) to (25).
-    wave : WaveExample, optional
-        For (26) to (40).
+    """Return all numbered equations in their order, (1) to (25) on ``contact`` and (26) to (40) on ``wave``.
 
     Examples
     --------
@@ -468,17 +702,13 @@ def equation_rows(contact: ContactExample | None = None, wave: WaveExample | Non
     (41, '(15)', 'approximate', -0.0353)
     """
     values = {**contact_values(contact or ContactExample()), **wave_values(wave or WaveExample())}
-    return tuple(_row(words, values[words["number"]]) for words in _table())
-
-
-@functools.cache
-def _table() -> tuple[dict[str, Any], ...]:
     text = (resources.files("strikewave.papers.li_ma_2019") / "equations.toml").read_text("utf-8")
-    return tuple(tomllib.loads(text)["equation"])
-
-
-def _row(words: dict[str, Any], values: Values) -> EquationRow:
-    """Join the words of an equation and its numbers."""
-    texts = {key: words[key].format(**values.words) for key in ("quantity", "note")}
-    filled = {"corrected": "", "corrected_tex": "", **words, **texts}
-    return EquationRow(**filled, printed=values.printed, corrected_value=values.corrected, exact=values.exact)
+    rows = []
+    for entry in tomllib.loads(text)["equation"]:
+        numbers = values[entry["number"]]
+        filled = {key: entry[key].format(**numbers.words) for key in ("quantity", "note")}
+        texts: dict[str, Any] = {"corrected": "", "corrected_tex": "", **entry, **filled}
+        rows.append(
+            EquationRow(**texts, printed=numbers.printed, corrected_value=numbers.corrected, exact=numbers.exact)
+        )
+    return tuple(rows)

@@ -1,6 +1,6 @@
-"""Pictures of a reproduced paper: what is computed as curves, what was published as marks.
+"""The pictures of a reproduced paper: computed numbers as curves, published ones as marks.
 
-Only numbers are published, so a peak is a level and a width is a bar, each with the word that says where it comes from.
+Only numbers are published: a peak is a level and a width is a bar, each with the word that names its source.
 """
 
 from __future__ import annotations
@@ -42,9 +42,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 INKS = {"measured": RED, "LS-DYNA": "#4d5760"}
-"""Colour of a mark by where its number comes from."""
+"""Colour of a mark by the source of its number."""
 STROKES = {"measured": (0, (5, 2)), "LS-DYNA": (0, (1, 1.5))}
-"""Dashes of a mark by where its number comes from."""
+"""Dashes of a mark by the source of its number."""
 ROLES = {"fitted": (RED, "D"), "predicted": (BLUE, "o"), "range": (ORANGE, "|"), "shown": (GREY, "s")}
 """Colour and shape of a number by its role."""
 CURVES = ((BLUE, "-"), (ORANGE, "-"), (GREEN, "--"), (GREEN, "-"))
@@ -56,19 +56,7 @@ TWO_ROWS = (9.8, 6.2)
 
 
 class PublishedMark(NamedTuple):
-    """A published number in a picture.
-
-    Attributes
-    ----------
-    value : float
-        Peak acceleration, m/s^2.
-    origin : str
-        "measured" or "LS-DYNA".
-    width : float or None
-        Width of the pulse, s, drawn as a bar.
-    what : str
-        Further remark.
-    """
+    """A published number in a picture: peak (m/s^2), source ("measured", "LS-DYNA"), width (s) for a bar, remark."""
 
     value: float
     origin: str
@@ -76,14 +64,14 @@ class PublishedMark(NamedTuple):
     what: str = ""
 
     @property
-    def words(self) -> str:
-        """What stands beside it."""
+    def label(self) -> str:
+        """Text beside the level."""
         peak = f"{self.origin} {self.value / STANDARD_GRAVITY:,.7g} g".replace(",", " ", 1)
         return f"{peak}, {self.what}" if self.what else peak
 
     @property
-    def width_words(self) -> str:
-        """What stands beside the bar of its width."""
+    def width_label(self) -> str:
+        """Text beside the bar of the width."""
         return "" if self.width is None else f"{self.origin} {self.width * 1e6:g} µs"
 
 
@@ -97,32 +85,25 @@ class Ratio(NamedTuple):
 
 
 def ratio_figure(rows: Sequence[Ratio]) -> Figure:
-    """Draw how far computed numbers are from the published ones; equal is 1.
-
-    Examples
-    --------
-    >>> figure = ratio_figure([Ratio("first peak", 1.0, "fitted"), Ratio("direct sensor", 0.7, "predicted")])
-    >>> [label.get_text() for label in figure.axes[0].get_yticklabels()]
-    ['first peak', 'direct sensor']
-    """
+    """Draw how far computed numbers are from the published ones; equal is 1."""
     figure, axes = figure_with_axes((9.8, 1.0 + 0.21 * len(rows)))
     for k, row in enumerate(rows):
         if row.ends is not None:
             axes.hlines(k, 1.0 + row.ends[0], 1.0 + row.ends[1], color=ROLES["range"][0], linewidth=7.0, alpha=0.6)
     for role, (colour, shape) in ROLES.items():
-        mine = [(row.value, k) for k, row in enumerate(rows) if row.role == role]
-        if mine:
-            x, y = zip(*mine, strict=True)
+        points = [(row.value, k) for k, row in enumerate(rows) if row.role == role]
+        if points:
+            x, y = zip(*points, strict=True)
             if role != "range":
                 axes.hlines(y, 1.0, x, color=colour, linewidth=1.1)
             axes.plot(x, y, shape, color=colour, markersize=6 if role != "range" else 10, label=role)
     for k, row in enumerate(rows):
         right = row.value >= 1.0 or row.ends is not None
-        words = "0 %" if abs(row.value - 1.0) < EQUAL else f"{100.0 * (row.value - 1.0):+.3g} %"
+        label = "0 %" if abs(row.value - 1.0) < EQUAL else f"{100.0 * (row.value - 1.0):+.3g} %"
         if row.ends is not None:
-            words = " to ".join(f"{100.0 * end:+.3g} %" for end in row.ends)
+            label = " to ".join(f"{100.0 * end:+.3g} %" for end in row.ends)
         axes.annotate(
-            words,
+            label,
             (row.value if row.ends is None else 1.0 + row.ends[1], k),
             xytext=(8 if right else -8, 0),
             textcoords="offset points",
@@ -175,7 +156,7 @@ def sensors_figure(solution: Solution, direct: PublishedMark, buffered: Publishe
 
 
 def reading_traces(solution: Solution, sensor: str) -> list[Trace]:
-    """Return what a sensor read of each blow that touched, s after the first touch of the first one, and m/s^2."""
+    """Return the readings of a sensor in each blow that touched: s after the first touch of the first one, m/s^2."""
     names = [row.name for row in solution.case.sensor]
     key = f"reading_{names.index(sensor) + 1}"
     values, starts = solution.arrays[key], solution.arrays[f"{key}_start"].values
@@ -216,27 +197,22 @@ def passing_figure(solution: WaveSolution, tap: int = 0) -> Figure:
     way.margins(x=0.08)
     put_legend(way)
     transit = sandwich.transit
-    since = (solution.run.time - _arrival(solution, tap)) / transit
+    layers = solution.run.stack.layers
+    arrival = sum(layer.transit for layer in layers[: place.layer]) + x * layers[place.layer].transit
+    since = (solution.run.time - arrival) / transit
     shown = (since >= -0.5) & (since <= 6.0)
     scale = float(np.abs(solution.run.face_force).max())
     styles = {EXACT: (BLUE, "-", 1.6), "corrected": (GREEN, "--", 1.6), "as printed": (RED, "-.", 1.4)}
     for route, (colour, stroke, width) in styles.items():
         history = solution.by_route(tap, route)
         if history is not None:
-            words = "exact, this stack" if route == EXACT else f"paper's route, {route}"
+            label = "exact, this stack" if route == EXACT else f"paper's route, {route}"
             time, values = thin(since[shown], history.force[shown] / scale)
-            force.plot(time, values, stroke, color=colour, linewidth=width, label=words)
+            force.plot(time, values, stroke, color=colour, linewidth=width, label=label)
     quiet(force, f"Force at x = {x:g} l", f"time since the first arrival / t₀ = {transit * 1e6:.4g} µs", "force / load")
     force.set_ylim(bottom=0.0)
     force.legend(frameon=False, fontsize=8, loc="lower right")
     return figure
-
-
-def _arrival(solution: WaveSolution, tap: int) -> float:
-    """Return when the front first reaches a tap, s."""
-    place = solution.taps[tap][1]
-    layers = solution.run.stack.layers
-    return sum(layer.transit for layer in layers[: place.layer]) + place.position * layers[place.layer].transit
 
 
 def train_figure(machine: Solution, equal: Solution, typical: PublishedMark) -> Figure:
@@ -258,7 +234,7 @@ def train_figure(machine: Solution, equal: Solution, typical: PublishedMark) -> 
     draw_levels(train, (typical,))
     quiet(train, "Rigid-body acceleration, all blows", "time after first touch (ms)", "acceleration (g)")
     train.set_xlim(-10.0, (machine.blows[-1].time - begun) * 1e3 + 15.0)
-    for solution, colour, shape, words in ((machine, BLUE, "o", "this machine"), (equal, GREEN, "^", "equal blows")):
+    for solution, colour, shape, label in ((machine, BLUE, "o", "this machine"), (equal, GREEN, "^", "equal blows")):
         index = [blow.index for blow in solution.blows]
         peaks.plot(
             index,
@@ -267,7 +243,7 @@ def train_figure(machine: Solution, equal: Solution, typical: PublishedMark) -> 
             color=colour,
             markersize=4,
             linewidth=0.8,
-            label=words,
+            label=label,
         )
     quiet(peaks, "Peak by blow", "blow", "")
     peaks.axhline(typical.value / STANDARD_GRAVITY, color=INKS[typical.origin], linewidth=1.0, linestyle=(0, (5, 2)))
@@ -281,26 +257,9 @@ def train_figure(machine: Solution, equal: Solution, typical: PublishedMark) -> 
 def pulse_figure(
     title: str, curves: Sequence[Trace], marks: Sequence[PublishedMark], until: float | None = None
 ) -> Figure:
-    """Draw computed pulses with the marks of published ones (Figures 11 and 15).
+    """Draw computed pulses with the marks of published ones (Figures 11 and 15), up to ``until`` in s.
 
-    Parameters
-    ----------
-    title : str
-        Title of the picture.
-    curves : sequence of Trace
-        Label, s after first touch, m/s^2; none gives a picture of the marks alone.
-    marks : sequence of PublishedMark
-        Peaks as levels, widths as bars at a tenth of them.
-    until : float, optional
-        End of the time shown, s.
-
-    Examples
-    --------
-    >>> t = np.linspace(0.0, 3e-4, 301)
-    >>> curve = Trace("computed", t, 4e4 * np.sin(1e4 * t))
-    >>> figure = pulse_figure("a", [curve], [PublishedMark(49033.25, "measured", 2e-4)])
-    >>> [text.get_text() for text in figure.axes[0].texts]
-    ['measured 5 000 g', 'measured 200 µs']
+    Traces have s after first touch and m/s^2; no curve gives a picture of the marks alone.
     """
     figure, axes = figure_with_axes(WHOLE)
     for (colour, stroke), curve in zip(CURVES[: len(curves)], curves, strict=True):
@@ -357,13 +316,13 @@ def front_figure(solution: WaveSolution, marks: Sequence[PublishedMark]) -> Figu
 
 
 def draw_levels(axes: Any, marks: Sequence[PublishedMark], colours: Sequence[str] = ()) -> None:
-    """Draw published peaks as levels across the axes, with their words: of the highest above it, of others below."""
+    """Draw published peaks as levels across the axes, labelled above the highest and below the others."""
     highest = max((mark.value for mark in marks), default=0.0)
     for k, mark in enumerate(marks):
         ink, height, above = INKS[mark.origin], mark.value / STANDARD_GRAVITY, mark.value == highest
         axes.axhline(height, color=colours[k] if colours else ink, linewidth=1.2, linestyle=STROKES[mark.origin])
         axes.annotate(
-            mark.words,
+            mark.label,
             (1.0, height),
             xycoords=("axes fraction", "data"),
             xytext=(-3, 2 if above else -2),
@@ -377,13 +336,13 @@ def draw_levels(axes: Any, marks: Sequence[PublishedMark], colours: Sequence[str
 
 
 def draw_widths(axes: Any, marks: Sequence[PublishedMark]) -> None:
-    """Draw published widths as bars with their words, the first at a tenth of its peak, the next ones below."""
+    """Draw published widths as labelled bars, the first at a tenth of its peak, the next ones below."""
     wide = [mark for mark in marks if mark.width is not None]
     for k, mark in enumerate(wide):
         height, end = (0.1 - 0.07 * k) * mark.value / STANDARD_GRAVITY, 1e6 * (mark.width or 0.0)
         axes.plot([0.0, end], [height] * 2, "|-", color=INKS[mark.origin], linewidth=1.6, markersize=9, zorder=5)
         axes.annotate(
-            mark.width_words,
+            mark.width_label,
             (end, height),
             xytext=(4, 4 if k == 0 else -4 - 10 * (k - 1)),
             textcoords="offset points",
@@ -397,20 +356,20 @@ def draw_widths(axes: Any, marks: Sequence[PublishedMark]) -> None:
 
 
 def _headroom(*all_axes: Any) -> None:
-    """Leave room above the highest level for its words."""
+    """Leave room above the highest level for its label."""
     for axes in all_axes:
         low, high = axes.get_ylim()
         axes.set_ylim(low, high + 0.1 * (high - low))
 
 
 COLUMN, ROW, BESIDE, MARGIN = 0.36, 0.42, 0.2, 1.2
-"""Width of a column and height of a row of cells, what stands beside each panel and beside all of them, inches."""
+"""Width of a column and height of a row of cells, margin beside each panel and beside all of them, inches."""
 LEAST_HEIGHT = 3.1
 """Height of a map with few rows, inches."""
 NEAR = 0.1
-"""A cell within a tenth of the published number is framed: what the paper calls good consistency."""
+"""Relative difference from the published number up to which a cell is framed: the paper's good consistency."""
 LIGHT = 0.55
-"""Place on the scale of colours from which on letters are dark: those of cividis are then light enough."""
+"""Place on the scale of colours from which letters are dark: cividis is then light enough."""
 NUMBERED = 40
 """Columns of all panels up to which cells carry their numbers: of more, a number is wider than its cell."""
 TICKED = 8
@@ -421,19 +380,22 @@ HATCH = "///"
 
 def gasket_figure(study: GasketStudy) -> Figure:
     """Draw the direct peak over modulus and loss, a panel for each thickness; hatched where the pulse is not calmed."""
+    from matplotlib.colors import LogNorm
+
     moduli, losses, thicknesses = study.grid
     peaks = np.abs(study.field("direct")) / STANDARD_GRAVITY / 1e3
     calm, published = study.field("calm") > 0.0, published_number("direct peak").value / STANDARD_GRAVITY / 1e3
     numbered, every_so_many = len(moduli) * len(thicknesses) <= NUMBERED, 1 if len(moduli) <= TICKED else 2
+    labels = [np.format_float_positional(modulus / 1e6, 3, fractional=False, trim="-") for modulus in moduli]
     shown = range(0, len(moduli), every_so_many)
     width = (COLUMN * len(moduli) + BESIDE) * len(thicknesses) + MARGIN
-    size = (width, max(LEAST_HEIGHT, 1.7 + ROW * len(losses)))
-    figure = new_figure(size)
+    figure = new_figure((width, max(LEAST_HEIGHT, 1.7 + ROW * len(losses))))
+    norm = LogNorm(float(np.nanmin(peaks)), 1.01 * float(np.nanmax(peaks)))
     every = figure.subplots(1, len(thicknesses), squeeze=False, sharey=True)[0]
     for axes, panel, quiet_cells, thickness in zip(every, peaks, calm, thicknesses, strict=True):
-        drawn = _cells(axes, panel, _norm(peaks), published, ~quiet_cells, numbered)
+        drawn = _cells(axes, panel, norm, published, ~quiet_cells, numbered)
         axes.set_title(f"{thickness * 1e3:g} mm thick", loc="left", fontsize=10)
-        axes.set_xticks(shown, [_plain(moduli[k] / 1e6) for k in shown], fontsize=8)
+        axes.set_xticks(shown, [labels[k] for k in shown], fontsize=8)
         axes.set_xlabel("modulus of the gasket (MPa)")
     every[0].set_yticks(range(len(losses)), [f"{loss:g}" for loss in losses], fontsize=8)
     every[0].set_ylabel("loss factor (1)")
@@ -444,31 +406,23 @@ def gasket_figure(study: GasketStudy) -> Figure:
 
 def joint_figure(study: JointStudy) -> Figure:
     """Draw the sensor's peak over stiffness of the faces and preload; hatched where the rigid pulse is not kept."""
+    from matplotlib.colors import LogNorm
+
     peaks = study.field("peak") / STANDARD_GRAVITY / 1e3
-    kept = np.array([cell.blow.keeps(study.assumed) for cell in study.cells]).reshape(peaks.shape)
+    kept_pulse = np.array([cell.blow.keeps(study.assumed) for cell in study.cells]).reshape(peaks.shape)
     published = published_number("wave peak").value / STANDARD_GRAVITY / 1e3
     figure = new_figure((9.8, max(LEAST_HEIGHT, 1.8 + 0.8 * ROW * len(study.grid.preloads))))
     axes = figure.add_subplot()
-    drawn = _cells(axes, peaks, _norm(peaks), published, ~kept)
-    stiffnesses = [f"{one / 1e9:.3g}" if math.isfinite(one) else "rigid" for one in study.grid.stiffnesses]
+    norm = LogNorm(float(np.nanmin(peaks)), 1.01 * float(np.nanmax(peaks)))
+    drawn = _cells(axes, peaks, norm, published, ~kept_pulse)
+    stiffnesses = [f"{k / 1e9:.3g}" if math.isfinite(k) else "rigid" for k in study.grid.stiffnesses]
     axes.set_xticks(range(len(stiffnesses)), stiffnesses, fontsize=8)
-    axes.set_yticks(range(len(study.grid.preloads)), [f"{one:g}" for one in study.grid.preloads], fontsize=8)
+    axes.set_yticks(range(len(study.grid.preloads)), [f"{preload:g}" for preload in study.grid.preloads], fontsize=8)
     axes.set_xlabel("stiffness of the faces of each joint (GN/m)")
     axes.set_ylabel("preload of each joint (N)")
     _bar(figure, drawn, [axes], "peak of the sensor (1000 g)")
     _key(figure, published, "rigid pulse not kept within 5 %", "")
     return figure
-
-
-def _plain(number: float) -> str:
-    return str(np.format_float_positional(number, 3, fractional=False, trim="-"))
-
-
-def _norm(values: Array) -> Any:
-    from matplotlib.colors import LogNorm
-
-    known = values[np.isfinite(values)]
-    return LogNorm(float(known.min()), 1.01 * float(known.max()))
 
 
 def _cells(axes: Any, values: Array, norm: Any, published: float, odd: NDArray[np.bool_], numbered: bool = True) -> Any:

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from strikewave.analyses.machine.observe import observe
 from strikewave.analyses.machine.result import Solution
+from strikewave.base import declare
 from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.quantities import Value
 from strikewave.base.texts import percent
 from strikewave.cases.case import load_case
 from strikewave.hopkinson.checks import UNIFORM, transits_to_uniform
-from strikewave.papers.li_ma_2019.equations import delivered, mean_over_rigid
-from strikewave.papers.li_ma_2019.examples import ContactExample, WaveExample
-from strikewave.papers.li_ma_2019.published import STRIKERS, nose, published_number
+from strikewave.papers.li_ma_2019.element_pulses import ElementNumbers
+from strikewave.papers.li_ma_2019.equations import ContactExample, EquationRow, WaveExample, delivered, mean_over_rigid
+from strikewave.papers.li_ma_2019.published import STRIKERS, Consistency, nose, published_number
 from strikewave.papers.li_ma_2019.runs import FIXTURE, MACHINE, Runs
-from strikewave.papers.li_ma_2019.types import Answer, Consistency, ElementNumbers, EquationRow, Finding
 from strikewave.papers.li_ma_2019.unknowns import JointStudy, TrainScatter
 from strikewave.sensors import Sensor, read, storage_recorder
 from strikewave.uncertainty.statistics import variation
@@ -29,19 +29,33 @@ SAME = 1.0 + 1e-6
 EXACT = 1.001
 """Factor up to which a formula does what it is derived for. Chosen: a thousandth, less than any use of it feels."""
 RIGHT, PARTLY = 1.1, 1.5
-"""Factors, up or down, up to which a prediction is right, and partly right. Chosen: a tenth is what the paper calls
-good consistency of its simulation (peak +5 %, width +10 %)."""
+"""Factors, up or down, up to which a prediction is right, and partly right. Chosen: a tenth is the paper's good
+consistency of its simulation (peak +5 %, width +10 %)."""
 RESOLVED = 3.0
 """Elements over the half width of a contact that resolve its pressure, an ellipse: fewer make steps of it."""
 LINE = ContactExample().contact_length
 """Contact length of the example of (4), m; assumed."""
 
 QUIET, REFLECTING, ELASTIC, WAVE = "quiet", "reflecting", "elastic", "wave"
-"""Runs of finite elements: Figure 11 with the paper's non-reflecting faces, without, with them and without yielding;
-Figure 15 with them.
-"""
+"""Element runs: Figure 11 with the paper's non-reflecting faces, without, with them and without yield; Figure 15 with
+them."""
 NOT_RUN = "The finite elements that would answer this were not run."
 """Sentence of a finding whose runs were left out."""
+
+Verdict = Literal["right", "partly", "not", "open"]
+
+
+@declare.dataclass
+class Finding:
+    """A line of the closing table: what the paper gets right, and what not."""
+
+    topic: str = declare.word("what it is about")
+    paper: str = declare.word("what the paper says")
+    found: str = declare.word("what we find, with its numbers")
+    verdict: Verdict = declare.word("right, partly, not; open where what decides it is not published, or was not run")
+    shown_by: str = declare.word("equations, figures or cases that show it")
+    ours: bool = declare.word("whether the point is ours: the paper makes no statement of it", default=False)
+
 
 Rows = Mapping[str, EquationRow]
 ElementRuns = Mapping[str, ElementNumbers | None]
@@ -55,24 +69,8 @@ def findings(
 ) -> tuple[Finding, ...]:
     """Return what the paper gets right, and what not.
 
-    Parameters
-    ----------
-    equations : sequence of EquationRow
-        As `equation_rows` computes them.
-    checks : sequence of Consistency
-        As `consistency_checks` computes them.
-    elements : mapping of str to ElementNumbers, optional
-        By `QUIET`, `REFLECTING`, `ELASTIC` and `WAVE`; what is left out or None was not run.
-    sensors : tuple of float, optional
-        Peak of the direct sensor over that of the buffered one: smallest and largest over gaskets.
-
-    Examples
-    --------
-    >>> from strikewave.papers.li_ma_2019.equations import equation_rows
-    >>> from strikewave.papers.li_ma_2019.published import consistency_checks
-    >>> table = findings(equation_rows(), consistency_checks())
-    >>> [row.verdict for row in table if row.topic == "restitution"]
-    ['partly']
+    ``elements`` are by `QUIET`, `REFLECTING`, `ELASTIC` and `WAVE`; one that is left out or None was not run.
+    ``sensors`` is the peak of the direct sensor over that of the buffered one: smallest and largest over gaskets.
     """
     rows = {row.number: row for row in equations}
     run = elements or {}
@@ -89,14 +87,8 @@ def findings(
     )
 
 
-def judged(ratio: float, right: float = RIGHT, partly: float = PARTLY) -> Answer:
-    """Return right, partly or not for what a statement gives over what is true: within a factor, up or down.
-
-    Examples
-    --------
-    >>> judged(1.05), judged(1 / 1.4), judged(0.5), judged(0.0)
-    ('right', 'partly', 'not', 'not')
-    """
+def judged(ratio: float, right: float = RIGHT, partly: float = PARTLY) -> Verdict:
+    """Return right, partly or not for a ratio of a statement to the truth: within a factor, up or down."""
     factor = max(ratio, 1.0 / ratio) if ratio > 0.0 else math.inf
     return "right" if factor <= right else "partly" if factor <= partly else "not"
 
@@ -300,7 +292,7 @@ def _mesh(checks: Sequence[Consistency]) -> Finding:
 
 
 def _faces(quiet: ElementNumbers | None, reflecting: ElementNumbers | None) -> Finding:
-    """Return what non-reflecting faces do to the blow: the momentum that the body keeps decides."""
+    """Return the effect of non-reflecting faces on the blow, judged by the momentum that the body keeps."""
     topic, paper = "non-reflecting faces on the struck body", "they keep reflected waves off the result"
     shown = "li-ma-2019-fem-rigid-quiet, li-ma-2019-fem-rigid"
     if quiet is None or quiet.impulse is None or quiet.momentum is None:
@@ -314,60 +306,51 @@ def _faces(quiet: ElementNumbers | None, reflecting: ElementNumbers | None) -> F
             ("force", quiet.peak_force, reflecting.peak_force, 1e3, ".2f", "kN"),
         )
         effects += [
-            f"{what} {one / scale:{form}} {unit} with them, {other / scale:{form}} {unit} without"
-            for what, one, other, scale, form, unit in pairs
-            if one is not None and other is not None
+            f"{what} {held / scale:{form}} {unit} with them, {free / scale:{form}} {unit} without"
+            for what, held, free, scale, form, unit in pairs
+            if held is not None and free is not None
         ]
-    return Finding(topic, paper, _sentence("; ".join(effects) + "."), judged(share), shown)
+    text = "; ".join(effects) + "."
+    return Finding(topic, paper, text[0].upper() + text[1:], judged(share), shown)
 
 
 def _slopes(run: ElementNumbers | None, elastic: ElementNumbers | None) -> Finding:
-    """Return how the pulse rises, with and without yielding; what the paper's own bodies do stays open."""
+    """Return the rise of the pulse with and without yielding; for the paper's own bodies it stays open."""
     topic = "slope of the pulse"
     paper = "small while the contact is elastic, growing quickly once it is plastic"
     shown = "Figure 11; li-ma-2019-fem-rigid-quiet"
-    slopes, unyielding = _rise(run), _rise(elastic)
-    if slopes is None:
+    if run is None or run.slope_early is None or run.slope_late is None:
         return Finding(topic, paper, NOT_RUN, "open", shown)
-    result = f"In our frame the force rises by {_in_words(*slopes)}; "
-    if unyielding is None:
+    rise = "{:.3g} kN/µs from 10 to 30 % of the peak and {:.3g} from 50 to 90 %"
+    result = f"In our frame the force rises by {rise.format(run.slope_early / 1e9, run.slope_late / 1e9)}; "
+    if elastic is None or elastic.slope_early is None or elastic.slope_late is None:
         result += "without yield it was not run"
     else:
-        steeper = slopes[1] / slopes[0] > RIGHT * unyielding[1] / unyielding[0]
-        result += f"without yield by {_in_words(*unyielding)}: yielding makes it {'' if steeper else 'no '}steeper"
+        steeper = run.slope_late / run.slope_early > RIGHT * elastic.slope_late / elastic.slope_early
+        result += f"without yield by {rise.format(elastic.slope_early / 1e9, elastic.slope_late / 1e9)}: yielding "
+        result += f"makes it {'' if steeper else 'no '}steeper"
     why = (
         "That is of a frame that rings and bends; no dimension is published, so that the paper's own bodies stay open."
     )
     return Finding(topic, paper, f"{result}. {why}", "open", shown)
 
 
-def _rise(run: ElementNumbers | None) -> tuple[float, float] | None:
-    """Return both slopes of the rise, N/s."""
-    if run is None or run.slope_early is None or run.slope_late is None:
-        return None
-    return run.slope_early, run.slope_late
-
-
-def _in_words(early: float, late: float) -> str:
-    return f"{early / 1e9:.3g} kN/µs from 10 to 30 % of the peak and {late / 1e9:.3g} from 50 to 90 %"
-
-
 def _yielding(quiet: ElementNumbers | None, reflecting: ElementNumbers | None) -> Finding:
     """Return whether bodies yield, and how far."""
     topic, paper = "yielding", "slight plastic deformation of striker and frame, almost none of the shell"
     shown = "li-ma-2019-fem-rigid-quiet, li-ma-2019-fem-rigid"
-    runs = [(words, run) for words, run in (("with", quiet), ("without", reflecting)) if run is not None]
-    strains = [(words, run.plastic_strain) for words, run in runs if run.plastic_strain is not None]
-    stresses = [(words, run.shell_stress) for words, run in runs if run.shell_stress is not None]
+    runs = [(faces, run) for faces, run in (("with", quiet), ("without", reflecting)) if run is not None]
+    strains = [(faces, run.plastic_strain) for faces, run in runs if run.plastic_strain is not None]
+    stresses = [(faces, run.shell_stress) for faces, run in runs if run.shell_stress is not None]
     if not strains:
         return Finding(topic, paper, NOT_RUN, "open", shown)
     result = (
-        f"Largest plastic strain {', '.join(f'{percent(strain, 2)} {words}' for words, strain in strains)} "
+        f"Largest plastic strain {', '.join(f'{percent(strain, 2)} {faces}' for faces, strain in strains)} "
         "non-reflecting faces"
     )
     result += "; it depends on the mesh and on the slope beyond yield, which is assumed."
     if stresses:
-        bears = ", ".join(f"{stress / 1e6:.0f} MPa {words}" for words, stress in stresses)
+        bears = ", ".join(f"{stress / 1e6:.0f} MPa {faces}" for faces, stress in stresses)
         limit = published_number("2A12 yield strength").value
         result += f" The shell, taken as elastic, bears {bears}; it would yield at {limit / 1e6:.0f} MPa."
     return Finding(topic, paper, result, "partly" if max(strain for _, strain in strains) > 0.0 else "not", shown)
@@ -396,10 +379,6 @@ def _g(acceleration: float) -> str:
     return f"{acceleration / STANDARD_GRAVITY:.0f} g"
 
 
-def _sentence(text: str) -> str:
-    return text[0].upper() + text[1:]
-
-
 TANGENTIAL = (
     "machine.blow_angle=90 deg",
     "machine.engagement=0.1 mm",
@@ -410,11 +389,11 @@ TANGENTIAL = (
 """Changes to `MACHINE` that make its blow tangential: along the path of the noses, on a face so narrow that they leave
 it at once; the stroke clears them."""
 SAME_PEAK = 1e-3
-"""Relative miss of a peak at which a speed is found."""
+"""Relative miss of a peak at which a speed is accepted: below the digits that a sentence shows."""
 COSTLY = 0.05
-"""Share of a peak whose loss matters: by as much measured and simulated peak of Figure 11 differ."""
+"""Share of a peak whose loss matters: the difference of measured and simulated peak of Figure 11."""
 FULL_SCALE = 5e4 * STANDARD_GRAVITY
-"""Full scale of the recorder, m/s^2: the range that the sensors of all cases are assumed to have."""
+"""Full scale of the recorder, m/s^2: the assumed range of the sensors of all cases."""
 
 
 class TangentialBlow(NamedTuple):
@@ -443,14 +422,7 @@ def tangential_speed(peak: float) -> TangentialBlow:
 
 
 def machine_findings(runs: Runs, joints: JointStudy | None = None) -> tuple[Finding, ...]:
-    """Return what the machine's blow says of five statements of the paper.
-
-    Parameters
-    ----------
-    runs : Runs
-    joints : JointStudy, optional
-        Where its trains are, the scatter of Figure 13 is also given with joints that chatter.
-    """
+    """Return the findings from the machine's blow; trains of ``joints`` add the scatter of chatter."""
     return (
         direction(runs.machine),
         spring_force(runs.machine),
@@ -485,7 +457,7 @@ def direction(machine: Solution) -> Finding:
 
 
 def spring_force(machine: Solution) -> Finding:
-    """Return what spring, damper and weight take of the blow."""
+    """Return the share of spring, damper and weight in the blow."""
     blow = machine.blows[0]
     share = abs(blow.support_impulse) / blow.contact_impulse
     return Finding(
@@ -500,7 +472,7 @@ def spring_force(machine: Solution) -> Finding:
 
 
 def stress_evenness() -> Finding:
-    """Return what three to five transits are worth, and what the experiment has of them."""
+    """Return the transits until stress is even, in theory and in the experiment."""
     most = round(published_number("most transits").value)
     bar = material("65Mn")
     sensor = next(layer for layer in load_case(FIXTURE).stack.layer if layer.name == "sensor")
@@ -547,12 +519,12 @@ def costly_rate(width: float) -> float:
 
 
 def sampling(machine: Solution) -> Finding:
-    """Return what a recorder takes off the rigid pulse."""
+    """Return the loss of the rigid pulse in a recorder."""
     width, recorder = published_number("rigid width").value, storage_recorder(FULL_SCALE)
     times, pulse = (machine.arrays[name].values for name in ("pulse_time", "pulse_acceleration"))
     first = pulse[0] if pulse.ndim > 1 else pulse
     reading = read(Sensor(), recorder, first, float(times[1] - times[0]), float(times[0]))
-    kept = float(np.abs(reading.values).max() / np.abs(first).max())
+    share = float(np.abs(reading.values).max() / np.abs(first).max())
     rate = recorder.sampling_rate
     return Finding(
         "sampling of the built-in recorder",
@@ -560,7 +532,7 @@ def sampling(machine: Solution) -> Finding:
         f"The rate is not published. A half-sine of {width * 1e6:.0f} µs loses {percent(COSTLY, 0)} of its peak "
         f"between samples at worst at {costly_rate(width) / 1e3:.0f} kHz, {percent(lost_between_samples(width, rate))} "
         f"at {rate / 1e3:g} kHz (assumed). With a filter of {recorder.order} poles at {recorder.cutoff / 1e3:g} kHz "
-        f"(assumed) such a recorder shows {percent(kept)} of the computed peak. Rate and filter would decide.",
+        f"(assumed) such a recorder shows {percent(share)} of the computed peak. Rate and filter would decide.",
         "open",
         "Figure 11; li-ma-2019",
     )
@@ -570,21 +542,21 @@ def consistency(fixture: Solution, trains: tuple[TrainScatter, ...]) -> Finding:
     """Return whether the peaks of the stress-wave test scatter more than those of the rigid pulse."""
     rigid = variation([blow.rigid_peak for blow in fixture.blows if blow.kind != "missed"])
     peaks = [reading.sensors["oscilloscope"].peak for reading in fixture.readings if reading is not None]
-    found = (
+    text = (
         f"With joints that hold, the sensor's peaks scatter by {percent(variation(np.abs(peaks)))} over the train, as "
         f"the rigid ones do ({percent(rigid)}): a smooth pulse passes on what comes. "
     )
-    verdict: Answer = "open"
+    verdict: Verdict = "open"
     if trains:
-        chatter = [one.sensor for one in trains]
-        found += (
+        chatter = [train.sensor for train in trains]
+        text += (
             f"With joints that chatter, by {percent(min(chatter))} to {percent(max(chatter))} in {len(trains)} pairs "
             "of preload and faces. "
         )
         verdict = "partly" if max(chatter) > RIGHT * rigid else "not"
     else:
-        found += "Joints that chatter were not run. "
-    found += "Peaks of all blows, not published, would tell."
+        text += "Joints that chatter were not run. "
+    text += "Peaks of all blows, not published, would tell."
     return Finding(
-        "consistency of the stress-wave pulses", "even worse than that of the rigid ones", found, verdict, "Figure 13"
+        "consistency of the stress-wave pulses", "even worse than that of the rigid ones", text, verdict, "Figure 13"
     )

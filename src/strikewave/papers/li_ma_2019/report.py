@@ -15,10 +15,9 @@ from strikewave.analyses.wave.report import field_of_solution
 from strikewave.base.shock_quantities import ACCELERATION, IMPULSE, LENGTH, MICROSECONDS, STRESS
 from strikewave.base.texts import percent
 from strikewave.cases.case import Case
-from strikewave.papers.li_ma_2019 import answers as known
+from strikewave.papers.li_ma_2019 import compared_numbers as known
 from strikewave.papers.li_ma_2019 import figures as draw
-from strikewave.papers.li_ma_2019 import unknowns
-from strikewave.papers.li_ma_2019.answers import element_pulse
+from strikewave.papers.li_ma_2019.compared_numbers import NumberRow, element_pulse, si_unit
 from strikewave.papers.li_ma_2019.element_pulses import element_numbers, first_touch, struck_body, whole_force
 from strikewave.papers.li_ma_2019.figures import PublishedMark, Ratio, gasket_figure, joint_figure, reading_traces
 from strikewave.papers.li_ma_2019.published import half_sine_change, published_number
@@ -37,7 +36,7 @@ from strikewave.papers.li_ma_2019.report_tables import (
     span_text,
     study_tables,
 )
-from strikewave.papers.li_ma_2019.result import Computed, NumberRow, Reproduction, si_unit
+from strikewave.papers.li_ma_2019.result import Reproduction
 from strikewave.papers.li_ma_2019.runs import (
     BAR,
     PASSING,
@@ -47,7 +46,7 @@ from strikewave.papers.li_ma_2019.runs import (
     WAVE_ELEMENTS,
     quick_changes,
 )
-from strikewave.papers.li_ma_2019.unknowns import AFTER, GasketStudy, JointStudy, extremes
+from strikewave.papers.li_ma_2019.unknowns import AFTER, GasketStudy, JointStudy, extremes, ringing
 from strikewave.reporting import chapters
 from strikewave.reporting.faces import amount, text_of
 from strikewave.reporting.numbers import listed, with_unit
@@ -58,40 +57,44 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from strikewave.analyses.fem.result import FemSolution
-    from strikewave.analyses.machine.result import Solution
 
 
 def reproduction_report(result: Reproduction) -> str:
     """Return the report as one HTML page: no script, nothing fetched."""
+    runs = result.runs
+    done = (
+        f"{len(runs.cases)} cases were run: the rotary machine with its object as bodies and as stacks in which waves "
+        "run, a bar alone"
+        + (", and finite-element models" if runs.elements else "; the finite-element models were left out")
+        + ". Every equation was computed as printed, as corrected and exactly; every published number is set beside "
+        f"what was computed. Fitted to published numbers: {listed(sorted(set(fitted_inputs(result))))}."
+    )
+    verdicts: list[list[Cell]] = [[name, verdict] for name, verdict in runs.checked]
+    commands = [*(again(case, runs.quick) for case in runs.cases), _command("bar", BAR, PASSING)]
     sections = [
         claims_section(result.findings, overview_picture(result)),
         *figure_sections(result),
         numbers_section(result.numbers, result.checks),
         *equation_sections(result.equations),
-        elements_section(result.runs.elements, study_tables(result)),
+        elements_section(runs.elements, study_tables(result)),
         findings_section(result.findings),
         chapters.warnings(result.notices),
-        _done(result),
+        Section("What was done", done, [Table("What the checks of the runs came to", ["run", "verdict"], verdicts)]),
         materials_section(result.numbers),
-        provenance_section(result.runs.cases),
-        _one_by_one(result),
+        provenance_section(runs.cases),
+        Section("The runs, one by one", "Each has a report of its own.", [Code("\n".join(commands))]),
     ]
-    summary = chapters.Summary(
-        "Report of a reproduction", reproduction_words(result), key_numbers(result), _status(result)
-    )
-    return chapters.result_page(result, summary, sections)
-
-
-def _status(result: Reproduction) -> Tag:
+    status = Tag("quick: coarse elements", "warned") if runs.quick else Tag("all runs, full meshes", "good")
+    if not runs.elements:
+        status = Tag("the element models were not run", "warned")
     if result.broken:
-        return Tag("a run failed a check, see warnings", "bad")
-    if not result.runs.elements:
-        return Tag("the element models were not run", "warned")
-    return Tag("quick: coarse elements", "warned") if result.runs.quick else Tag("all runs, full meshes", "good")
+        status = Tag("a run failed a check, see warnings", "bad")
+    title, summary = "Report of a reproduction", reproduction_words(result)
+    return chapters.result_page(result, chapters.Summary(title, summary, key_numbers(result), status), sections)
 
 
 def reproduction_words(result: Reproduction) -> str:
-    """Say in words what the paper claims, and what came out: on the screen and at the head of the report."""
+    """Return the claims of the paper and the result in a paragraph, for the screen and the head of the report."""
     verdicts = [row.verdict for row in result.equations]
     counted = listed([f"{verdicts.count(name)} {name}" for name in VERDICTS if name in verdicts])
     broken = f"{result.verdicts.sentence} " if result.verdicts.words else ""
@@ -103,33 +106,8 @@ def reproduction_words(result: Reproduction) -> str:
     )
 
 
-def _done(result: Reproduction) -> Section:
-    fitted = sorted(set(fitted_inputs(result)))
-    text = (
-        f"{len(result.runs.cases)} cases were run: the rotary machine with its object as bodies and as stacks in which "
-        "waves run, a bar alone"
-        + (", and finite-element models" if result.runs.elements else "; the finite-element models were left out")
-        + ". Every equation was computed as printed, as corrected and exactly; every published number is set beside "
-        f"what was computed. Fitted to published numbers: {listed(fitted)}."
-    )
-    rows: list[list[Cell]] = [[name, verdict] for name, verdict in result.runs.checked]
-    return Section("What was done", text, [Table("What the checks of the runs came to", ["run", "verdict"], rows)])
-
-
-def _one_by_one(result: Reproduction) -> Section:
-    lines = [*(again(case, result.runs.quick) for case in result.runs.cases), _command("bar", BAR, PASSING)]
-    return Section("The runs, one by one", "Each has a report of its own.", [Code("\n".join(lines))])
-
-
 def again(case: Case, quick: bool = False) -> str:
-    """Return the command that runs a case as it was run here.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> again(load_case("li-ma-2019")), again(load_case("li-ma-2019-fem-wave"), quick=True)[:75]
-    ('strikewave run li-ma-2019', "strikewave fem li-ma-2019-fem-wave --set 'mesh.part.striker.size=3.75 mm' -")
-    """
+    """Return the command that runs a case as it was run here."""
     return _command(case.command, case.name, quick_changes(case.name) if quick and case.mesh else ())
 
 
@@ -151,9 +129,9 @@ MARKS = (
     "width, with the words measured or LS-DYNA. Every curve is computed."
 )
 SHOWN_TIME = 4e-4
-"""How long of a pulse is shown, s: twice the published width, so that its end and what rings after it are seen."""
+"""Shown time of a pulse, s: twice the published width, for its end and the ringing after it."""
 HARDLY = 0.5
-"""Share of the published drop of the peak by the buffer below which it is called hardly met."""
+"""Share of the published drop of the peak by the buffer below which the drop counts as hardly met. Chosen."""
 
 
 def mark(result: Reproduction, peak: str, width: str = "", what: str = "") -> PublishedMark:
@@ -164,30 +142,26 @@ def mark(result: Reproduction, peak: str, width: str = "", what: str = "") -> Pu
 
 
 def sentence_of(row: NumberRow) -> str:
-    """Return a published number in words, with what was computed of it, by which case and in which role."""
+    """Return a published number in a sentence, with what was computed of it, by which case and in which role."""
     number = row.number
     unit, si = number.unit, si_unit(number.unit)
     what = number.quantity[:1].upper() + number.quantity[1:]
     begin = f"{what}: {ORIGINS[number.origin]} {with_unit(number.value, si, unit, 7)}"
-    computed = [
-        f"computed {computed_text(one, unit)} by {one.by} ({_role_words(one, number.value)})"
-        if one.role == "range"
-        else f"computed {with_unit(one.value, si, unit)} by {one.by} ({_role_words(one, number.value)})"
-        for one in row.computed
-        if one.value is not None
-    ]
+    computed = []
+    for answer in row.computed:
+        if answer.value is None:
+            continue
+        off = answer.difference(number.value)
+        if answer.role == "range":
+            computed.append(f"computed {computed_text(answer, unit)} by {answer.by} (a range {answer.note})")
+        else:
+            role = answer.role if off is None or answer.role == "shown" else f"{answer.role}, {share(off)}"
+            computed.append(f"computed {with_unit(answer.value, si, unit)} by {answer.by} ({role})")
     return f"{begin}, {listed(computed)}." if computed else f"{begin}, not computed."
 
 
-def _role_words(one: Computed, published: float) -> str:
-    if one.role == "range":
-        return f"a range {one.note}"
-    off = one.difference(published)
-    return one.role if off is None or one.role == "shown" else f"{one.role}, {share(off)}"
-
-
-def _told(result: Reproduction, *names: str) -> str:
-    """Say what was computed of some published numbers, a paragraph each."""
+def _sentences(result: Reproduction, *names: str) -> str:
+    """Return what was computed of some published numbers, a paragraph each."""
     return "\n\n".join(sentence_of(result.row(name)) for name in names)
 
 
@@ -214,12 +188,8 @@ def overview_picture(result: Reproduction) -> Picture:
 
 def figure_sections(result: Reproduction) -> Iterator[Section]:
     """Yield a section for each figure of the paper that can be computed."""
-    yield _sensors(result)
-    yield _passing(result)
-    yield _train(result)
-    yield _first_pulse(result)
-    yield _fixture(result)
-    yield _specimen(result)
+    for section in (_sensors, _passing, _train, _first_pulse, _fixture, _specimen):
+        yield section(result)
 
 
 def _sensors(result: Reproduction) -> Section:
@@ -231,7 +201,7 @@ def _sensors(result: Reproduction) -> Section:
 buffered by gaskets. Here the machine strikes a stack of nose, frame, fixture and specimen; both sensors sit at the \
 same height, the buffered one on two PTFE gaskets with a 2A12 plate between them.
 
-{_told(result, known.BUFFERED_PEAK, known.DIRECT_PEAK, known.SEVEN_WINDOW)}
+{_sentences(result, known.BUFFERED_PEAK, known.DIRECT_PEAK, known.SEVEN_WINDOW)}
 
 Why it is a range: the buffered peak is fitted (by the engagement), so the direct one is that peak over what the \
 gaskets pass of it, and nothing is published of them. The assumed PTFE hardly loses energy and magnifies the rigid \
@@ -252,9 +222,9 @@ shaker or at the end of a bar; then the speed of this test.
 
 
 def _over_gaskets(study: GasketStudy) -> str:
-    """Say what the direct sensor reads over the map, and with which gaskets it reads as measured."""
+    """Return the readings of the direct sensor over the map, and the gaskets with which it reads as measured."""
     published = published_number(known.DIRECT_PEAK).value
-    every, calm = (_span([cell.direct for cell in cells]) for cells in (study.reached, study.calm))
+    every, calm = (span_text(*extremes([c.direct for c in cells]), "g") for cells in (study.reached, study.calm))
     near = min(study.calm, key=lambda cell: abs(abs(cell.direct) / published - 1.0))
     same = amount(ACCELERATION, abs(study.same_machine), digits=3)
     return (
@@ -266,25 +236,16 @@ def _over_gaskets(study: GasketStudy) -> str:
     )
 
 
-def _span(values: list[float]) -> str:
-    """Write the range of the sizes of accelerations, g."""
-    return span_text(*extremes(values), "g")
-
-
-def ringing(solution: Solution, sensor: str) -> float:
-    """Return the root mean square of what a sensor reads `AFTER` the first touch of the first blow, m/s^2."""
-    first = reading_traces(solution, sensor)[0]
-    return unknowns.ringing(first.time, first.values)
-
-
 def _buffering(result: Reproduction) -> str:
-    """Say what the buffer does to peak and ringing, as measured and as computed."""
+    """Return the effect of the buffer on peak and ringing, as measured and as computed."""
     direct, buffered = (result.row(name) for name in (known.DIRECT_PEAK, known.BUFFERED_PEAK))
     if not (direct.best and direct.best.value and buffered.best and buffered.best.value):
         return ""
     taken = 1.0 - buffered.best.value / direct.best.value
     asked = 1.0 - buffered.number.value / direct.number.value
-    loud, soft = (ringing(result.runs.comparison, name) for name in ("direct", "buffered"))
+    # of the raw readings after the first touch of the first blow
+    first = [reading_traces(result.runs.comparison, name)[0] for name in ("direct", "buffered")]
+    loud, soft = (ringing(trace.time, trace.values) for trace in first)
     verdict = "The computed buffer does not calm the pulse" if soft >= loud else "The computed buffer calms the pulse"
     rms = [amount(ACCELERATION, value) for value in (soft, loud)]
     return (
@@ -305,6 +266,7 @@ nothing. Here the specimen is 2A12 between 65Mn, and the load rises within 0.3 �
 The equations as printed let the echo come back after the way to interface II alone, and the next one a transit later; \
 in truth it has that way to go and back. The heights of the steps and the end are right. The corrected sum and the \
 finite stack, solved by delay lines, agree until the first echo from beyond the neighbours."""
+    shown = 2.2 * solution.waves.layers[0].steps * solution.waves.step  # s: the wave is then at the far end
     parts: list[Part] = [
         Picture(
             draw.passing_figure(solution),
@@ -317,16 +279,11 @@ finite stack, solved by delay lines, agree until the first echo from beyond the 
             "neighbours.",
         ),
         Picture(
-            xt_diagram(field.up_to(_settled(solution.waves.layers[0].steps * solution.waves.step))),
+            xt_diagram(field.up_to(shown)),
             "Stress along the stack over time: blue is compression, red tension; lines are faces of layers.",
         ),
     ]
     return Section("Paper's Figure 7: multiple reflections", text, parts)
-
-
-def _settled(transit: float) -> float:
-    """Return how long of the passing wave is shown: until it is at the far end, s."""
-    return 2.2 * transit
 
 
 def _train(result: Reproduction) -> Section:
@@ -335,7 +292,7 @@ def _train(result: Reproduction) -> Section:
     text = f"""The paper shows 11 rigid-body pulses at 730 r/min whose peaks are usually about 4000 g and whose widths \
 are about 200 µs; it explains their differences by the object, which does not come to rest between blows.
 
-{_told(result, known.TYPICAL_PEAK, known.TYPICAL_WIDTH)}
+{_sentences(result, known.TYPICAL_PEAK, known.TYPICAL_WIDTH)}
 
 Why they differ: two values were fitted to the first pulse, which the usual one nearly equals, so that this agreement \
 says little. After the first blow the object still moves on its stop when the next striker comes. The second machine, \
@@ -351,14 +308,19 @@ def _first_pulse(result: Reproduction) -> Section:
     data = result.runs.machine.arrays
     curves = [Trace("machine model", data["pulse_time"].values, data["pulse_acceleration"].values[0])]
     named = ((RIGID_ELEMENTS, "elements"), (QUIET_ELEMENTS, "elements, non-reflecting faces"))
-    curves += [*_pulses(result, named), *_force_over_mass(result)]
+    curves += _pulses(result, named)
+    quiet = result.runs.element_solution(QUIET_ELEMENTS)
+    if quiet is not None and (history := whole_force(quiet)) is not None:  # what the paper calls acceleration
+        time, force, _ = history
+        mass = quiet.run.groups[struck_body(quiet)].mass
+        curves.append(Trace("the same, contact force over mass", time - first_touch(quiet), force / mass))
     marks = [mark(result, known.RIGID_PEAK, known.RIGID_WIDTH), mark(result, known.DYNA_PEAK, known.DYNA_WIDTH)]
     figure = draw.pulse_figure("First rigid-body pulse", curves, marks, SHOWN_TIME)
     text = f"""The paper compares its measured first pulse with that of LS-DYNA: force of the contact over the whole \
 mass. Here the machine model of bodies, contact law and frame gives it, and finite-element models: the half-cylinder \
 on the frame that holds the shell, with faces that reflect as they do, and with the paper's non-reflecting ones.
 
-{_told(result, known.RIGID_PEAK, known.RIGID_WIDTH, known.DYNA_PEAK, known.DYNA_WIDTH, known.DYNA_FORCE)}
+{_sentences(result, known.RIGID_PEAK, known.RIGID_WIDTH, known.DYNA_PEAK, known.DYNA_WIDTH, known.DYNA_FORCE)}
 
 Why they differ: peak and width of the measured pulse are what the machine model is fitted to, so that only its \
 shape is its own; its contact force is not that of LS-DYNA, because a lumped nose answers a stiff contact with a \
@@ -380,8 +342,9 @@ def _pulses(result: Reproduction, named: Iterable[tuple[str, str]]) -> list[Trac
 
 def _momenta(result: Reproduction) -> str:
     """Set the impulse of the blow beside that of half-sines of the published peaks and widths."""
+    struck_mass = result.row(known.DYNA_FORCE).number.value / result.row(known.DYNA_PEAK).number.value
     measured, simulated = (
-        half_sine_change(result.row(peak).number.value, result.row(width).number.value) * struck_mass(result)
+        half_sine_change(result.row(peak).number.value, result.row(width).number.value) * struck_mass
         for peak, width in ((known.RIGID_PEAK, known.RIGID_WIDTH), (known.DYNA_PEAK, known.DYNA_WIDTH))
     )
     words = {RIGID_ELEMENTS: "with faces that reflect", QUIET_ELEMENTS: "with non-reflecting ones"}
@@ -400,27 +363,10 @@ def _momenta(result: Reproduction) -> str:
     )
 
 
-def struck_mass(result: Reproduction) -> float:
-    """Return the mass that the simulated force moves, kg: force over acceleration."""
-    return result.row(known.DYNA_FORCE).number.value / result.row(known.DYNA_PEAK).number.value
-
-
-def _force_over_mass(result: Reproduction) -> Iterator[Trace]:
-    """Yield the contact force over the object's mass where faces do not reflect: what the paper calls acceleration."""
-    solution = result.runs.element_solution(QUIET_ELEMENTS)
-    history = None if solution is None else whole_force(solution)
-    if solution is None or history is None:
-        return
-    time, force, _ = history
-    body = struck_body(solution)
-    mass = solution.run.groups[body].mass
-    yield Trace("the same, contact force over mass", time - first_touch(solution), force / mass)
-
-
-def _left_out(result: Reproduction, *names: str) -> str:
-    gone = [name for name in names if result.runs.element_solution(name) is None]
-    if gone:
-        return f"Not run here: {listed(gone)}."
+def _left_out(result: Reproduction, name: str) -> str:
+    """Return a sentence where a model was not run, or has a coarse mesh."""
+    if result.runs.element_solution(name) is None:
+        return f"Not run here: {name}."
     return "The meshes are coarse here (--quick)." if result.runs.quick else ""
 
 
@@ -432,7 +378,7 @@ def _fixture(result: Reproduction) -> Section:
 of 21 909.89 g; it takes this for the stress wave on top of the rigid-body pulse. Here nothing is fitted: machine and \
 frame are those of Figure 9, the fixture is a stack of assumed dimensions with joints that can open.
 
-{_told(result, known.WAVE_PEAK, known.WAVE_WIDTH)}
+{_sentences(result, known.WAVE_PEAK, known.WAVE_WIDTH)}
 
 Why it is a range: in this stack the frame is a spring between nose and cylinders. Its force rises over some 80 µs, \
 and a smooth pulse of that size cannot accelerate the stack behind it much beyond its rigid-body acceleration while \
@@ -467,8 +413,8 @@ that of the whole blow, not of such a front."""
 
 
 def _over_joints(study: JointStudy) -> str:
-    """Say what the sensor reads over the map, and what keeps the rigid pulse."""
-    peaks = _span([cell.blow.peak for cell in study.keeping])
+    """Return the readings of the sensor over the map, and the joints that keep the rigid pulse."""
+    peaks = span_text(*extremes([cell.blow.peak for cell in study.keeping]), "g")
     clipped = sum(cell.blow.clipped for cell in study.cells)
     return (
         "Where the bolts press less than the tension behind the front the joints open and chatter, and each closing is "
@@ -482,16 +428,16 @@ def _over_joints(study: JointStudy) -> str:
 
 
 def mechanism_table(study: JointStudy) -> Table:
-    """List what may give the published peak, and whether it keeps the rigid pulse."""
+    """List possible causes of the published peak, and whether each keeps the rigid pulse."""
     rows: list[list[Cell]] = [
         [
-            one.name,
-            amount(ACCELERATION, abs(one.blow.peak), digits=3),
-            text_of(one.blow, "rigid_peak"),
-            text_of(one.blow, "rigid_width"),
-            Tag("kept", "good") if one.blow.keeps(study.assumed) else Tag("not kept", "bad"),
+            mechanism.name,
+            amount(ACCELERATION, abs(mechanism.blow.peak), digits=3),
+            text_of(mechanism.blow, "rigid_peak"),
+            text_of(mechanism.blow, "rigid_width"),
+            Tag("kept", "good") if mechanism.blow.keeps(study.assumed) else Tag("not kept", "bad"),
         ]
-        for one in study.mechanisms
+        for mechanism in study.mechanisms
     ]
     heads = ["what", "peak of the sensor, without its range", "rigid peak", "rigid width", "rigid pulse"]
     return Table("What may give the published peak", heads, rows)
@@ -505,7 +451,7 @@ def _specimen(result: Reproduction) -> Section:
     text = f"""The paper averages the acceleration of its specimen over the elements of LS-DYNA and finds \
 22 841.7 g. Here a finite-element model has the sensor between two cylinders in the same frame.
 
-{_told(result, known.DYNA_WAVE_PEAK)}
+{_sentences(result, known.DYNA_WAVE_PEAK)}
 
 Why they differ: the mean acceleration of a body is the sum of the forces on its faces over its mass. Here the \
 struck wall lies on the upper cylinder, so that in the first tens of microseconds the blow drives the column of \
@@ -536,22 +482,21 @@ def pictures(result: Reproduction) -> Iterator[tuple[str, Figure]]:
 
 
 def key_numbers(result: Reproduction) -> list[tuple[str, str]]:
-    """Return the three numbers at the head of the report: of the published ones those that nothing was fitted to."""
+    """Return the three numbers at the head of the report: published ones that nothing was fitted to."""
+
+    def ranged(name: str, label: str) -> list[tuple[str, str]]:
+        best = result.row(name).best
+        return [(label, computed_text(best, "g"))] if best is not None and best.role == "range" else []
+
     verdicts = [row.verdict for row in result.equations]
-    words = f"equations hold as printed, and {verdicts.count('definition')} definitions"
-    numbers = [(words, f"{verdicts.count('right')} of {len(verdicts)}")]
-    numbers += _range(result, known.WAVE_PEAK, "stress-wave peak over what joints may be")
+    label = f"equations hold as printed, and {verdicts.count('definition')} definitions"
+    numbers = [(label, f"{verdicts.count('right')} of {len(verdicts)}")]
+    numbers += ranged(known.WAVE_PEAK, "stress-wave peak over what joints may be")
     row = result.row(known.DYNA_FORCE)
     if result.runs.element_solution(QUIET_ELEMENTS) is None or row.best is None:
-        return numbers + _range(result, known.DIRECT_PEAK, "peak of the direct sensor over what gaskets may be")
+        return numbers + ranged(known.DIRECT_PEAK, "peak of the direct sensor over what gaskets may be")
     off = row.best.difference(row.number.value)
     return [*numbers, ("force on non-reflecting elements: off LS-DYNA's by", NONE if off is None else share(off))]
-
-
-def _range(result: Reproduction, name: str, label: str) -> list[tuple[str, str]]:
-    """Return a published number that a range answers; nothing where none does."""
-    best = result.row(name).best
-    return [(label, computed_text(best, "g"))] if best is not None and best.role == "range" else []
 
 
 def fitted_inputs(result: Reproduction) -> list[str]:

@@ -1,4 +1,4 @@
-"""The tables of a reproduced paper: inputs, equations, published numbers, elements and what they depend on."""
+"""The tables of a reproduced paper: inputs, equations, published numbers, elements, studies."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from strikewave.base.constants import Material, material
+from strikewave.base.constants import material
 from strikewave.base.quantities import PROVENANCES
 from strikewave.base.shock_quantities import (
     ACCELERATION,
@@ -24,8 +24,8 @@ from strikewave.base.units import DIMENSIONS, convertible
 from strikewave.cases.case import Case
 from strikewave.fem.run import blow_measure
 from strikewave.papers.li_ma_2019.body_reasons import BodyRow, Reason
+from strikewave.papers.li_ma_2019.element_studies import SHARE, Answer, DimensionStudy, MeshRow
 from strikewave.papers.li_ma_2019.equations import EQUAL
-from strikewave.papers.li_ma_2019.further import SHARE, Answer, DimensionStudy, MeshRow
 from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import amount, columns_of
 from strikewave.reporting.numbers import headed, shown, spelled
@@ -33,8 +33,11 @@ from strikewave.reporting.parts import NONE, Cell, Code, Formula, Part, Picture,
 
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
-    from strikewave.papers.li_ma_2019.result import Computed, NumberRow, Reproduction
-    from strikewave.papers.li_ma_2019.types import Consistency, EquationRow, Finding
+    from strikewave.papers.li_ma_2019.compared_numbers import Computed, NumberRow
+    from strikewave.papers.li_ma_2019.equations import EquationRow
+    from strikewave.papers.li_ma_2019.findings import Finding
+    from strikewave.papers.li_ma_2019.published import Consistency
+    from strikewave.papers.li_ma_2019.result import Reproduction
 
 VERDICTS = {"right": "good", "approximate": "warned", "misprint": "bad", "wrong": "bad", "definition": ""}
 """Look of the verdict on an equation."""
@@ -66,15 +69,7 @@ class Input(NamedTuple):
 
 
 def inputs_by_cases(cases: Sequence[Case]) -> dict[Input, list[str]]:
-    """Return every input of cases once, with the names of the cases that have it; what was changed, --quick changed.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> inputs = inputs_by_cases([load_case("li-ma-2019"), load_case("li-ma-2019-fig13")])
-    >>> [names for entry, names in inputs.items() if entry.path == "machine.speed"]
-    [['li-ma-2019', 'li-ma-2019-fig13']]
-    """
+    """Return every input of cases once, with the names of the cases that have it; changed ones as by --quick."""
     cases_by_input: dict[Input, list[str]] = defaultdict(list)
     for case in cases:
         for path, value in case.values().items():
@@ -118,16 +113,27 @@ def provenance_section(cases: Sequence[Case]) -> Section:
 
 
 def materials_section(numbers: Sequence[NumberRow]) -> Section:
-    """Set the materials as printed beside those of the package, with speeds and impedances that follow."""
+    """Set the materials as printed beside those of the package, with the speeds and impedances that follow."""
+    printed = {row.number.name: row.number.value for row in numbers}
+    first = material("65Mn").impedance
     rows: list[list[Cell]] = []
     derived: list[list[Cell]] = []
     for name, tables in MATERIALS:
         mine = material(name)
-        same = Tag("the same", "good") if _as_printed(mine, name, numbers) else Tag("differs", "bad")
-        yielded = NONE if mine.yield_strength is None else f"{mine.yield_strength / 1e6:g}"
-        ours = [f"{mine.density:g}", f"{mine.youngs_modulus / 1e9:g}", f"{mine.poissons_ratio:g}", yielded]
-        rows.append([name, f"Table {tables}", *ours, same])
-        derived.append(_derived(mine))
+        equal = all(
+            math.isclose(getattr(mine, key), printed.get(f"{name} {label}", math.nan), rel_tol=1e-12)
+            for label, key in _PROPERTIES.items()
+        )
+        strength = NONE if mine.yield_strength is None else f"{mine.yield_strength / 1e6:g}"
+        properties = [f"{mine.density:g}", f"{mine.youngs_modulus / 1e9:g}", f"{mine.poissons_ratio:g}", strength]
+        same = Tag("the same", "good") if equal else Tag("differs", "bad")
+        rows.append([name, f"Table {tables}", *properties, same])
+        modulus, ratio = mine.youngs_modulus, mine.poissons_ratio
+        bulk = math.sqrt(modulus * (1.0 - ratio) / ((1.0 + ratio) * (1.0 - 2.0 * ratio)) / mine.density)
+        shear = math.sqrt(modulus / (2.0 * (1.0 + ratio)) / mine.density)
+        reflected = (mine.impedance - first) / (mine.impedance + first)
+        speeds = [f"{value:.1f}" for value in (mine.bar_speed, bulk, shear)]
+        derived.append([mine.name, *speeds, f"{mine.impedance / 1e6:.3f}", f"{reflected:.2g}"])
     heads = ["material", "printed in", "density (kg/m³)", "E (GPa)", "Poisson's ratio", "yield (MPa)"]
     more = ["material", "c₀ = √(E/ρ) (m/s)", "speed in the bulk (m/s)", "shear speed (m/s)", "ρ c₀ (MPa s/m)"]
     more += ["F at 65Mn"]
@@ -146,25 +152,6 @@ def materials_section(numbers: Sequence[NumberRow]) -> Section:
             Table(derived_words, more, derived),
         ],
     )
-
-
-def _as_printed(mine: Material, name: str, numbers: Sequence[NumberRow]) -> bool:
-    """Tell whether each property of a material equals the printed number of that property."""
-    printed = {row.number.name: row.number.value for row in numbers}
-    return all(
-        math.isclose(getattr(mine, key), printed.get(f"{name} {words}", math.nan), rel_tol=1e-12)
-        for words, key in _PROPERTIES.items()
-    )
-
-
-def _derived(mine: Material) -> list[Cell]:
-    modulus, ratio = mine.youngs_modulus, mine.poissons_ratio
-    bulk = math.sqrt(modulus * (1.0 - ratio) / ((1.0 + ratio) * (1.0 - 2.0 * ratio)) / mine.density)
-    shear = math.sqrt(modulus / (2.0 * (1.0 + ratio)) / mine.density)
-    first = material("65Mn").impedance
-    reflected = (mine.impedance - first) / (mine.impedance + first)
-    speeds = [f"{value:.1f}" for value in (mine.bar_speed, bulk, shear)]
-    return [mine.name, *speeds, f"{mine.impedance / 1e6:.3f}", f"{reflected:.2g}"]
 
 
 def equation_sections(rows: Sequence[EquationRow]) -> list[Section]:
@@ -215,13 +202,7 @@ def _given(row: EquationRow) -> list[Cell]:
 
 
 def share(value: float) -> str:
-    """Write a relative difference in per cent.
-
-    Examples
-    --------
-    >>> share(-0.0353), share(1e-9), share(4.2), share(-3e13)
-    ('-3.53 %', '0 %', '+420 %', '-3e+15 %')
-    """
+    """Write a relative difference in per cent."""
     return "0 %" if abs(value) < EQUAL else f"{100.0 * value:+.3g} %"
 
 
@@ -247,91 +228,57 @@ def numbers_section(rows: Sequence[NumberRow], checks: Sequence[Consistency]) ->
         "Shown: the two cannot be compared, the note says why. Names of cases are without li-ma-2019-."
     )
     among = Table("Published numbers among each other", within, checked)
-    stated = [row for row in rows if not row.computed]
-    return Section("All published numbers", text, [numbers_table(rows), given_table(stated), among])
+    stated: list[list[Cell]] = [
+        [_name(row), _with_unit(row.number.value, row.number.unit, 8), row.number.note or NONE]
+        for row in rows
+        if not row.computed
+    ]
+    inputs = Table(
+        "Published numbers that are inputs, materials or statements", ["published number", "published", "note"], stated
+    )
+    return Section("All published numbers", text, [numbers_table(rows), inputs, among])
 
 
 def numbers_table(rows: Sequence[NumberRow]) -> Table:
     """List the published numbers that a model answers, each once; a line for each model."""
+    lines: list[list[Cell]] = []
+    for row in rows:
+        number, origin = row.number, ORIGINS[row.number.origin]
+        look = "measured" if origin == "measured" else ""
+        begin: list[Cell] = [_name(row), _with_unit(number.value, number.unit, 8), Tag(origin, look)]
+        for k, answer in enumerate(row.computed):
+            value = NONE if answer.value is None else computed_text(answer, number.unit)
+            off, ends = answer.difference(number.value), answer.differences(number.value)
+            difference = NONE if off is None or answer.role == "shown" else share(off)
+            if ends is not None:
+                difference = " to ".join(share(end) for end in ends)
+            by = answer.by.removeprefix("li-ma-2019-")
+            note = "; ".join(filter(None, ["" if k else number.note, answer.note])) or NONE
+            lines.append([*(["", "", ""] if k else begin), value, difference, Tag(answer.role, answer.role), by, note])
     heads = ["published number", "published", "origin", "computed", "difference", "role", "by", "note"]
-    lines = [line for row in rows if row.computed for line in _number(row)]
     return Table("Published numbers and what was computed", heads, lines)
 
 
-def given_table(rows: Sequence[NumberRow]) -> Table:
-    """List published numbers that no model answers: what the authors chose or state."""
-    lines: list[list[Cell]] = [
-        [_name(row), _with_unit(row.number.value, row.number.unit, 8), row.number.note or NONE] for row in rows
-    ]
-    words = "Published numbers that are inputs, materials or statements"
-    return Table(words, ["published number", "published", "note"], lines)
-
-
 def _name(row: NumberRow) -> str:
-    """Return what tells a number from all others: its name, what it is, and where it stands."""
+    """Return what tells a number from all others: its name, quantity and place."""
     number = row.number
     what = "" if number.quantity.replace(":", "") == number.name else f": {number.quantity}"
     return f"{number.name}{what}, {number.where}"
 
 
-def _short(case: str) -> str:
-    """Return the name of a case without that of the paper."""
-    return case.removeprefix("li-ma-2019-")
-
-
-def _number(row: NumberRow) -> list[list[Cell]]:
-    number, origin = row.number, ORIGINS[row.number.origin]
-    look = "measured" if origin == "measured" else ""
-    begin: list[Cell] = [_name(row), _with_unit(number.value, number.unit, 8), Tag(origin, look)]
-    lines: list[list[Cell]] = []
-    for k, one in enumerate(row.computed):
-        note = "; ".join(filter(None, ["" if k else number.note, one.note]))
-        value = NONE if one.value is None else computed_text(one, number.unit)
-        cells: list[Cell] = [
-            value,
-            _difference(one, number.value),
-            Tag(one.role, one.role),
-            _short(one.by),
-            note or NONE,
-        ]
-        lines.append([*(begin if k == 0 else [""] * len(begin)), *cells])
-    return lines
-
-
 def computed_text(one: Computed, unit: str) -> str:
-    """Write what was computed: a number, or both ends of a range, to three digits.
-
-    Examples
-    --------
-    >>> from strikewave.papers.li_ma_2019.result import Computed
-    >>> computed_text(Computed("case", 1e-4, "range", low=5e-6, high=2e-4), "us")
-    '5 to 200 µs'
-    """
+    """Write what was computed: a number, or both ends of a range, to three digits."""
     if one.low is None or one.high is None:
         return "" if one.value is None else _with_unit(one.value, unit)
     return span_text(one.low, one.high, unit)
 
 
 def span_text(low: float, high: float, unit: str) -> str:
-    """Write a range of SI values in a unit that the paper uses, each end to three digits.
-
-    Examples
-    --------
-    >>> span_text(45187.9, 806219.9, "g")
-    '4610 to 82200 g'
-    """
+    """Write a range of SI values in a unit that the paper uses, each end to three digits."""
     conversion = convertible(unit, DIMENSIONS)
     factor = conversion[1] if conversion else 1.0
     ends = [float(f"{end / factor:.3g}") for end in (low, high)]
     return f"{ends[0]:.12g} to {ends[1]:.12g} {'' if unit == '1' else spelled(unit)}".strip()
-
-
-def _difference(one: Computed, published: float) -> str:
-    ends = one.differences(published)
-    if ends is not None:
-        return " to ".join(share(end) for end in ends)
-    difference = one.difference(published)
-    return NONE if difference is None or one.role == "shown" else share(difference)
 
 
 def _with_unit(value: float, unit: str, digits: int = 5) -> str:
@@ -342,13 +289,13 @@ def _with_unit(value: float, unit: str, digits: int = 5) -> str:
 
 
 def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = ()) -> Section:
-    """List what the finite-element runs took and their balance errors; ``tables`` are shown behind."""
+    """List the cost of the finite-element runs and their balance errors, with further ``tables``."""
     rows: list[list[Cell]] = []
-    for one in solutions:
-        run, balance = one.run, one.measured_balance
+    for solution in solutions:
+        run, balance = solution.run, solution.measured_balance
         rows.append(
             [
-                one.case.name,
+                solution.case.name,
                 str(run.elements),
                 str(run.steps),
                 written(run.step * 1e9, 3),
@@ -356,7 +303,7 @@ def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = 
                 share(balance.energy),
                 share(balance.hourglass),
                 f"{balance.momentum:.1e}",
-                Tag("failed", "bad") if one.broken else Tag("passed", "good"),
+                Tag("failed", "bad") if solution.broken else Tag("passed", "good"),
             ]
         )
     heads = ["case", "elements", "steps", "smallest step (ns)", "took (s)", "energy error", "hourglass energy"]
@@ -371,7 +318,7 @@ def elements_section(solutions: Sequence[FemSolution], tables: Iterable[Part] = 
 
 
 def findings_section(rows: Sequence[Finding]) -> Section:
-    """Close: what the paper gets right, and what not."""
+    """Close with what the paper gets right, and what not."""
     text = (
         "Right: it holds. Partly: it holds within what the line says. Not: it does not hold. Open: what decides it is "
         "not published, or was not run."
@@ -380,7 +327,7 @@ def findings_section(rows: Sequence[Finding]) -> Section:
 
 
 def claims_section(rows: Sequence[Finding], picture: Picture) -> Section:
-    """Open: what holds of what the paper says, in a line each, and how near the numbers are."""
+    """Open with the claims of the paper by verdict, and the picture of how near the numbers are."""
     lines: list[list[Cell]] = []
     for answer, words in CLAIMS.items():
         topics = [row.topic for row in rows if row.verdict == answer]
@@ -399,13 +346,7 @@ def findings_table(rows: Sequence[Finding]) -> Table:
 
 
 def plain_rows(table: Table, columns: Sequence[str]) -> list[list[str]]:
-    """Return some columns of a table as text, for a terminal.
-
-    Examples
-    --------
-    >>> plain_rows(Table("", ["a", "b"], [["x", Tag("good")]]), ["b"])
-    [['good']]
-    """
+    """Return some columns of a table as text, for a terminal."""
     places = [list(table.columns).index(name) for name in columns]
     rows = [[cell if isinstance(cell, str) else cell.text for cell in row] for row in table.cells()]
     return [[row[place] for place in places] for row in rows]
@@ -413,65 +354,67 @@ def plain_rows(table: Table, columns: Sequence[str]) -> list[list[str]]:
 
 def study_tables(result: Reproduction) -> Iterator[Part]:
     """Yield the tables of all studies that were made."""
-    further = result.further
+    studies = result.element_studies
     if result.bodies:
         yield body_table(result.bodies)
-    if further.reasons:
-        yield reason_table(further.reasons)
-    yield from (mesh_table(name, rows) for name, rows in further.meshes.items())
-    if further.blows is not None:
-        yield blow_table(further.blows)
-    yield from (dimension_table(study) for study in further.dimensions)
+    if studies.reasons:
+        caption = "Why they part: each cause alone, on elements twice as large"
+        yield page_table(caption, columns_of(Reason, studies.reasons))
+    yield from (mesh_table(name, rows) for name, rows in studies.meshes.items())
+    if studies.blows is not None:
+        yield blow_table(studies.blows)
+    yield from (dimension_table(study) for study in studies.dimensions)
 
 
-def body_table(found: Sequence[BodyRow]) -> Table:
-    """Set masses on springs and layers of a bar beside the elements, for the same bodies; nothing in them is fitted."""
-    answers = [row.answer for row in found]
+def body_table(bodies: Sequence[BodyRow]) -> Table:
+    """Set masses on springs and layers of a bar beside the elements, for the same bodies, with nothing fitted."""
+    answers = [row.answer for row in bodies]
     columns = [
-        Column("case", [row.case for row in found]),
-        Column("model", [row.model for row in found]),
-        Column("contact law", [row.law or None for row in found]),
-        Column.of("peak force", [one.peak for one in answers], FORCE),
-        Column.of("first pulse", [one.first_width for one in answers], MICROSECONDS),
-        Column.of("first to last tenth", [one.width for one in answers], MICROSECONDS),
-        Column("pulses", [one.pulses for one in answers]),
-        Column.of("impulse", [one.impulse for one in answers], IMPULSE),
-        Column.of("force over mass", [one.rigid_peak for one in answers], ACCELERATION),
-        Column.of("sensor's peak", [one.watched_peak for one in answers], ACCELERATION),
+        Column("case", [row.case for row in bodies]),
+        Column("model", [row.model for row in bodies]),
+        Column("contact law", [row.law or None for row in bodies]),
+        Column.of("peak force", [answer.peak for answer in answers], FORCE),
+        Column.of("first pulse", [answer.first_width for answer in answers], MICROSECONDS),
+        Column.of("first to last tenth", [answer.width for answer in answers], MICROSECONDS),
+        Column("pulses", [answer.pulses for answer in answers]),
+        Column.of("impulse", [answer.impulse for answer in answers], IMPULSE),
+        Column.of("force over mass", [answer.rigid_peak for answer in answers], ACCELERATION),
+        Column.of("sensor's peak", [answer.watched_peak for answer in answers], ACCELERATION),
     ]
     words = "The same bodies as elements, as masses on springs, and as layers of a bar; nothing is fitted"
     return page_table(words, columns)
 
 
-def reason_table(found: Sequence[Reason]) -> Table:
-    """Say why masses and layers part from the elements: each cause alone, measured."""
-    words = "Why they part: each cause alone, on elements twice as large"
-    return page_table(words, columns_of(Reason, found))
-
-
 def mesh_table(case: str, rows: Sequence[MeshRow]) -> Table:
-    """Say how peak, width and impulse converge with the mesh."""
+    """Show how peak, width and impulse converge with the mesh."""
     caption = f"{case} on {len(rows)} meshes, sizes relative to those of the case"
     return page_table(caption, columns_of(MeshRow, rows))
 
 
 def dimension_table(study: DimensionStudy) -> Table:
-    """Say what each assumed dimension does to the answer."""
+    """Show how each assumed dimension changes the answer."""
     base = [column.texts()[0] for column in columns_of(Answer, [study.base])]
     rows: list[list[Cell]] = [["as it stands", NONE, NONE, *base]]
     for row in study.rows:
+        size = amount(LENGTH, row.value, digits=5)
+        if row.path.endswith("tangent_modulus"):
+            size = amount(MODULUS, row.value, digits=4)
+        elif ".velocity." in row.path:
+            size = amount(VELOCITY, abs(row.value))
         both = zip(row.larger.changes(study.base), row.smaller.changes(study.base), strict=True)
-        changes = [f"{_percent(up)} / {_percent(down)}" for up, down in both]
-        rows.append([row.name, _size(row.path, row.value), Tag(row.provenance, row.provenance), *changes])
+        changes = [
+            " / ".join(NONE if math.isnan(change) else percent(change, 1, "+") for change in pair) for pair in both
+        ]
+        rows.append([row.name, size, Tag(row.provenance, row.provenance), *changes])
     words = (
         f"{study.case}, coarse elements: each assumed dimension {percent(SHARE, 0)} larger / smaller, "
         "with all that follows"
     )
-    return Table(words, ["changed", "value", "it is", *_answer_heads()], rows)
+    return Table(words, ["changed", "value", "it is", *(column.head for column in columns_of(Answer, []))], rows)
 
 
 def blow_table(solution: FemSolution) -> Table:
-    """Say what the plastic memory of the first blow changes in the second."""
+    """Show how the plastic memory of the first blow changes the second."""
     rows: list[list[Cell]] = []
     for blow in solution.blows:
         measure, contact = blow_measure(blow.run, blow.model.touching), next(iter(blow.contacts))
@@ -479,27 +422,12 @@ def blow_table(solution: FemSolution) -> Table:
         if touched is None:
             continue
         strain = max(measure.plastic_strain.values(), default=math.nan)
-        found = Answer(touched.peak, touched.duration, touched.impulse, math.nan, strain)
-        *cells, _, strained = (column.texts()[0] for column in columns_of(Answer, [found]))
-        given = NONE if back is None else f"{back:.4f}"
+        blow_answer = Answer(touched.peak, touched.duration, touched.impulse, math.nan, strain)
+        *cells, _, strained = (column.texts()[0] for column in columns_of(Answer, [blow_answer]))
+        restitution = NONE if back is None else f"{back:.4f}"
         work = written(shown(sum(measure.plastic_energy.values()), *ENERGY.units), 3)
-        rows.append([str(measure.blow), *cells, given, work, strained])
-    heads = [*_answer_heads()[:3], "restitution", headed("taken by yield", *ENERGY.units), "plastic strain"]
+        rows.append([str(measure.blow), *cells, restitution, work, strained])
+    answer_heads = [column.head for column in columns_of(Answer, [])][:3]
+    heads = [*answer_heads, "restitution", headed("taken by yield", *ENERGY.units), "plastic strain"]
     words = f"{solution.case.name} struck again on the surface that the blow before left, whole bodies"
     return Table(words, ["blow", *heads], rows)
-
-
-def _answer_heads() -> list[str]:
-    """Return the heads of an answer."""
-    return [column.head for column in columns_of(Answer, [])]
-
-
-def _percent(share: float) -> str:
-    return NONE if math.isnan(share) else percent(share, 1, "+")
-
-
-def _size(path: str, value: float) -> str:
-    """Write a dimension with its unit."""
-    if path.endswith("tangent_modulus"):
-        return amount(MODULUS, value, digits=4)
-    return amount(VELOCITY, abs(value)) if ".velocity." in path else amount(LENGTH, value, digits=5)

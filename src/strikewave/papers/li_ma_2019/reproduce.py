@@ -1,4 +1,4 @@
-"""Effort in, reproduction out: everything is run, set beside what Li & Ma 2019 publish, printed and drawn."""
+"""The reproduction of Li & Ma 2019: runs everything, compares it with the published numbers, prints and draws it."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from typing import ClassVar
 from strikewave.base.declare import MORE
 from strikewave.base.result import Notice, Verdicts
 from strikewave.base.texts import percent
-from strikewave.papers.li_ma_2019.answers import number_rows
+from strikewave.papers.li_ma_2019.compared_numbers import number_rows
 from strikewave.papers.li_ma_2019.element_pulses import element_numbers
+from strikewave.papers.li_ma_2019.element_studies import ElementStudies, run_element_studies
 from strikewave.papers.li_ma_2019.equations import equation_rows
 from strikewave.papers.li_ma_2019.findings import ELASTIC, QUIET, REFLECTING, WAVE, findings, machine_findings
-from strikewave.papers.li_ma_2019.further import Further, run_further
 from strikewave.papers.li_ma_2019.published import consistency_checks, published_number, published_numbers
 from strikewave.papers.li_ma_2019.report_tables import findings_table, numbers_table, plain_rows
 from strikewave.papers.li_ma_2019.result import PAPER, Reproduction, marked_text, notices_of
@@ -41,8 +41,8 @@ from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore
 
 RUNS, MAPS = 0.45, 0.05
-"""About what share of the time the runs of the figures take, and the maps over what is not published; the studies take
-the rest. For the progress bar alone."""
+"""Rough shares of time of the runs of the figures and of the maps, the rest for the studies; for the progress bar
+alone."""
 
 
 def reproduce(
@@ -50,16 +50,8 @@ def reproduce(
 ) -> Reproduction:
     """Reproduce Li & Ma 2019.
 
-    Parameters
-    ----------
-    effort : Effort
-        How much is run.
-    report : callable, optional
-        Called with the share done, 0 to 1, and what runs now.
-    store : RunStore, optional
-        Finished runs, and the states of those that were stopped.
-    pool : Pool, optional
-        Who makes the runs of maps and studies; this process where it is left out.
+    ``report`` takes the share done, 0 to 1, and the current stage; ``store`` has finished runs and the states of
+    stopped ones; ``pool`` makes the runs of maps and studies, this process without one.
     """
     report(0.0, "equations")
     equations = equation_rows()
@@ -69,21 +61,20 @@ def reproduce(
     with executing(store, pool, effort.threads, report) as execution:
         runs = run_all(effort, execution.within(0.0, ends[0]))
         unknowns = run_unknowns(not mapped, execution.within(*ends))
-        further = run_further(execution.within(ends[1], 1.0)) if studied else Further()
+        studies = run_element_studies(execution.within(ends[1], 1.0)) if studied else ElementStudies()
     checks = consistency_checks()
     named = {QUIET: QUIET_ELEMENTS, REFLECTING: RIGID_ELEMENTS, WAVE: QUIET_WAVE_ELEMENTS}
     solutions = {name: runs.element_solution(case) for name, case in named.items()}
-    solutions[ELASTIC] = further.elastic
-    measured = {name: None if table is None else element_numbers(table) for name, table in solutions.items()}
+    solutions[ELASTIC] = studies.elastic
+    measured = {name: None if solution is None else element_numbers(solution) for name, solution in solutions.items()}
     numbers = number_rows(published_numbers(), runs, unknowns.ranges())
     low, high, _ = unknowns.direct_peak
     buffered = published_number("buffered peak").value
     rows = findings(equations, checks, measured, (low / buffered, high / buffered))
     rows += machine_findings(runs, unknowns.joints)
-    sources = notices_of(runs)
     verdicts = Verdicts(text for _, text in runs.checked)
-    found = runs, equations, numbers, checks, rows, unknowns, further, effort
-    return Reproduction(*found, notices=sources, citations=(PAPER,), verdicts=verdicts)
+    parts = runs, equations, numbers, checks, rows, unknowns, studies, effort
+    return Reproduction(*parts, notices=notices_of(runs), citations=(PAPER,), verdicts=verdicts)
 
 
 def run_reproduction(command: ReproduceCommand, output: Output) -> int:
@@ -94,7 +85,7 @@ def run_reproduction(command: ReproduceCommand, output: Output) -> int:
 
 @dataclass
 class ReproduceCommand(ResumableCommand[Reproduction]):
-    """The reproduction of the paper; one that is stopped goes on where it was."""
+    """The command that reproduces the paper; a stopped one continues where it was."""
 
     of_test: ClassVar[bool] = False
     indent: ClassVar[int | None] = 2
@@ -111,25 +102,26 @@ class ReproduceCommand(ResumableCommand[Reproduction]):
             self.stopped_after(stop, store)
 
     def summary(self, result: Reproduction) -> str:
-        """Say what came out."""
+        """Say what resulted."""
         from strikewave.papers.li_ma_2019.report import reproduction_words
 
         return reproduction_words(result)
 
     def show(self, result: Reproduction) -> None:
-        """Print the published numbers with what was computed, and what was found."""
+        """Print the published numbers with what was computed, and the findings."""
         heads = ("published number", "published", "origin", "computed", "difference", "role", "by")
         rows = plain_rows(numbers_table([row for row in result.numbers if row.computed]), heads)
         columns = [
             *keys("published number"),
             *numerals("published"),
             *texts("origin", priority=MORE),
-            *numerals("computed"),
+            *numerals("computed", "difference"),
+            *texts("role", priority=MORE),
+            *texts("by"),
         ]
-        columns += [*numerals("difference"), *texts("role", priority=MORE), *texts("by")]
         table("Published numbers and what was computed", columns, rows)
         rows = plain_rows(findings_table(result.findings), ("topic", "found", "verdict"))
-        table("What the paper gets right, and what not", [*keys("topic"), *texts("found"), *texts("verdict")], rows)
+        table("What the paper gets right, and what not", [*keys("topic"), *texts("found", "verdict")], rows)
         tell("")
         tell(f"{len(result.notices)} warnings of the runs; the report lists them")
 

@@ -1,4 +1,4 @@
-"""What is run to reproduce Li & Ma 2019, and how: what is finished is kept, so that a stopped one goes on there."""
+"""The runs that reproduce Li & Ma 2019, and their execution: a stopped one continues from what it stored."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from strikewave.analyses.machine.run import run_case
 from strikewave.analyses.wave.result import WaveSolution
 from strikewave.analyses.wave.run import run_wave
 from strikewave.base.errors import InputError, StrikewaveError
+from strikewave.base.result import Result
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.files import bundled_cases
 from strikewave.studies.engine.answers import Failure, OfCase, answers
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 
 Answer = TypeVar("Answer")
 Report = Callable[[float, str], None]
-"""Takes the share done, 0 to 1, and what runs now."""
+"""Takes the share done, 0 to 1, and the name of the current stage."""
 
 
 def silent(share: float, words: str) -> None:
@@ -33,31 +34,13 @@ def silent(share: float, words: str) -> None:
 
 
 def within(report: Report, begin: float, end: float, what: str = "") -> Report:
-    """Return a report of a stage that goes from one share to another; ``what`` is said before its words.
-
-    Examples
-    --------
-    >>> within(lambda share, words: print(share, words), 0.5, 1.0, "a case")(0.5, "builds the mesh")
-    0.75 a case: builds the mesh
-    """
+    """Return a report of a stage that goes from one share to another; ``what`` stands before its words."""
     return lambda share, words: report(begin + (end - begin) * share, ": ".join(filter(None, (what, words))))
 
 
 @dataclass(frozen=True)
 class Execution:
-    """Who makes runs, where finished ones are kept, and to whom they are reported.
-
-    Attributes
-    ----------
-    store : RunStore
-        Finished runs, and the state of those of elements.
-    pool : Pool
-        Who makes the others.
-    threads : int
-        Threads of a run of elements.
-    report : callable
-        Takes how far it is.
-    """
+    """The store of finished runs, the pool for others, threads of a run of elements, and the report of progress."""
 
     store: RunStore
     pool: Pool
@@ -68,28 +51,29 @@ class Execution:
         """Return the execution of a stage; see `within`."""
         return replace(self, report=within(self.report, begin, end, what))
 
-    def answers(self, words: str, questions: Sequence[OfCase[Answer]]) -> list[Answer]:
-        """Return the answers to questions, in their order."""
+    def answers(self, stage: str, questions: Sequence[OfCase[Answer]]) -> list[Answer]:
+        """Return the answers to questions, in their order; raise `StrikewaveError` for one that failed."""
 
         def advance(now: StudyProgress) -> None:
-            self.report(now.share, f"{words}: {now.done} of {now.total}")
+            self.report(now.share, f"{stage}: {now.done} of {now.total}")
 
-        self.report(0.0, words)
-        found = answers(questions, self.store, self.pool, advance)
-        for one, question in zip(found, questions, strict=True):
-            if isinstance(one, Failure):
-                raise StrikewaveError(f"{question.case.name}: {one.reason}")
-        return [one for one in found if not isinstance(one, Failure)]
+        self.report(0.0, stage)
+        results: list[Answer] = []
+        for answer, question in zip(answers(questions, self.store, self.pool, advance), questions, strict=True):
+            if isinstance(answer, Failure):
+                raise StrikewaveError(f"{question.case.name}: {answer.reason}")
+            results.append(answer)
+        return results
 
     def elements(self, case: Case) -> FemSolution:
-        """Return the run of a case of elements; one that was stopped goes on from the last state that it kept."""
+        """Return the run of a case of elements, from the last stored state if it was stopped."""
         from strikewave.analyses.fem.build import build_model
         from strikewave.analyses.fem.run import run_model
         from strikewave.fem.solve import Checkpoint, Progress, RunOptions
 
         def seen(progress: Progress) -> None:
-            words = f"{progress.left:.0f} s left of this run" if progress.time else ""
-            self.report(progress.time / progress.duration, words)
+            left = f"{progress.left:.0f} s left of this run" if progress.time else ""
+            self.report(progress.time / progress.duration, left)
 
         self.report(0.0, "builds the mesh")
         model, state = build_model(case, self.threads), self.store.state(run_key(case, "elements"))
@@ -104,9 +88,9 @@ class Execution:
 def executing(
     store: RunStore | None = None, pool: Pool | None = None, threads: int = 1, report: Report = silent
 ) -> Iterator[Execution]:
-    """Give an execution: in a store and on a pool that are given, or in this process, for as long as it takes."""
-    with given_or_temporary(store) as kept, pool or ProcessPool(1) as open_pool:
-        yield Execution(kept, open_pool, threads, report)
+    """Give an execution with the store and pool that are given, or in this process, for as long as it takes."""
+    with given_or_temporary(store) as open_store, pool or ProcessPool(1) as open_pool:
+        yield Execution(open_store, open_pool, threads, report)
 
 
 MACHINE, COMPARISON, FIXTURE, BAR, EQUAL_BLOWS = (
@@ -120,11 +104,11 @@ RIGID_ELEMENTS, QUIET_ELEMENTS = "li-ma-2019-fem-rigid", "li-ma-2019-fem-rigid-q
 WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS = "li-ma-2019-fem-wave", "li-ma-2019-fem-wave-quiet"
 """The object of Figure 11 and the sensor of Figure 15, each also with non-reflecting faces."""
 NON_REFLECTING = (QUIET_ELEMENTS, QUIET_WAVE_ELEMENTS)
-"""Those whose faces are as in the paper's own simulations."""
+"""Cases whose faces are as in the paper's own simulations."""
 ELEMENT_CASES = (RIGID_ELEMENTS, QUIET_ELEMENTS, WAVE_ELEMENTS, QUIET_WAVE_ELEMENTS)
 COARSER, SHORTER = 1.25, "fem.duration=400 us"
-"""By how much elements are larger where a run is to be quick, and for how long it then goes: the time of a run falls
-with the fourth power of their size, here to two fifths, and the duration is twice the published width."""
+"""Growth of elements in a quick run, and its duration: twice the published width. The time of a run falls with the 4th
+power of the size, here to two fifths."""
 PASSING = (
     "stack.layer.sensor.material=2A12",
     "stack.layer.upper.length=60 mm",
@@ -140,50 +124,30 @@ PASSING = (
 
 @dataclass(frozen=True)
 class Effort:
-    """How much is run.
-
-    Attributes
-    ----------
-    quick : bool
-        True if elements are `COARSER`.
-    elements : bool
-        True if the finite-element models are run at all.
-    studies : bool
-        True if they are studied further: meshes, assumed dimensions, a second blow; never where quick.
-    threads : int
-        For those.
-    """
+    """The amount of work."""
 
     quick: bool = False
+    """True for coarser elements."""
     elements: bool = True
+    """True if the finite-element models are run."""
     threads: int = 1
+    """Threads of those models."""
     studies: bool = True
+    """True if those models are also studied: meshes, assumed dimensions, a second blow; never where quick."""
 
 
 @dataclass(frozen=True)
 class Runs:
-    """The solutions that the reproduction rests on.
+    """The solutions that the reproduction rests on."""
 
-    Attributes
-    ----------
-    machine, comparison, fixture, equal_blows : Solution
-        Solutions of Figures 9 and 11, 5, 13, and of the same machine with equal blows.
-    bar, passing : WaveSolution
-        The sensor fixture under a front of 5 us, and a stack with multiple reflections (Figure 7).
-    elements : tuple of FemSolution
-        Solutions of Figures 11 and 15; empty where they were left out.
-    quick : bool
-        True if their meshes are coarse.
-    """
-
-    machine: Solution
-    comparison: Solution
-    fixture: Solution
-    equal_blows: Solution
-    bar: WaveSolution
-    passing: WaveSolution
-    elements: tuple[FemSolution, ...]
-    quick: bool
+    machine: Solution  # Figures 9 and 11
+    comparison: Solution  # Figure 5
+    fixture: Solution  # Figure 13
+    equal_blows: Solution  # the same machine, adjusted for equal blows
+    bar: WaveSolution  # the sensor fixture under a front of 5 us
+    passing: WaveSolution  # a stack with multiple reflections, Figure 7
+    elements: tuple[FemSolution, ...]  # Figures 11 and 15; empty where they were left out
+    quick: bool  # whether their meshes are coarse
 
     @property
     def impacts(self) -> tuple[Solution, ...]:
@@ -192,16 +156,18 @@ class Runs:
 
     @property
     def checked(self) -> tuple[tuple[str, str], ...]:
-        """Name of each run, and what its checks came to."""
-        pairs = [(one.case.name, one.own_verdict.text) for one in self.impacts]
-        pairs += [(one.case.name, one.own_verdict.text) for one in (self.bar, self.passing)]
-        return (*pairs, *((one.case.name, one.own_verdict.text) for one in self.elements))
+        """Name of each run, and the verdict of its checks."""
+        solutions: list[Result] = [*self.impacts, self.bar, self.passing, *self.elements]
+        return tuple((solution.source.name, solution.own_verdict.text) for solution in solutions)
 
     @property
     def cases(self) -> tuple[Case, ...]:
         """All built-in cases that were run, each once."""
-        own = tuple(solution.case for solution in self.impacts)
-        return (*own, self.bar.case, *(solution.case for solution in self.elements))
+        return (
+            *(solution.case for solution in self.impacts),
+            self.bar.case,
+            *(solution.case for solution in self.elements),
+        )
 
     def element_solution(self, case: str) -> FemSolution | None:
         """Return the solution of a finite-element model, or None."""
@@ -209,14 +175,7 @@ class Runs:
 
 
 def run_all(effort: Effort, execution: Execution) -> Runs:
-    """Run everything.
-
-    Parameters
-    ----------
-    effort : Effort
-        How much.
-    execution : Execution
-        How.
+    """Run everything, with that effort and execution.
 
     Examples
     --------
@@ -251,13 +210,7 @@ def element_cases(effort: Effort) -> list[Case]:
 
 
 def quick_changes(name: str) -> list[str]:
-    """Return what a quick run changes in a finite-element model.
-
-    Examples
-    --------
-    >>> quick_changes("li-ma-2019-fem-wave")[0], quick_changes("li-ma-2019-fem-wave")[-1]
-    ('mesh.part.striker.size=3.75 mm', 'compare=true')
-    """
+    """Return the changes of a quick run to a finite-element model."""
     return [*coarser(load_case(name)), SHORTER, "compare=true"]
 
 

@@ -1,12 +1,12 @@
-"""What inputs that are not published leave of published numbers: Figure 5 over gaskets, Figure 13 over joints.
+"""The ranges that unpublished inputs leave to published numbers: Figure 5 over gaskets, Figure 13 over joints.
 
-Figure 5 over gaskets: the direct sensor in the blow in which the buffered one reads its published peak. The buffered
-peak, 6 353.22 g, is met by the engagement with every gasket; the direct reading of the same blow is then asked. It is
-6 353.22 g over what the gasket passes of a peak, so that it knows no bounds but those of the gaskets.
+Figure 5: the engagement is fitted so that the buffered sensor reads its published peak, 6 353.22 g, with every gasket;
+the direct sensor is then read in the same blow. Its peak is 6 353.22 g over the gain of the gasket, so that only the
+gaskets bound it.
 
-Figure 13 over joints: what the sensor between two cylinders reads, by how hard the bolts press and the faces yield.
+Figure 13: the reading of the sensor between two cylinders over the preload of the bolts and the stiffness of the faces.
 The joints above and below the sensor are bolted faces: unilateral springs under a preload. Where the tension behind
-the front of the blow exceeds the preload they open, and chatter; each closing is a steep front, which the sensor
+the front of the blow exceeds the preload they open and chatter; each closing is a steep front, which the sensor
 answers with its resonance.
 """
 
@@ -38,25 +38,25 @@ Array = NDArray[np.float64]
 DIRECT, BUFFERED = "direct", "buffered"
 """Names of the two sensors of the case."""
 FIRST_BLOW = ("feed.blows=1", "feed.stroke_time=20 ms")
-"""Changes to the case: its first blow alone; and a feed that is through between two strikers, since with that of the
-case the striker before the first blow meets the object on its way as soon as the engagement is beyond 9.5 mm."""
+"""Changes to the case: its first blow alone, and a feed that is through between two strikers: with that of the case the
+striker before meets the object on its way from an engagement of 9.5 mm on."""
 DEEPEST = 18e-3
 """Largest engagement that is tried, m: short of the stroke of the feed, 20 mm, which must clear the noses."""
 ORDER = 0.5
-"""The peak grows with the speed, hence with the root of the engagement, w sqrt(2 R q - q^2): slope of the search."""
+"""Slope of the search: the peak grows with the speed, hence with the root of the engagement, w sqrt(2 R q - q^2)."""
 MET = 2e-4
-"""Relative miss of the buffered peak at which a search ends: two parts in ten thousand of the direct one, too."""
+"""Relative miss of the buffered peak at which a search ends; that of the direct one is as small."""
 MOST_RUNS = 8
-"""Runs of a search at most: each takes the miss to a tenth or less."""
+"""Largest number of runs of a search: each takes the miss to a tenth or less."""
 AFTER = 2e-4
-"""When the blow itself is over, s after first touch: the published width. What a sensor reads later is ringing."""
+"""End of the blow itself, s after first touch: the published width. Later readings are ringing."""
 DENSITY, DIAMETER = "1200 kg/m^3", "15 mm"
-"""Density and diameter of every gasket: polymers and elastomers lie within a third of this density, which hardly
-matters beside the sensor's mass; the diameter is that of the case. Both assumed."""
+"""Density and diameter of every gasket, both assumed: polymers lie within a third of this density, which hardly matters
+against the sensor's mass; the diameter is that of the case."""
 
 
 class GasketGrid(NamedTuple):
-    """Gaskets that are tried: modulus in Pa at the speed of a blow, loss factor, thickness in m of all together."""
+    """The gaskets of a map: modulus at the speed of a blow (Pa), loss factor, thickness of all together (m)."""
 
     moduli: tuple[float, ...]
     losses: tuple[float, ...]
@@ -64,16 +64,10 @@ class GasketGrid(NamedTuple):
 
 
 USUAL_GASKETS = GasketGrid((5e6, 10e6, 20e6, 50e6, 100e6, 200e6, 500e6, 1e9), (0.05, 0.2, 0.8), (1e-3, 3e-3, 6e-3))
-"""From soft elastomers to hard polymers, from hardly damped to made for damping, one thin gasket to a stack. The paper
-says "multiple layers of different wave impedance gaskets" of its other test, and nothing of these; all assumed."""
+"""From soft elastomers to hard polymers, hardly damped to made for damping, one thin gasket to a stack; all assumed.
+The paper says "multiple layers of different wave impedance gaskets" of its other test, and nothing of these."""
 COARSE_GASKETS = GasketGrid((50e6, 500e6), (0.05, 0.8), (3e-3,))
-"""Four of them, for a run that shall take seconds."""
-FINE_GASKETS = GasketGrid(
-    tuple(float(f"{modulus:.3g}") for modulus in np.geomspace(5e6, 1e9, 13)),
-    (0.05, 0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0),
-    (1e-3, 2e-3, 3e-3, 4.5e-3, 6e-3),
-)
-"""The same range in finer steps: minutes."""
+"""Four gaskets, for a run of seconds."""
 
 
 @declare.dataclass
@@ -97,24 +91,16 @@ class GasketCell:
 
 @dataclass(frozen=True)
 class GasketStudy:
-    """The direct sensor over gaskets.
-
-    Attributes
-    ----------
-    grid : GasketGrid
-    cells : tuple of GasketCell
-        In the order of the grid, the thickness slowest, the modulus fastest.
-    assumed : GasketCell
-        The gaskets of the case, in the same way.
-    same_machine : float
-        Peak of the direct sensor with the engagement of li-ma-2019, whatever the gasket, m/s^2: if the test ran as that
-        of Figure 11 did, which is not said.
-    """
+    """The direct sensor over gaskets."""
 
     grid: GasketGrid
     cells: tuple[GasketCell, ...]
+    """In the order of the grid, the thickness slowest, the modulus fastest."""
     assumed: GasketCell
+    """The gaskets of the case."""
     same_machine: float
+    """Peak of the direct sensor with the engagement of li-ma-2019, whatever the gasket, m/s^2: if the test ran as that
+    of Figure 11 did, which is not said."""
 
     @property
     def reached(self) -> tuple[GasketCell, ...]:
@@ -123,7 +109,7 @@ class GasketStudy:
 
     @property
     def calm(self) -> tuple[GasketCell, ...]:
-        """Of these, the ones that calm the pulse as the paper says."""
+        """The gaskets of these that calm the pulse as the paper says."""
         return tuple(cell for cell in self.reached if cell.calm)
 
     def field(self, name: str) -> Array:
@@ -134,13 +120,7 @@ class GasketStudy:
 
 
 def extremes(values: list[float]) -> tuple[float, float]:
-    """Return the smallest and the largest size of values.
-
-    Examples
-    --------
-    >>> extremes([3.0, -4.0])
-    (3.0, 4.0)
-    """
+    """Return the smallest and the largest size of values."""
     sizes = [abs(value) for value in values]
     return min(sizes), max(sizes)
 
@@ -206,8 +186,8 @@ def gasket_study(execution: Execution, grid: GasketGrid = USUAL_GASKETS) -> Gask
     """Run the first blow of Figure 5 with every gasket of a grid."""
     case = load_case(COMPARISON, FIRST_BLOW)
     gaskets = [(modulus, loss, thickness) for thickness, loss, modulus in itertools.product(*reversed(grid))]
-    asked = [OfCase(with_gasket(case, *gasket), gasket_cell, GasketCell, gasket) for gasket in gaskets]
-    assumed, *cells = execution.answers(f"{COMPARISON} over gaskets", [OfCase(case, gasket_cell, GasketCell), *asked])
+    runs = [OfCase(with_gasket(case, *gasket), gasket_cell, GasketCell, gasket) for gasket in gaskets]
+    assumed, *cells = execution.answers(f"{COMPARISON} over gaskets", [OfCase(case, gasket_cell, GasketCell), *runs])
     engagement = load_case(MACHINE).values()["machine.engagement"]
     reading = observe(case.with_values({"machine.engagement": engagement})).readings[0]
     same = math.nan if reading is None else reading.sensors[DIRECT].peak
@@ -215,21 +195,21 @@ def gasket_study(execution: Execution, grid: GasketGrid = USUAL_GASKETS) -> Gask
 
 
 FACES = ("upper", "sensor")
-"""Joints of the case that the bolts press: above and below the sensor, by the layer that each stands behind."""
+"""Joints of the case that the bolts press, above and below the sensor, by the layer in front of each."""
 RIGID = math.inf
-"""Stiffness of faces that do not give way: those of the case."""
+"""Stiffness of rigid faces, as in the case."""
 KEPT = 0.05
-"""Largest relative change of peak and width of the rigid pulse with which it counts as kept: by as much measured and
-simulated peak of Figure 11 differ, which the paper calls good consistency."""
+"""Largest relative change of peak and width of a kept rigid pulse: the difference that the paper calls good
+consistency."""
 TRAINS_FROM = 0.6
-"""About what share of the time first blows take, whole trains the rest: for the progress bar alone."""
+"""Rough share of time of first blows, the rest for whole trains; for the progress bar alone."""
 CHATTER = 300.0, 2e9
-"""Preload (N) and stiffness (N/m) of joints that chatter: bolts hardly tightened. They were chosen because they give
-about the published peak, so that this is no prediction of it."""
+"""Preload (N) and stiffness (N/m) of joints that chatter: bolts hardly tightened. Chosen because they give about the
+published peak, which they so do not predict."""
 
 
 class JointGrid(NamedTuple):
-    """Joints that are tried: preload of each in N, stiffness of each pair of faces in N/m; pairs with whole trains."""
+    """The joints of a map: preloads (N), stiffnesses of each pair of faces (N/m), and pairs with whole trains."""
 
     preloads: tuple[float, ...]
     stiffnesses: tuple[float, ...]
@@ -241,16 +221,10 @@ USUAL_JOINTS = JointGrid(
     (0.2e9, 0.5e9, 1e9, 2e9, 5e9, 10e9, 20e9, RIGID),
     (CHATTER, (100.0, 5e9), (1e3, 2e9), (3e3, 2e9)),
 )
-"""From bolts turned by hand to tight ones, from faces that add as much to the stack as half a metre of steel to
-rigid ones. The paper says that the faces are polished and bolted; all assumed."""
+"""From bolts turned by hand to tight ones, from faces as soft as half a metre of steel to rigid ones; all assumed. The
+paper says that the faces are polished and bolted."""
 COARSE_JOINTS = JointGrid((300.0, 10e3), (0.2e9, 2e9, RIGID))
-"""Six of them, for a run that shall take seconds."""
-FINE_JOINTS = JointGrid(
-    tuple(float(f"{preload:.3g}") for preload in np.geomspace(30.0, 30e3, 13)),
-    (*(float(f"{stiffness:.3g}") for stiffness in np.geomspace(0.2e9, 20e9, 13)), RIGID),
-    tuple(itertools.product((100.0, 300.0, 1e3, 3e3), (0.5e9, 1e9, 2e9, 5e9))),
-)
-"""The same range in finer steps."""
+"""Six joints, for a run of seconds."""
 
 
 @declare.dataclass
@@ -280,7 +254,7 @@ class JointCell:
 
 @dataclass(frozen=True)
 class Mechanism:
-    """Something that may give the published peak: its name, the changes to the case, and the first blow."""
+    """A possible cause of the published peak: its name, the changes to the case, and the first blow."""
 
     name: str
     changes: tuple[str, ...]
@@ -288,7 +262,7 @@ class Mechanism:
 
 
 class TrainScatter(NamedTuple):
-    """Coefficients of variation of the peaks over all blows of a train: of the sensor, and of the rigid pulse."""
+    """Coefficients of variation of the peaks of a train: of the sensor, and of the rigid pulse."""
 
     sensor: float
     rigid: float
@@ -296,19 +270,7 @@ class TrainScatter(NamedTuple):
 
 @dataclass(frozen=True)
 class JointStudy:
-    """The sensor between two cylinders over its joints.
-
-    Attributes
-    ----------
-    grid : JointGrid
-    cells : tuple of JointCell
-        In the order of the grid, the preload slowest.
-    assumed : FixtureBlow
-        With the joints of the case.
-    mechanisms : tuple of Mechanism
-    trains : tuple of TrainScatter
-        Scatter of the trains of the pairs of the grid.
-    """
+    """The sensor between two cylinders over its joints; cells in the order of the grid, the preload slowest."""
 
     grid: JointGrid
     cells: tuple[JointCell, ...]
@@ -341,13 +303,13 @@ def joint_changes(preload: float, stiffness: float) -> tuple[str, ...]:
 
 
 FRAME_TIMES = 10.0
-"""How many times as stiff the frame is among the mechanisms: nearly no spring between the nose and the cylinders."""
+"""Factor of the stiffness of the frame among the mechanisms: nearly no spring between nose and cylinders."""
 RESONANCE = "5 kHz"
 """Resonance of the sensor among the mechanisms: far below any accelerometer's, near the 2.5 kHz of a 200 us pulse."""
 
 
 def mechanism_changes() -> dict[str, tuple[str, ...]]:
-    """Return what may give the published peak: changes to the case by name."""
+    """Return the possible causes of the published peak: changes to the case by name."""
     frame = load_case(FIXTURE).values()["stack.joint.nose.stiffness"].si
     open_joint = "stack.joint.upper.preload=0 N"
     return {
@@ -399,11 +361,11 @@ def train_scatter(case: Case) -> TrainScatter:
 
 
 GASKETS_SHARE = 0.75
-"""About what share of the time the gaskets take, the joints the rest: for the progress bar alone."""
+"""Rough share of time of the gaskets, the rest for the joints; for the progress bar alone."""
 
 
 class OpenRange(NamedTuple):
-    """A number between what unknown inputs make of it: lowest and highest, SI, and which inputs leave it."""
+    """The ends of a number that unknown inputs leave open, SI, and these inputs."""
 
     low: float
     high: float

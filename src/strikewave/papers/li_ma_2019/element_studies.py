@@ -1,8 +1,7 @@
-"""Runs beyond those that the figures need: meshes, assumed dimensions, a second blow, the same bodies without yield.
+"""Studies of the element models: meshes, assumed dimensions, a second blow, the same bodies without yield.
 
-How the answers of the element models depend on their meshes, and on the dimensions that are only assumed. The paper
-gives no dimension. What stands on another part follows it: a taller frame carries the striker higher and leaves more
-room for what stands in its opening.
+The paper gives no dimension. A part that stands on another follows it: a taller frame carries the striker higher and
+leaves more room in its opening.
 """
 
 from __future__ import annotations
@@ -24,18 +23,16 @@ from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WA
 from strikewave.studies.engine.answers import OfCase
 
 SHARE = 0.1
-"""By which an assumed dimension is changed, up and down. Chosen: large enough to stand out of what a coarse mesh
-errs by, small enough that the answer goes nearly straight with it."""
+"""Relative change of an assumed dimension, up and down: above the error of a coarse mesh, yet nearly linear."""
 MESHES = (2.0, math.sqrt(2.0), 1.0)
-"""Sizes of elements, relative to those of the case: three in a geometric series, from which convergence is read. The
-finest is the mesh of the case; each root of two takes four times as long."""
+"""Sizes of elements over those of the case, in a geometric series; each root of two takes four times as long."""
 STUDIED = "300 us"
 """Duration of the runs of a study: one and a half published widths, so that the blow is over."""
 
 
 @declare.dataclass
 class Answer:
-    """Answer of an element model of a blow: its first contact, and what it does to the bodies."""
+    """The first contact of an element model, and its effect on the bodies."""
 
     peak_force: float = declare.number(Quantity("N", "kN", digits=5), "of whole bodies", column=MAIN)
     width: float = declare.number(
@@ -52,13 +49,7 @@ class Answer:
     plastic_strain: float = declare.number(Quantity(NO_UNIT, NO_UNIT, digits=3), "largest anywhere", column=MAIN)
 
     def changes(self, other: Answer) -> tuple[float, ...]:
-        """Return how far this answer is from another, relative to that; NaN where that is 0.
-
-        Examples
-        --------
-        >>> Answer(11.0, 2.0, 3.0, 4.0, 0.0).changes(Answer(10.0, 2.0, 4.0, 4.0, 0.0))
-        (0.1, 0.0, -0.25, 0.0, nan)
-        """
+        """Return how far this answer is from another, relative to that; NaN where that is 0."""
         pairs = zip(astuple(self), astuple(other), strict=True)
         return tuple(round(mine / base - 1.0, 12) if base else math.nan for mine, base in pairs)
 
@@ -93,7 +84,7 @@ class MeshRow:
 
     @declare.phrase("energy error", column=MAIN)
     def error_text(self) -> str:
-        """Return what the balance of energy misses, with its sign."""
+        """Return the energy error with its sign."""
         return f"{self.energy_error:+.0e}"
 
     hourglass_share: float = declare.number(
@@ -111,11 +102,11 @@ def mesh_row(case: Case, size: float, threads: int = 1) -> MeshRow:
 
 def mesh_rows(name: str, execution: Execution, sizes: Sequence[float] = MESHES) -> tuple[MeshRow, ...]:
     """Run a case on several meshes, coarsest first."""
-    meshes = [studied(name, coarser(load_case(name), size) if size != 1.0 else []) for size in sizes]
-    asked = [
-        OfCase(mesh, mesh_row, MeshRow, (size,), execution.threads) for mesh, size in zip(meshes, sizes, strict=True)
-    ]
-    return tuple(execution.answers(f"{name} on {len(sizes)} meshes", asked))
+    runs = []
+    for size in sizes:
+        mesh = studied(name, coarser(load_case(name), size) if size != 1.0 else [])
+        runs.append(OfCase(mesh, mesh_row, MeshRow, (size,), execution.threads))
+    return tuple(execution.answers(f"{name} on {len(sizes)} meshes", runs))
 
 
 def studied(name: str, changes: Sequence[str] = ()) -> Case:
@@ -125,17 +116,10 @@ def studied(name: str, changes: Sequence[str] = ()) -> Case:
 
 @dataclass(frozen=True)
 class Dimension:
-    """Something assumed in an element model: quantities that change by the same factor, or by the same length.
+    """An assumed dimension: the quantities at ``paths`` of the case, of which the first is listed.
 
-    Attributes
-    ----------
-    name : str
-    paths : tuple of str
-        Paths in the case; the first one is listed.
-    together : bool
-        True if the others change by the length of the first, instead of by its factor.
-    outside : str
-        Path of the outer diameter where the first is the inner one of a tube, whose wall is what changes.
+    They change by the same factor, or by the same length where ``together``. ``outside`` is the path of the outer
+    diameter of a tube whose inner one comes first: its wall is then the dimension.
     """
 
     name: str
@@ -144,7 +128,7 @@ class Dimension:
     outside: str = ""
 
     def size(self, values: Mapping[str, float]) -> float:
-        """Return what is larger or smaller, SI."""
+        """Return the dimension in SI units."""
         first = values[self.paths[0]]
         return 0.5 * (values[self.outside] - first) if self.outside else first
 
@@ -170,7 +154,7 @@ SHELL = (
     Dimension("wall of the shell", _part("shell.inner_diameter"), outside="mesh.part.shell.outer_diameter"),
     Dimension("slope beyond yield", _part("striker.solid.tangent_modulus", "frame.solid.tangent_modulus")),
 )
-"""Further dimensions that the model of the rigid pulse assumes."""
+"""ElementStudies dimensions that the model of the rigid pulse assumes."""
 SENSOR = (
     Dimension("diameter of cylinders and sensor", _part("sensor.diameter", "upper.diameter", "lower.diameter")),
     Dimension("height of the sensor", _part("sensor.length")),
@@ -179,28 +163,16 @@ SENSOR = (
         _part(*(f"{name}.solid.tangent_modulus" for name in ("striker", "frame", "upper", "lower"))),
     ),
 )
-"""Further dimensions that the model of the wave assumes."""
+"""ElementStudies dimensions that the model of the wave assumes."""
 
 
 def dimensions(case: Case) -> tuple[Dimension, ...]:
-    """Return what is assumed in the model of the rigid pulse, or in that of the wave.
-
-    Examples
-    --------
-    >>> [row.name for row in dimensions(load_case("li-ma-2019-fem-wave"))][-3:]
-    ['diameter of cylinders and sensor', 'height of the sensor', 'slope beyond yield']
-    """
+    """Return the assumed dimensions of the model of the rigid pulse, or of the wave."""
     return FRAME + (SENSOR if any(path.startswith("mesh.part.sensor.") for path in case.values()) else SHELL)
 
 
 def changed(case: Case, dimension: Dimension, share: float) -> list[str]:
-    """Return the changes to a case where one dimension is larger by a share of itself, with all that follows from it.
-
-    Examples
-    --------
-    >>> changed(load_case("li-ma-2019-fem-rigid"), FRAME[5], 0.1)[0]
-    'mesh.part.frame.height=0.066'
-    """
+    """Return the changes to a case where one dimension is larger by a share of itself, with what follows from it."""
     values = {path: value.si for path, value in case.values().items()}
     first = dimension.size(values) * share * (-2.0 if dimension.outside else 1.0)
     alike = dimension.together or bool(dimension.outside)
@@ -210,7 +182,7 @@ def changed(case: Case, dimension: Dimension, share: float) -> list[str]:
 
 
 def seats(values: Mapping[str, float]) -> dict[str, float]:
-    """Return where parts stand, and how long those are that fill the opening of the frame: by path, m.
+    """Return where parts stand, and the lengths of those that fill the opening of the frame: by path, m.
 
     The striker touches the top of the frame; a shell fills the opening, or two equal cylinders with the sensor between.
     """
@@ -228,7 +200,7 @@ def seats(values: Mapping[str, float]) -> dict[str, float]:
 
 @declare.dataclass
 class DimensionRow:
-    """What an assumed dimension does to the answer: larger and smaller by `SHARE`."""
+    """The answers with an assumed dimension larger and smaller by `SHARE`."""
 
     name: str = declare.word("what is changed")
     path: str = declare.word("of the quantity in the case")
@@ -239,13 +211,13 @@ class DimensionRow:
 
     @declare.computed(declare.number(RATIO, "by how much it is larger and smaller"))
     def share(self) -> float:
-        """By how much it is larger and smaller."""
+        """Relative change of the dimension."""
         return SHARE
 
 
 @declare.dataclass
 class DimensionStudy:
-    """The answer of a coarse mesh as the case stands, and how each assumed dimension changes it."""
+    """The answer of a coarse mesh as the case stands, and with each assumed dimension changed."""
 
     case: str = declare.word("name of the case")
     base: Answer = declare.part(Answer, "as the case stands")
@@ -255,14 +227,17 @@ class DimensionStudy:
 def dimension_study(name: str, execution: Execution, size: float = MESHES[0]) -> DimensionStudy:
     """Run a case with each assumed dimension larger and smaller by `SHARE`, on elements of ``size`` times its own."""
     case = load_case(name)
-    mesh, listed = coarser(case, size), dimensions(case)
-    changes = [[], *(changed(case, dimension, share) for dimension in listed for share in (SHARE, -SHARE))]
-    asked = [
-        OfCase(studied(name, [*mesh, *change]), answer_of, Answer, threads=execution.threads) for change in changes
-    ]
-    base, *found = execution.answers(f"{name}, assumed dimensions ±{percent(SHARE, 0)}", asked)
-    pairs = zip(listed, found[::2], found[1::2], strict=True)
-    return DimensionStudy(name, base, tuple(_row(case, *pair) for pair in pairs))
+    mesh, assumed, values = coarser(case, size), dimensions(case), case.values()
+    changes = [[], *(changed(case, dimension, share) for dimension in assumed for share in (SHARE, -SHARE))]
+    runs = [OfCase(studied(name, [*mesh, *change]), answer_of, Answer, threads=execution.threads) for change in changes]
+    base, *answers = execution.answers(f"{name}, assumed dimensions ±{percent(SHARE, 0)}", runs)
+    sizes = {path: value.si for path, value in values.items()}
+    rows = []
+    for dimension, larger, smaller in zip(assumed, answers[::2], answers[1::2], strict=True):
+        path = dimension.paths[0]
+        row = DimensionRow(dimension.name, path, dimension.size(sizes), values[path].provenance, larger, smaller)
+        rows.append(row)
+    return DimensionStudy(name, base, tuple(rows))
 
 
 def answer_of(case: Case, threads: int = 1) -> Answer:
@@ -270,44 +245,24 @@ def answer_of(case: Case, threads: int = 1) -> Answer:
     return answer(run_fem(case, threads))
 
 
-def _row(case: Case, dimension: Dimension, larger: Answer, smaller: Answer) -> DimensionRow:
-    values, first = case.values(), dimension.paths[0]
-    size = dimension.size({path: value.si for path, value in values.items()})
-    return DimensionRow(dimension.name, first, size, values[first].provenance, larger, smaller)
-
-
 NO_YIELD = tuple(f"mesh.part.{part}.solid.yield_strength=100 GPa" for part in ("striker", "frame"))
 """Changes after which nothing yields: a strength that no blow of these bodies comes near."""
 STAGES = (0.12, 0.14, 0.2, 0.08, 0.12)
-"""About what share of the time meshes (twice), second blow, no yield and reasons take; the rest is for
-dimensions. For the progress bar alone."""
+"""Rough shares of time of meshes (twice), second blow, no yield and reasons, for the progress bar alone."""
 
 
 @dataclass(frozen=True)
-class Further:
-    """Results of the studies; empty where they were left out.
+class ElementStudies:
+    """Results of the studies; empty where they were left out."""
 
-    Attributes
-    ----------
-    meshes : mapping of str to tuple of MeshRow
-        By case, coarsest first.
-    dimensions : tuple of DimensionStudy
-    blows : FemSolution or None
-        Two blows of the rigid model, on elements that are larger by `COARSER`.
-    elastic : FemSolution or None
-        The quiet model without yield.
-    reasons : tuple of Reason
-        Why masses and layers part from the elements.
-    """
-
-    meshes: Mapping[str, tuple[MeshRow, ...]] = field(default_factory=dict)
+    meshes: Mapping[str, tuple[MeshRow, ...]] = field(default_factory=dict)  # by case, coarsest first
     dimensions: tuple[DimensionStudy, ...] = ()
-    blows: FemSolution | None = None
-    elastic: FemSolution | None = None
-    reasons: tuple[Reason, ...] = ()
+    blows: FemSolution | None = None  # two blows of the rigid model, on coarser elements
+    elastic: FemSolution | None = None  # the quiet model without yield
+    reasons: tuple[Reason, ...] = ()  # why masses and layers differ from the elements
 
 
-def run_further(execution: Execution) -> Further:
+def run_element_studies(execution: Execution) -> ElementStudies:
     """Run all studies."""
     begin, stages = 0.0, []
     for share in STAGES:
@@ -331,4 +286,4 @@ def run_further(execution: Execution) -> Further:
         dimension_study(RIGID_ELEMENTS, execution.within(begin, middle)),
         dimension_study(WAVE_ELEMENTS, execution.within(middle, 1.0)),
     )
-    return Further(meshes, dimensions, blows, elastic, tuple(reason for found in causes for reason in found))
+    return ElementStudies(meshes, dimensions, blows, elastic, tuple(reason for found in causes for reason in found))
