@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from strikewave.analyses.machine.readings import BlowReading
+from strikewave.analyses.machine.blow_histories import BlowReading
 from strikewave.analyses.record.rows import units_given
 from strikewave.base.declare import declarations, units
 from strikewave.base.result import Comparison

@@ -89,7 +89,7 @@ class Simulation:
     @functools.cached_property
     def _arrays(self) -> LabelledArrays | None:
         if self.case.command == "run":
-            from strikewave.analyses.machine.readings import build_dataset
+            from strikewave.analyses.machine.blow_histories import build_dataset
 
             return build_dataset(self.case, self.observed)
         if self.case.command == "wave":

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from strikewave import compare, load_case, run_case
+from strikewave.analyses.machine.blow_histories import MOST_A_WINDOW, RIGID_STEP, pulse_axis
 from strikewave.analyses.machine.build import release
 from strikewave.analyses.machine.observe import observe
-from strikewave.analyses.machine.readings import MOST_A_WINDOW, RIGID_STEP, pulse_axis
 from strikewave.cases.files import bundled_cases
 from strikewave.cases.tables.stack import SensorTable
 from strikewave.sensors import Reading
@@ -167,14 +167,14 @@ def test_rigid_pulse_and_reading_of_a_slow_blow_agree_when_compared():
 
 
 def test_a_reading_that_ends_before_its_pulse_is_reported_and_given_to_no_study():
-    from strikewave.analyses.machine.result import sensor_figures
+    from strikewave.analyses.machine.result import sensor_results
     from strikewave.studies.simulation import Simulation
 
     short = with_sensors("iec-60068-2-27-rubber", ["machine.follow=4 ms"], accel=FILTERED)
     solution = run_case(short)
     assert solution.readings[0].sensors["accel"].cut
     assert "machine.follow" in next(notice.message for notice in solution.notices if notice.code == "sensor-cut")
-    assert not sensor_figures(solution.readings)
+    assert not sensor_results(solution.readings)
     assert Simulation(short).number("first.sensor_peak", "accel") is None
 
 

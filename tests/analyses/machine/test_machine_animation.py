@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from strikewave import load_case
+from strikewave.analyses.machine.blow_histories import carriage_position
 from strikewave.analyses.machine.figures import animation
 from strikewave.analyses.machine.figures import animation as machine_motion
 from strikewave.analyses.machine.figures.animation import (
@@ -27,7 +28,6 @@ from strikewave.analyses.machine.figures.animation import (
     write_machine_gif,
 )
 from strikewave.analyses.machine.figures.animation import machine_motion as motion_of
-from strikewave.analyses.machine.readings import carriage_position
 from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.datasets import LabelledArrays
 from strikewave.machines._kernels import stroke_profile

@@ -1,16 +1,15 @@
-"""What a user should know about a run: broken balances, odd blows, yield, what the recorder misses, a moving object."""
+"""Notices of a run: broken balances, odd blows, yield, a recorder that misses a blow, an object that moves."""
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from strikewave.analyses.machine.blow_histories import BlowHistory, BlowReading, Observed, TimedBlow, struck_blows
 from strikewave.analyses.machine.kind import Release, kind_of
-from strikewave.analyses.machine.readings import BlowHistory, BlowReading, Observed
 from strikewave.analyses.machine.result import ContactAnswer, ContactAnswers
 from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.quantities import AUTO
@@ -28,7 +27,7 @@ from strikewave.cases.contact_notices import (
     size_notices,
     speed_notices,
 )
-from strikewave.cases.contact_of_case import struck_material
+from strikewave.cases.contact_of_case import or_else, struck_material
 from strikewave.cases.contact_parts import ELASTIC, YIELDING
 from strikewave.cases.materials_of_case import material_notices
 from strikewave.cases.stack_of_case import build_taps
@@ -59,55 +58,28 @@ YIELD_TAKES = 0.01
 
 
 def notices(case: Case, blows: Sequence[Blow], answers: ContactAnswers | None) -> tuple[Notice, ...]:
-    """Return the notices of a run but for its balances and its waves.
-
-    Parameters
-    ----------
-    case : Case
-        Case that was run.
-    blows : sequence of Blow
-        Its blows.
-    answers : ContactAnswers or None
-        Answers about the contact of the first blow that struck.
-    """
-    struck = [blow for blow in blows if blow.kind != "missed"]
+    """Return the notices of a run but for its balances and its waves; ``answers`` are those of its first contact."""
+    struck = struck_blows(blows)
     listed = [*origin_notices(case), *material_notices(case), *law_notices(case)]
     if not struck:
         return (*listed, *count_notices(case, blows))
     listed += [*_odd_blows(case, blows), *_rail(case), *_yield(case, answers), *_contact(case, struck)]
-    listed += cushion_notices(case, struck)
-    listed += _recorder(case, struck)
-    return tuple(listed)
+    return (*listed, *cushion_notices(case, struck), *_recorder(case, struck))
 
 
-def _wanted(case: Case, made: int) -> float:
-    """Return how many blows a case asks for; as many as came where it is followed until it rests."""
-    if case.feed is not None:
-        return case.feed.blows.si
-    launched = case.launched()
-    if launched is None or launched.until in (None, "time"):
-        return 1.0
-    after = launched.brake_after
-    return float(made) if launched.until == "rest" else 1.0 if after is None else after.si
-
-
-class CountedBlow(Protocol):
-    """A blow of a full run or of a fast one."""
-
-    @property
-    def kind(self) -> str:
-        """One of `strikewave.machines.blows.KINDS`."""
-        ...
-
-
-def count_notices(case: Case, blows: Sequence[CountedBlow]) -> Iterator[Notice]:
+def count_notices(case: Case, blows: Sequence[TimedBlow]) -> Iterator[Notice]:
     """Report where no blow struck, or not as many as are wanted: a full or a fast run."""
-    delivered = sum(blow.kind != "missed" for blow in blows)
+    delivered, launched, wanted = len(struck_blows(blows)), case.launched(), 1.0
     if not delivered:
-        where = "where it rests against machine.engagement" if case.launched() is None else "[machine]"
+        where = "where it rests against machine.engagement" if launched is None else "[machine]"
         yield Notice("no-blow", f"no striker touched the object: see {where}", 0.0, 1.0, severity=FAILED)
         return
-    wanted = _wanted(case, delivered)
+    if case.feed is not None:
+        wanted = case.feed.blows.si
+    elif launched is not None and launched.until == "rest":
+        wanted = float(delivered)
+    elif launched is not None and launched.until == "brake":
+        wanted = or_else(launched.brake_after, 1.0)
     if delivered != wanted:
         message = f"{delivered} blows instead of the {wanted:.0f} wanted"
         yield Notice("blow-count", message, float(delivered), wanted, severity=FAILED)
@@ -115,16 +87,15 @@ def count_notices(case: Case, blows: Sequence[CountedBlow]) -> Iterator[Notice]:
 
 def balance_of(run: MachineRun, blows: Sequence[Blow]) -> dict[str, float]:
     """Return the errors of the balances of a run, as shares."""
-    errors = [blow.momentum_error for blow in blows if blow.kind != "missed"]
+    errors = [blow.momentum_error for blow in struck_blows(blows)]
     errors += [span.momentum_error for span in run.spans if isinstance(span, StackSpan)]
     return {"energy_error": run.energy_error, "momentum_error": max(errors, default=0.0)}
 
 
 def run_verdict(case: Case, run: MachineRun, blows: Sequence[Blow]) -> Verdict:
-    """Return the verdict of a run without making its readings: that of all notices of `run_case`, which tests hold."""
-    struck = [blow for blow in blows if blow.kind != "missed"]
-    checks = balance_notices(balance_of(run, blows)), count_notices(case, blows), cushion_notices(case, struck)
-    return Verdict.of(itertools.chain(*checks))
+    """Return the verdict of a run without its readings, which equals that of all notices of `run_case`."""
+    checks = [*balance_notices(balance_of(run, blows)), *count_notices(case, blows)]
+    return Verdict.of([*checks, *cushion_notices(case, struck_blows(blows))])
 
 
 def fast_not_judged(case: Case) -> tuple[str, ...]:
@@ -134,8 +105,8 @@ def fast_not_judged(case: Case) -> tuple[str, ...]:
 
 def fast_verdict(case: Case, run: FastTrain) -> Verdict:
     """Return the verdict of a fast run, by the same limits: its blows are counted, and its energy balance is judged."""
-    checks = balance_notices({"energy_error": run.energy_error}), count_notices(case, run.blows)
-    return Verdict.of(itertools.chain(*checks), fast_not_judged(case))
+    checks = [*balance_notices({"energy_error": run.energy_error}), *count_notices(case, run.blows)]
+    return Verdict.of(checks, fast_not_judged(case))
 
 
 def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
@@ -143,7 +114,7 @@ def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
     odd = [f"{blow.index} {blow.kind}" for blow in blows if blow.kind != "full"]
     if odd:
         message = "not every blow is full: " + ", ".join(odd)
-        if any(blow.kind == "double" for blow in blows):
+        if "double" in [blow.kind for blow in blows]:
             message += "; impulse and blow velocity change of a double blow span its whole pass"
         yield Notice("blow-kind", message, float(len(odd)), 0.0)
     away = [blow for blow in blows if blow.kind == "missed" and blow.largest_displacement > 0.0]
@@ -155,14 +126,14 @@ def _odd_blows(case: Case, blows: Sequence[Blow]) -> Iterator[Notice]:
             "friction or a longer interval"
         )
         yield Notice("object-away", message, farthest, 0.0)
-    cut = [str(blow.index) for blow in blows if blow.kind != "missed" and not blow.width > 0.0]
+    cut = [str(blow.index) for blow in struck_blows(blows) if not blow.width > 0.0]
     if cut:
         message = f"no width: the acceleration stays above 10 % of its peak around blow {', '.join(cut)}"
         yield Notice("pulse-width", message, float(len(cut)), 0.0)
 
 
 def _yield(case: Case, answers: ContactAnswers | None) -> Iterator[Notice]:
-    """Say in one line what a contact that passes first yield does to the first blow, and to its restitution."""
+    """Report a contact that passes first yield: the first blow as elastic and as yielding, and its restitution."""
     parts = case.impact()
     yield from low_pressure_notices(parts.striker, parts.contact, struck_material(case))
     if answers is None or answers.first_yield is None:
@@ -171,7 +142,10 @@ def _yield(case: Case, answers: ContactAnswers | None) -> Iterator[Notice]:
     if elastic is None or elastic.peak_force <= answers.first_yield:
         return
     asked, limit = answers.asked_restitution, answers.first_yield
-    known = "" if answers.band is None else f" ({_range_words(answers.band)} over what is known of the hardness)"
+    known = ""
+    if answers.band is not None:
+        low, high = amount(ACCELERATION, answers.band[0]), amount(ACCELERATION, answers.band[1])
+        known = f" ({low} to {high} over what is known of the hardness)"
     if answers.taken == YIELDING and yielding is not None:
         if answers.differ:
             message = f"the contact yields: the first blow gives {_peaks(yielding)}{known}; elastic {_peaks(elastic)}"
@@ -199,37 +173,28 @@ def _peaks(answer: ContactAnswer) -> str:
     return f"{text_of(answer, 'rigid_peak')} and {force_words(answer.peak_force)}"
 
 
-def _range_words(band: tuple[float, float]) -> str:
-    low, high = (amount(ACCELERATION, peak) for peak in band)
-    return f"{low} to {high}"
-
-
 def _contact(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     """Report where the contact of the blows lies beyond what its law holds for."""
-    parts = case.impact()
-    peak = max(blow.peak_force for blow in struck)
+    parts, values = case.impact(), case.values()
     approaches = [blow.approach_speed for blow in struck]
-    yield from size_notices(case, peak, max(blow.indentation for blow in struck))
+    peak, indentation = max([blow.peak_force for blow in struck]), max([blow.indentation for blow in struck])
+    yield from size_notices(case, peak, indentation)
     bodies = material(parts.striker.material), struck_material(case)
-    yield from speed_notices(bodies, max(approaches), _stated_speed(case))
+    # the first setting that the case states is what makes the speed of the striker
+    settings = [f"machine.{field}" for field in kind_of(case).settings if f"machine.{field}" in values]
+    stated = f"{settings[0]} = {values[settings[0]].typed}" if settings else "machine"
+    yield from speed_notices(bodies, max(approaches), stated)
     launched = case.launched()
     if launched is None or launched.until in (None, "time"):  # rebounds die out below any limit
         yield from damping_speed_notices(parts.contact, approaches)
 
 
-def _stated_speed(case: Case) -> str:
-    """Return the first setting of a machine that the case states: what makes the speed of its striker."""
-    values = case.values()
-    paths = [f"machine.{field}" for field in kind_of(case).settings]
-    return next((f"{path} = {values[path].typed}" for path in paths if path in values), "machine")
-
-
 def _rail(case: Case) -> Iterator[Notice]:
-    """Say where the rail holds the object against the spring, away from its stop."""
+    """Report a rail that holds the object against the spring, away from its stop."""
     if case.launched() is not None or case.object is None:
         return
     o = case.rotary_tables().object
-    holds = max((value.si for value in (o.friction, o.stiction) if value is not None), default=0.0)
+    holds = max(or_else(o.friction, 0.0), or_else(o.stiction, 0.0))
     if holds > o.preload.si:
         message = (
             f"the rail holds with up to {force_words(holds)} what the preload pulls back with "
@@ -245,7 +210,7 @@ def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
     end = begin + recorder.memory.si / recorder.sampling_rate.si
     last = struck[-1].time + struck[-1].width
     if end < last:
-        lost = sum(blow.time + blow.width > end for blow in struck)
+        lost = len([blow for blow in struck if blow.time + blow.width > end])
         message = (
             f"the recorder's memory ends before {lost} of {len(struck)} blows: give it more memory or a lower rate"
         )
@@ -262,10 +227,7 @@ def _recorder(case: Case, struck: Sequence[Blow]) -> Iterator[Notice]:
 
 
 def _peak_lost(intervals: float) -> str:
-    """Return in words what a recorder may lose of the peak of a half-sine of so many sampling intervals.
-
-    A sample is at most half an interval off the peak: 1 - cos(pi/(2 n)).
-    """
+    """Return the loss of the peak of a half-sine of so many sampling intervals, in words: 1 - cos(pi/(2 n)) at most."""
     if intervals < 1.0:
         missed = percent(1.0 - intervals, 0)
         return f"{missed} of the pulses fall between two samples, and the others show any part of the peak"
@@ -284,7 +246,7 @@ def wave_notices(
     if span is None or run.machine.layered is None:
         return ()
     stack = run.machine.layered.stack
-    first = next(reading for reading in readings if reading is not None)
+    first = next(filter(None, readings))
     fronts = [history.front for history in histories if history is not None]
     _, force = span.field()
     largest, least, greatest = field_extremes(stack, span.field_position, force)
@@ -308,7 +270,7 @@ def contact_rise(span: StackSpan) -> float:
 
 
 def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notice]:
-    """Say what a user of a machine without a drive should know."""
+    """Yield the notices of a machine without a drive."""
     yield from start.notices
     machine, touched = case.launched(), seen.run.contacts()
     if machine is None or not len(touched):
@@ -325,8 +287,8 @@ def launch_notices(case: Case, seen: Observed, start: Release) -> Iterator[Notic
     if seen.machine.rebounds is None:
         message = (
             f"only the first blow is followed, for {plain(machine.follow.si * 1e3)}\xa0ms after first touch "
-            "(machine.follow): what "
-            'rebounds strikes again unless a brake catches it; machine.until = "rest" follows it'
+            "(machine.follow): what rebounds strikes again unless a brake catches it; machine.until = "
+            '"rest" follows it'
         )
         yield Notice("first-blow-only", message, machine.follow.si, 0.0, severity=INFO)
     else:
@@ -344,7 +306,7 @@ def cut_notices(case: Case, seen: Observed) -> Iterator[Notice]:
     struck = [reading for reading in seen.readings if reading is not None]
     for channel in seen.view.channels:
         name = channel.sensor.name
-        cut = sum(reading.sensors[name].cut for reading in struck)
+        cut = len([reading for reading in struck if reading.sensors[name].cut])
         if not cut:
             continue
         where = f" in {cut} of {len(struck)} blows" if len(struck) > 1 else ""
@@ -364,9 +326,9 @@ def _light_anvil(seen: Observed, start: Release) -> Iterator[Notice]:
     if anvil.mass < HEAVY_ANVIL * mass:
         message = (
             f"the anvil ([striker], {plain(anvil.mass, 4)}\xa0kg) is free and not heavy beside the "
-            f"{plain(mass, 4)}\xa0kg that "
-            f"meet it: it is thrown away, and the velocity change is {percent(anvil.mass / (anvil.mass + mass), 0)} of "
-            "that on a fixed one; give its whole mass, or striker.mount_stiffness to the ground"
+            f"{plain(mass, 4)}\xa0kg that meet it: it is thrown away, and the velocity change is "
+            f"{percent(anvil.mass / (anvil.mass + mass), 0)} of that on a fixed one; give its whole mass, or "
+            "striker.mount_stiffness to the ground"
         )
         yield Notice("anvil-light", message, anvil.mass, HEAVY_ANVIL * mass)
 
@@ -391,21 +353,12 @@ def _rebound_notice(seen: Observed) -> Notice:
 STANDING_SHARE = 0.02
 """An object stands if its speed is below this share of the nominal approach speed, and lies in place if it is off by
 less than this share of the engagement. Chosen: the peak of a blow goes about as its speed, so 2 % of it."""
-JUST_BEFORE = 1e-9
-"""How long before first touch the object is looked at, s: nothing pushes it there yet."""
+JUST_BEFORE = 1e-9  # s before first touch at which the object is observed: nothing pushes it yet
 
 
 def feed_notices(run: MachineRun, blows: Sequence[Blow]) -> Iterator[Notice]:
-    """Warn where strikers meet an object that is still fed, or that the feed has thrown off its stop.
-
-    Parameters
-    ----------
-    run : MachineRun
-        Run of a machine with a drive.
-    blows : sequence of Blow
-        Its blows, in order of time.
-    """
-    struck = [blow for blow in blows if blow.kind != "missed"]
+    """Warn where strikers meet an object that is still fed, or that the feed has thrown off its stop."""
+    struck = struck_blows(blows)
     if not struck:
         return
     drive, first, fed = run.machine.drive, struck[0], run.held[0]
@@ -415,7 +368,7 @@ def feed_notices(run: MachineRun, blows: Sequence[Blow]) -> Iterator[Notice]:
     short = float(before.face_place[0]) + drive.engagement
     moving, away = abs(forward) > STANDING_SHARE * nominal, abs(short) > STANDING_SHARE * drive.engagement
     if first.time < fed and (moving or away):
-        more = sum(blow.time < fed for blow in struck) - 1
+        more = len([blow for blow in struck if blow.time < fed]) - 1
         where = f"{plain(short * 1e3)}\xa0mm short of its place" if away else "in its place"
         message = (
             f"the first blow{f' and {more} more' if more else ''} meets the object while it is still fed: at first "

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -24,12 +24,10 @@ from strikewave.analyses.machine.figures.pulses import summary
 from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.result import (
     ANSWERS_CALLED,
-    MACHINES,
     Solution,
     answer_columns,
     blow_columns,
     launch_tables,
-    reference_law,
     restitution_words,
     summary_words,
 )
@@ -56,14 +54,8 @@ if TYPE_CHECKING:
 def report(solution: Solution, sections: Sequence[Section] = (), moving: str = "") -> str:
     """Return the report of a run as one HTML page: no script, nothing fetched, the same bytes each time.
 
-    Parameters
-    ----------
-    solution : Solution
-        Solution of the machine; empty parts are reported in words.
-    sections : sequence of Section, optional
-        Further sections, shown after the pulses in this order.
-    moving : str, optional
-        Name of the file beside the report that shows the machine in motion, if there is one.
+    ``sections`` are shown after the pulses; ``moving`` names the file beside the report that shows the machine in
+    motion, if there is one.
 
     Examples
     --------
@@ -101,6 +93,17 @@ _DATA_FLOW = (
 )
 
 
+_CONTACT = (
+    "Contact, blow by blow. The coefficient of restitution is that of the contact: the square root of the work it "
+    "gives back over the work it takes; the rebound speed depends on frame and mount too. The stiffness is the "
+    "slope of the contact force at the largest indentation on the way back. What stays of the indentation, and the "
+    "radius of the spot over that before, change only where the case gives a yield pressure."
+)
+_SLIDING = (
+    "The nose slides across the face, blow by blow: the largest side force and the side impulse on the object, "
+    "above 0 the way the nose passes, the heat of this friction, and the turntable's speed at first touch. The "
+    "guide of the object bears the side force; the friction that this adds in the guide is not in the model."
+)
 _PARTS = "The parts with their numbers, counted as in the drawing"
 _WORDS = (
     "A blow is one pass of one striker, all its re-contacts included. It is glancing when its approach speed is below "
@@ -114,26 +117,20 @@ _WORDS = (
 
 
 def setup(case: Case) -> Section:
-    """Say what machine it is and how the numbers come about."""
-    words, chain = MACHINES[case.machine.kind if case.machine else ""]
-    layers = layer_steps(case)
+    """Return the section on the machine, and on the way from the case to its numbers."""
+    kind, layers, geometry = kind_of(case), layer_steps(case), strike_geometry(case)
     parts = _drawing(case.with_stale_fits_assumed())
-    if chain and not layers:
-        parts.append(Flow(chain, "Bodies and links, in the order in which a blow runs through them"))
     if layers:
         parts.append(Flow(layers, "The stack, from its loaded face on"))
+    elif kind.chain:
+        parts.append(Flow(kind.chain, "Bodies and links, in the order in which a blow runs through them"))
     parts.append(Flow(_DATA_FLOW, "From the case to this report"))
-    return Section("Set-up", words + _strike_words(case), parts)
-
-
-def _strike_words(case: Case) -> str:
-    """Say how the nose of a striker of the rotary machine meets the face; nothing for another machine."""
-    geometry = strike_geometry(case)
-    if geometry is None:
-        return ""
-    if not geometry.blow_angle:
-        return " The nose of a striker acts on the object's face like a cam."
-    return f" The blow stands at {math.degrees(geometry.blow_angle):.4g}° to the radius at the strike position."
+    strike = ""
+    if geometry is not None and geometry.blow_angle:
+        strike = f" The blow stands at {math.degrees(geometry.blow_angle):.4g}° to the radius at the strike position."
+    elif geometry is not None:
+        strike = " The nose of a striker acts on the object's face like a cam."
+    return Section("Set-up", kind.description + strike, parts)
 
 
 def _drawing(case: Case) -> list[Part]:
@@ -144,91 +141,72 @@ def _drawing(case: Case) -> list[Part]:
     rows: list[list[Cell]] = []
     for number, part in enumerate(drawing.parts, 1):
         name = f"{number} {part.name}" if part.place else part.name
-        for one in part.entries:
-            looks = ("follows", "") if one.provenance == "computed" else (one.provenance, one.provenance)
-            rows.append([f"{name}: {one.name}", one.shown, Tag(*looks)])
+        for entry in part.entries:
+            looks = ("follows", "") if entry.provenance == "computed" else (entry.provenance, entry.provenance)
+            rows.append([f"{name}: {entry.name}", entry.shown, Tag(*looks)])
         if not part.entries:
             rows.append([name, NONE, NONE])
     return [*drawing.pictures, Table(_PARTS, ["part", "value", "provenance"], rows)]
 
 
 def blow_table(solution: Solution) -> Section:
-    """List the blows, in the units and columns of the command line."""
+    """Return the section on the blows, in the units and columns of the command line."""
     columns = blow_columns("blows", solution.blows, solution.band)
     table = page_table("Blows", columns, "No blow: no striker passed the object.")
     reference = solution.reference
     beside = (
-        f"\n\nFor comparison, {reference_law(solution.case)} on a rigid object, at the nominal "
+        f"\n\nFor comparison, {kind_of(solution.case).reference_law} on a rigid object, at the nominal "
         f"{text_of(reference, 'approach_speed')} and with no frame or mount to bend: {reference.words}."
     )
     words = _WORDS.format(begun=solution.case.time_zero) if solution.blows else ""
-    return Section("Blows", words + beside, [table, *_contacts(solution), *_answers(solution)])
-
-
-def _contacts(solution: Solution) -> list[Table]:
-    """List the contact of each blow that struck, and what its nose does across the face where friction acts."""
-    contact = (
-        "Contact, blow by blow. The coefficient of restitution is that of the contact: the square root of the work it "
-        "gives back over the work it takes; the rebound speed depends on frame and mount too. The stiffness is the "
-        "slope of the contact force at the largest indentation on the way back. What stays of the indentation, and the "
-        "radius of the spot over that before, change only where the case gives a yield pressure."
-    )
-    sliding = (
-        "The nose slides across the face, blow by blow: the largest side force and the side impulse on the object, "
-        "above 0 the way the nose passes, the heat of this friction, and the turntable's speed at first touch. The "
-        "guide of the object bears the side force; the friction that this adds in the guide is not in the model."
-    )
-    struck = solution.struck
-    shown = {"contact": contact, "sliding": sliding} if solution.slides else {"contact": contact}
-    return [page_table(caption, blow_columns(which, struck)) for which, caption in shown.items() if struck]
-
-
-def _answers(solution: Solution) -> list[Table]:
-    """List what the contact says of the first blow as elastic and as yielding, where that differs."""
-    answers = solution.contact
-    if answers is None or not answers.differ:
-        return []
-    asked = restitution_words(answers)
-    passed = "" if answers.first_yield is None else text_of(answers, "first_yield")
-    caption = (
-        f"{ANSWERS_CALLED}. The weaker material first yields inside at {passed}. Low and high are the ends of what is "
-        f"known of the pressure that the contact bears. {asked[0].upper()}{asked[1:]}."
-    )
-    return [page_table(caption, answer_columns(answers, solution.band))]
+    tables, answers = [table], solution.contact
+    if solution.struck:
+        tables.append(page_table(_CONTACT, blow_columns("contact", solution.struck)))
+    if solution.slides:
+        tables.append(page_table(_SLIDING, blow_columns("sliding", solution.struck)))
+    if answers is not None and answers.differ:
+        asked = restitution_words(answers)
+        passed = "" if answers.first_yield is None else text_of(answers, "first_yield")
+        caption = (
+            f"{ANSWERS_CALLED}. The weaker material first yields inside at {passed}. Low and high are the ends of what "
+            f"is known of the pressure that the contact bears. {asked[0].upper()}{asked[1:]}."
+        )
+        tables.append(page_table(caption, answer_columns(answers, solution.band)))
+    return Section("Blows", words + beside, tables)
 
 
 def pulse_pictures(solution: Solution, moving: str = "") -> Section:
-    """Draw acceleration and force of the first blow, all pulses, the train; say what is missing.
+    """Draw acceleration and force of the first blow, all pulses and the train; name the histories that are missing.
 
     ``moving`` is the name of the page that shows the machine in motion.
     """
-    data = solution.arrays
-    struck = [row for row, blow in enumerate(solution.blows) if blow.kind != "missed"]
+    data, struck, first = solution.arrays, solution.struck, solution.first_blow
     parts: list[Part] = []
-    words = [] if struck else ["No striker touched the object: there is no pulse to show."]
+    sentences = [] if struck else ["No striker touched the object: there is no pulse to show."]
 
     def add(needs: Sequence[str], draw: Callable[[], Figure], caption: str, label: str) -> None:
-        if all(name in data for name in needs):
-            parts.append(Picture(draw(), caption, label))
+        missing = [name for name in needs if name not in data]
+        if missing:
+            sentences.append(f"Without the history {listed(missing)} there is no picture: {label}")
         else:
-            words.append(
-                f"Without the history {listed([n for n in needs if n not in data])} there is no picture: {label}"
-            )
+            parts.append(Picture(draw(), caption, label))
 
-    if struck:
-        first = solution.blows[struck[0]]
+    if first is not None:
+        row = solution.blows.index(first)
+        peaks = [entry for entry in solution.published if entry.quantity == "first.rigid_peak"]
+        marked = peaks and not solution.case.changed_fields()
         add(
             ["pulse_time", "pulse_acceleration"],
-            lambda: pulses.rigid_acceleration(solution, struck[0]),
+            lambda: pulses.rigid_acceleration(solution, row),
             f"Rigid-body acceleration of the assembly, blow {first.index}"
-            + ("; the marks are published peaks and widths." if _marked(solution) else "."),
+            + ("; the marks are published peaks and widths." if marked else "."),
             f"Rigid-body acceleration over time, blow {first.index}: peak "
             f"{amount(RIGID_PEAK, first.rigid_peak, solution.band.get('first.rigid_peak'))}, "
             f"width {amount(PULSE_WIDTH, first.width, solution.band.get('first.width'))}.",
         )
         add(
             ["pulse_time", "pulse_force"],
-            lambda: pulses.contact_force(solution, struck[0]),
+            lambda: pulses.contact_force(solution, row),
             f"Contact force between striker and object, blow {first.index}. Each rise from zero is a contact.",
             f"Contact force over time, blow {first.index}: peak {text_of(first, 'peak_force')}, "
             f"{first.contacts} contacts.",
@@ -251,16 +229,11 @@ def pulse_pictures(solution: Solution, moving: str = "") -> Section:
     )
     if moving:
         parts.append(Link(moving, "The machine in motion, with its histories: the whole run, or one blow slowed down"))
-    return Section("Pulses", "\n\n".join(words), parts)
-
-
-def _marked(solution: Solution) -> bool:
-    peaks = any(entry.quantity == "first.rigid_peak" for entry in solution.published)
-    return peaks and not solution.case.changed_fields()
+    return Section("Pulses", "\n\n".join(sentences), parts)
 
 
 def checks(solution: Solution) -> Section:
-    """List balances, masses and phases."""
+    """Return the section on balances, masses and phases."""
     masses: list[list[Cell]] = [[name, shown(mass, *KILOGRAMS.units)] for name, mass in solution.masses.items()]
     return Section(
         "Balances, masses and phases",
@@ -326,7 +299,7 @@ def stack_section(solution: Solution) -> list[Section]:
     table = face_table(solution, "wave_blows", "waves", "Rigid, total and wave acceleration")
     parts: list[Part] = []
     time = data["pulse_time"].values
-    until = _settled(data["tap_force"].values[first])
+    until = int(np.flatnonzero(np.isfinite(data["tap_force"].values[first]).any(axis=0))[-1]) + 1  # waves have settled
     curves = [
         Trace(f"total, {name}", time[:until], data["tap_acceleration"].values[first, k, :until])
         for k, name in enumerate(names[:3])
@@ -356,12 +329,15 @@ def stack_section(solution: Solution) -> list[Section]:
     waves = data["route_acceleration"].values
     tap = next((k for k in range(len(names)) if np.isfinite(waves[:, k]).any()), None)
     if tap is not None and route == "exact":
-        sections.append(_run_routes(solution, first, tap, until))
+        rigid = data["rigid_acceleration_filtered"].values[first, :until]
+        exact = data["tap_acceleration"].values[first, tap, :until]
+        by_route = waves[:, tap, :until]
+        sections.append(route_section(names[tap], not refused, time[:until], exact, rigid, by_route, _SINCE_TOUCH))
     return sections
 
 
 def accuracy_section(solution: Solution) -> list[Section]:
-    """Say how exact the waves are, layer by layer; nothing without a stack."""
+    """Return the section on the accuracy of the waves, layer by layer; nothing without a stack."""
     from strikewave.cases.stack_of_case import fitted_losses
 
     setup = solution.waves
@@ -377,42 +353,22 @@ def accuracy_section(solution: Solution) -> list[Section]:
     return [Section("Accuracy of the waves", text, tables)]
 
 
-def _settled(force: Any) -> int:
-    """Return how many samples of a blow's window hold waves."""
-    return int(np.flatnonzero(np.isfinite(force).any(axis=0))[-1]) + 1
-
-
-def _run_routes(solution: Solution, first: int, tap: int, until: int) -> Section:
-    data = solution.arrays
-    time, name = data["pulse_time"].values[:until], str(data["tap"].values[tap])
-    rigid = data["rigid_acceleration_filtered"].values[first, :until]
-    exact = data["tap_acceleration"].values[first, tap, :until]
-    reading = solution.readings[first]
-    quoted = reading is not None and reading.total_peak is not None
-    waves = data["route_acceleration"].values[:, tap, :until]
-    return route_section(name, quoted, time, exact, rigid, waves, _SINCE_TOUCH)
-
-
 def sensor_section(solution: Solution) -> list[Section]:
-    """Show what each sensor made of the blows, and what its buffer takes off; nothing without sensors."""
-    readings = [reading for reading in solution.readings if reading is not None]
-    if not solution.case.sensor or not readings:
+    """Show the readings of each sensor, and what its buffer takes off; nothing without sensors."""
+    struck = [k for k, reading in enumerate(solution.readings) if reading is not None]
+    if not solution.case.sensor or not struck:
         return []
     from strikewave.cases.stack_of_case import build_channels
 
-    channels, data = build_channels(solution.case), solution.arrays
-    struck = [k for k, reading in enumerate(solution.readings) if reading is not None]
-    curves = []
+    channels, data, curves = build_channels(solution.case), solution.arrays, list[Trace]()
     for k, channel in enumerate(channels):
         values, start = data[f"reading_{k + 1}"], float(data[f"reading_{k + 1}_start"].values[struck[0]])
         samples = values.values[struck[0]]
-        curves.append(
-            Trace(channel.sensor.name, start + float(values.attrs["step"]) * np.arange(samples.size), samples)
-        )
-    index = solution.blows[struck[0]].index
-    picture = traces(f"What the sensors read, blow {index}", curves, "g", _SINCE_TOUCH)
-    table = face_table(solution, "sensor_rows")
-    return [sensor_part(channels, picture, table)]
+        time = start + float(values.attrs["step"]) * np.arange(samples.size)
+        curves.append(Trace(channel.sensor.name, time, samples))
+    title = f"What the sensors read, blow {solution.blows[struck[0]].index}"
+    picture = traces(title, curves, "g", _SINCE_TOUCH)
+    return [sensor_part(channels, picture, face_table(solution, "sensor_rows"))]
 
 
 picture, page = summary, report

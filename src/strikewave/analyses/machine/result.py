@@ -10,19 +10,19 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import field
-from itertools import pairwise
 from pathlib import Path
 from statistics import median
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave._version import __version__
-from strikewave.analyses.machine.kind import MachineKind, kind_of
-from strikewave.analyses.machine.readings import BlowReading
+from strikewave.analyses.machine.blow_histories import BlowReading, TimedBlow, first_struck, struck_blows, typical_blows
+from strikewave.analyses.machine.kind import kind_of
 from strikewave.base import declare
 from strikewave.base.datasets import LabelledArrays, open_result
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
@@ -43,9 +43,8 @@ from strikewave.base.shock_quantities import (
     VELOCITY_CHANGE,
 )
 from strikewave.base.texts import first_few
-from strikewave.cases.case import Case, parse_case
+from strikewave.cases.case import parse_case
 from strikewave.cases.contact_parts import ELASTIC, HIGH, LOW, WORTH_SHOWING, YIELDING
-from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.machines import Blow
 from strikewave.machines.blows import KINDS as BLOW_KINDS
 from strikewave.reporting.case_result import CaseResult
@@ -81,15 +80,7 @@ class ContactAnswer:
 
 @declare.dataclass
 class ContactAnswers:
-    """The first blow by each answer of its contact.
-
-    Beside what documents have:
-
-    Attributes
-    ----------
-    rows : tuple of ContactAnswer
-        From elastic to the highest pressure; the others stand beside the one taken where the contact yields.
-    """
+    """The first blow by each answer of its contact."""
 
     asked_restitution: float = declare.number(RESTITUTION, "coefficient of restitution asked of the damping")
     first_yield: float | None = declare.number(
@@ -114,8 +105,8 @@ class ContactAnswers:
     @property
     def spread(self) -> float:
         """Largest over smallest answer less 1, of the peak of acceleration or of force, whichever is more."""
-        peaks = ([getattr(row, name) for row in self.rows] for name in ("rigid_peak", "peak_force"))
-        return max(max(values) / min(values) - 1.0 if min(values) > 0.0 else 0.0 for values in peaks)
+        peaks = zip(*[(row.rigid_peak, row.peak_force) for row in self.rows], strict=True)
+        return max([max(values) / min(values) - 1.0 if min(values) > 0.0 else 0.0 for values in peaks])
 
     @declare.computed(declare.number(RESTITUTION, "what came out of the first blow"))
     def restitution(self) -> float | None:
@@ -139,26 +130,21 @@ class ContactAnswers:
 
 INTERVAL = Quantity("s", "ms")
 LINE_SPEED = Quantity("m/s", "m/s", decimals=4, digits=0)
-SHOWN_WIDTHS = 2.2
-"""Widths of the first blow that its curve lasts: the pulse, and as long again in which the object flies."""
+SHOWN_WIDTHS = 2.2  # widths of the first blow that its curve lasts: the pulse, and the begin of the flight after it
 
-HISTORIES = (
-    "contact_force",
-    "rigid_acceleration",
-    "nose_position",
-    "assembly_position",
-    "assembly_speed",
-    "turntable_speed",
-    "pulse_force",
-    "pulse_acceleration",
-    "record_acceleration",
+HISTORIES = frozenset(
+    [
+        "contact_force",
+        "rigid_acceleration",
+        "nose_position",
+        "assembly_position",
+        "assembly_speed",
+        "pulse_force",
+        "pulse_acceleration",
+        "record_acceleration",
+    ]
 )
-"""The histories of a solution."""
-
-
-def histories_of(case: Case) -> set[str]:
-    """Return the histories of a solution: without a turntable there is no speed of one."""
-    return set(HISTORIES) - (set() if case.launched() is None else {"turntable_speed"})
+"""Histories of every solution; one of a machine with a drive has the turntable's speed too."""
 
 
 @declare.dataclass
@@ -178,7 +164,7 @@ class RigidReference:
 
 @declare.dataclass
 class LineCollision:
-    """A collision of two bodies of an amplifier, SI."""
+    """A collision of two bodies of an amplifier."""
 
     time: float = declare.number(
         Quantity("s", "ms", decimals=4, digits=0), "time after the lowest met the floor", column=KEY
@@ -256,16 +242,14 @@ class SensorOfBlow:
 
 @declare.dataclass
 class Solution(CaseResult):
-    """What a run gave; see `Result` for what it shares with others.
-
-    Beside what documents have:
+    """Results of a run of a machine; see `Result` for what it shares with others.
 
     Attributes
     ----------
     blows : sequence of Blow
-        The table of blows.
+        Table of the blows.
     reference : RigidReference
-        The printed law on a rigid object.
+        Blow of the printed law on a rigid object.
     readings : tuple of (BlowReading or None)
         Readings of taps and sensors, one a blow; None where it missed.
     phases : tuple of (str, float)
@@ -306,26 +290,25 @@ class Solution(CaseResult):
     def title(self) -> str:
         """The title of the case, with the fields in which it differs from the published one."""
         changed = self.case.changed_fields()
-        values, words = self.case.values(), self.case.entries()
-        now = {path: values[path].typed if path in values else words.get(path, "left out") for path in changed}
-        shown = first_few([f"{path} = {now[path]}" for path in changed], 3)
+        now = {**self.case.entries(), **{path: value.typed for path, value in self.case.values().items()}}
+        shown = first_few([f"{path} = {now.get(path, 'left out')}" for path in changed], 3)
         route = "" if self.case.solver.route == "exact" else f"; route {self.case.solver.route}"
         return (self.case.title or self.case.name) + (f"; here {shown}" if changed else "") + route
 
     @property
     def named_units(self) -> Mapping[str, str]:
-        """Those of published numbers."""
+        """Units of published numbers, by their names."""
         return {name: quantity.si for name, quantity in PUBLISHED_QUANTITIES.items()}
 
     @property
     def data_rows(self) -> str:
-        """The blows with what sensors read of each, and with what taps show where waves were followed."""
+        """Name of the rows of blows: with what sensors read of each, and what taps show where waves were followed."""
         return "read_blows" if self.waves else "sensed_blows"
 
     @property
     def slides(self) -> bool:
-        """Whether friction across the face acted in a blow."""
-        return any(blow.friction_heat > 0.0 for blow in self.blows)
+        """True if friction across the face acted in a blow."""
+        return max([blow.friction_heat for blow in self.blows], default=0.0) > 0.0
 
     @property
     def arrays(self) -> LabelledArrays:
@@ -339,7 +322,7 @@ class Solution(CaseResult):
 
     @declare.computed(declare.word("exact, or as printed: the paper's own"))
     def route(self) -> str:
-        """By which route the waves were followed."""
+        """Route by which the waves were followed."""
         return self.case.solver.route
 
     @declare.computed(declare.rows(ReadBlow, "the blows", key="blows", band="first typical"))
@@ -390,19 +373,19 @@ class Solution(CaseResult):
     @property
     def figures(self) -> dict[str, float]:
         """The results that may have a band, by name, SI."""
-        return {**figures_of(self.blows), **sensor_figures(self.readings)}
+        return {**blow_results(self.blows), **sensor_results(self.readings)}
 
     @declare.computed(declare.rows(Blow, "blows that struck", label="blows", headline="count", in_document=False))
     def struck(self) -> list[Blow]:
         """The blows that touched the object."""
-        return [blow for blow in self.blows if blow.kind != "missed"]
+        return struck_blows(self.blows)
 
     @declare.computed(
         declare.part(Blow, "the first blow that struck", band="first", headline="first", in_document=False)
     )
     def first_blow(self) -> Blow | None:
         """The first blow that touched the object; None where none did."""
-        return next(iter(self.struck), None)
+        return first_struck(self.blows)
 
     @declare.computed(
         declare.number(PEAK_FORCE, "its largest contact force", headline="first contact force", in_document=False)
@@ -413,10 +396,10 @@ class Solution(CaseResult):
 
     @declare.phrase("range of a yielding contact", headline="first rigid peak, range of a yielding contact")
     def yielding_range(self) -> str | None:
-        """Return between which peaks of the first blow the contact may yield; None where it does not matter."""
+        """Return the peaks of the first blow between which the contact may yield; None where it does not matter."""
         if self.contact is None or not self.contact.differ or self.contact.band is None:
             return None
-        low, high = (written(shown(peak, *ACCELERATION.units)) for peak in self.contact.band)
+        low, high = [written(shown(peak, *ACCELERATION.units)) for peak in self.contact.band]
         return f"{low} to {high}\N{NO-BREAK SPACE}{spelled(shown_unit(*ACCELERATION.units))}"
 
     @declare.computed(
@@ -426,25 +409,23 @@ class Solution(CaseResult):
     )
     def interval(self) -> float | None:
         """Median time between blows; None for fewer than two."""
-        pairs = list(pairwise(self.struck))
-        return median(later.time - earlier.time for earlier, later in pairs) if pairs else None
+        times = [blow.time for blow in self.struck]
+        return median(map(operator.sub, times[1:], times)) if len(times) > 1 else None
 
     @declare.computed(declare.count("how many blows were wanted", headline="blows wanted", in_document=False))
     def wanted(self) -> int | None:
-        """How many blows were wanted; None of a machine without a feed."""
+        """Number of blows that were wanted; None of a machine without a feed."""
         return int(self.case.feed.blows.si) if self.case.feed else None
 
     def preview(self) -> Curve | None:
         """Return the rigid-body acceleration of the first blow over twice its width."""
-        place = next((k for k, blow in enumerate(self.blows) if blow.kind != "missed"), None)
-        if place is None:
+        blow = self.first_blow
+        if blow is None:
             return None
-        blow = self.blows[place]
-        time, values = blow_history(self.arrays, place, "pulse_acceleration")
-        kept = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
-        return history_curve(
-            time[kept], values[kept], *ACCELERATION.units, f"rigid-body acceleration, blow {blow.index}"
-        )
+        time, values = blow_history(self.arrays, self.blows.index(blow), "pulse_acceleration")
+        inside = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
+        label = f"rigid-body acceleration, blow {blow.index}"
+        return history_curve(time[inside], values[inside], *ACCELERATION.units, label)
 
     def tables(self) -> dict[str, str]:
         """Return the table of blows as CSV text, every column with its unit."""
@@ -463,15 +444,15 @@ class Solution(CaseResult):
             "masses": self.masses,
             "phases": self.phases,
             "balance": self.balance,
-            "published": [dataclasses.asdict(c) for c in self.comparisons],
-            "warnings": [dataclasses.asdict(n) for n in self.notices],
+            "published": list(map(dataclasses.asdict, self.comparisons)),
+            "warnings": list(map(dataclasses.asdict, self.notices)),
             "reference": dataclasses.asdict(self.reference),
-            "readings": [dataclasses.asdict(r) if r else None for r in self.readings],
-            "waves": dataclasses.asdict(self.waves) if self.waves else None,
+            "readings": [reading and dataclasses.asdict(reading) for reading in self.readings],
+            "waves": self.waves and dataclasses.asdict(self.waves),
             "citations": self.citations,
             "launch": self.launch,
-            "collisions": [dataclasses.asdict(collision) for collision in self.collisions],
-            "contact": dataclasses.asdict(self.contact) if self.contact else None,
+            "collisions": list(map(dataclasses.asdict, self.collisions)),
+            "contact": self.contact and dataclasses.asdict(self.contact),
             **self.band_content(),
         }
         attributes = {
@@ -527,8 +508,14 @@ def load_solution(path: Path | str) -> Solution:
         columns = [f.name for f in dataclasses.fields(Blow)]
         rows = zip(*(data["blow" if c == "index" else f"blow_{c}"].values.tolist() for c in columns), strict=True)
         blows = tuple(Blow(*row) for row in rows)
-        if not {blow.kind for blow in blows} <= set(BLOW_KINDS) or not histories_of(case) <= set(data.variables):
+        needed = HISTORIES if case.launched() else HISTORIES | {"turntable_speed"}
+        if not {blow.kind for blow in blows} <= set(BLOW_KINDS) or not needed <= set(data.variables):
             raise ValueError("a blow of unknown kind, or a history is missing")
+        waves, contact = state["waves"], state["contact"]
+        if waves:
+            waves = WaveSetup(waves["step"], waves["mismatch"], tuple(LayerUsed(**row) for row in waves["layers"]))
+        if contact:
+            contact = ContactAnswers(**{**contact, "rows": tuple(ContactAnswer(**row) for row in contact["rows"])})
         return Solution(
             case=case,
             blows=blows,
@@ -539,12 +526,12 @@ def load_solution(path: Path | str) -> Solution:
             notices=tuple(Notice(**row) for row in state["warnings"]),
             reference=RigidReference(**state["reference"]),
             readings=tuple(_reading(row) for row in state["readings"]),
-            waves=_waves(state["waves"]),
+            waves=waves,
             citations=tuple(state["citations"]),
             sampled=LabelledArrays.of_xarray(data.drop_attrs(deep=False)),
             launch=state["launch"] or None,
             collisions=tuple(LineCollision(**row) for row in state["collisions"]),
-            contact=_contact(state["contact"]),
+            contact=contact,
             band={name: Band.read(row) for name, row in state["band"].items()},
             band_method=None if state["band_method"] is None else BandMethod.read(state["band_method"]),
         )
@@ -557,88 +544,59 @@ def _reading(row: dict[str, Any] | None) -> BlowReading | None:
     return BlowReading(row["total_peak"], row["wave_peak"], row["bandwidth"], sensors)
 
 
-def _contact(row: dict[str, Any] | None) -> ContactAnswers | None:
-    if row is None:
-        return None
-    return ContactAnswers(**{**row, "rows": tuple(ContactAnswer(**answer) for answer in row["rows"])})
-
-
-def _waves(row: dict[str, Any] | None) -> WaveSetup | None:
-    if row is None:
-        return None
-    return WaveSetup(row["step"], row["mismatch"], tuple(LayerUsed(**layer) for layer in row["layers"]))
-
-
 OF_A_BLOW = ("rigid_peak", "width", "velocity_change")
 """Results of each blow that have a band."""
 SENSOR = "sensor.{}.peak"
 """Name of the peak of a sensor."""
 
 
-class TimedBlow(Protocol):
-    """A blow as far as its results go, of a full or a fast run."""
-
-    @property
-    def kind(self) -> str:
-        """full, glancing, double or missed."""
-
-    @property
-    def time(self) -> float:
-        """First touch, s."""
-
-
-def figures_of(found: Sequence[TimedBlow]) -> dict[str, float]:
+def blow_results(run_blows: Sequence[TimedBlow]) -> dict[str, float]:
     """Return the results of a run that have a band, by name: those that there are.
 
     Examples
     --------
     >>> from strikewave import load_case, run_case
-    >>> list(figures_of(run_case(load_case("jesd22-b111-b")).blows))
+    >>> list(blow_results(run_case(load_case("jesd22-b111-b")).blows))
     ['first.rigid_peak', 'first.width', 'first.velocity_change']
     """
-    struck = [blow for blow in found if blow.kind != "missed"]
+    struck = struck_blows(run_blows)
     if not struck:
         return {}
-    later = [blow for blow in struck[1:] if blow.kind in ("full", "double")]
-    figures = {f"first.{name}": float(getattr(struck[0], name)) for name in OF_A_BLOW}
-    if later:
-        figures |= {f"typical.{name}": median(float(getattr(blow, name)) for blow in later) for name in OF_A_BLOW}
+    later, results = typical_blows(struck), dict[str, float]()
+    for name in OF_A_BLOW:
+        results[f"first.{name}"] = float(getattr(struck[0], name))
+        if later:
+            results[f"typical.{name}"] = median([float(getattr(blow, name)) for blow in later])
     if len(struck) > 1:
-        figures["interval"] = median(b.time - a.time for a, b in pairwise(struck))
-    return {name: value for name, value in figures.items() if math.isfinite(value)}
+        times = [blow.time for blow in struck]
+        results["interval"] = median(map(operator.sub, times[1:], times))
+    return {name: value for name, value in results.items() if math.isfinite(value)}
 
 
-def sensor_figures(readings: Sequence[BlowReading | None]) -> dict[str, float]:
+def sensor_results(readings: Sequence[BlowReading | None]) -> dict[str, float]:
     """Return the size of the peak of each sensor in the first blow, which may be of either sign; not of one cut off."""
-    first = next((reading for reading in readings if reading is not None), None)
-    kept = {} if first is None else {name: pulse for name, pulse in first.sensors.items() if not pulse.cut}
-    peaks = {SENSOR.format(name): abs(pulse.peak) for name, pulse in kept.items()}
+    first = next(filter(None, readings), None)
+    pulses = first.sensors.items() if first else ()
+    peaks = {SENSOR.format(name): abs(pulse.peak) for name, pulse in pulses if not pulse.cut}
     return {name: peak for name, peak in peaks.items() if math.isfinite(peak)}
 
 
-MACHINES = {kind: (table.description, table.chain) for kind, table in KINDS.items() if issubclass(table, MachineKind)}
-"""Kind of machine: its description, and its bodies and links in the order in which a blow runs through them."""
 ANSWERS_CALLED = "First blow with its contact elastic and yielding"
 
 
 def settings(solution: Solution) -> list[str]:
     """Return the main settings of a machine, each with its unit."""
-    case = solution.case
-    words = []
-    for key, one in kind_of(case).settings.items():
+    case, phrases = solution.case, list[str]()
+    for key, kind in kind_of(case).settings.items():
         value = getattr(case.machine, key)
         if value is not None:
-            is_count = one.si == NO_UNIT
-            words.append(f"{value.si:.0f} {one.label}" if is_count else f"{one.label} {amount(one, value.si)}".strip())
+            is_count = kind.si == NO_UNIT
+            number = f"{value.si:.0f} {kind.label}" if is_count else f"{kind.label} {amount(kind, value.si)}"
+            phrases.append(number.strip())
     approach = (solution.launch or {}).get("approach_speed", solution.reference.approach_speed)
-    words += [f"nominal approach {amount(VELOCITY, approach)}"]
-    words += [f"object {amount(KILOGRAMS, solution.masses['object'])}"]
-    return words + ([f"{case.feed.blows.si:.0f} blows wanted"] if case.feed else [])
-
-
-def reference_law(case: Case) -> str:
-    """Return in words which law stands beside the blows for comparison."""
-    return kind_of(case).reference_law
+    phrases.append(f"nominal approach {amount(VELOCITY, approach)}")
+    phrases.append(f"object {amount(KILOGRAMS, solution.masses['object'])}")
+    return phrases + ([f"{case.feed.blows.si:.0f} blows wanted"] if case.feed else [])
 
 
 def answer_columns(answers: ContactAnswers, bands: Mapping[str, Band] | None = None) -> list[Column]:
@@ -665,7 +623,7 @@ def blow_columns(table: str, blows: Sequence[Blow], bands: Mapping[str, Band] | 
 
 
 def restitution_words(answers: ContactAnswers) -> str:
-    """Say which restitution was asked of the damping, and which comes out of the contact."""
+    """Return the restitution asked of the damping, and the one that comes out of the contact, as a sentence."""
     taken = answers.row(answers.taken)
     came = "" if taken is None else f", {taken.restitution:.4g} comes out of the first blow"
     yields = " (damping and yield together)" if answers.taken == YIELDING else ""
@@ -684,7 +642,7 @@ def launch_tables(solution: Solution) -> list[Table]:
 
 
 def summary_words(solution: Solution) -> str:
-    """Say in words what happened: blows, the first and the later ones, each number with its band where it has one.
+    """Return the summary of a run: its blows, the first and the later ones, each number with its band if it has one.
 
     Examples
     --------
@@ -699,44 +657,31 @@ def summary_words(solution: Solution) -> str:
         return f"No blow: no striker touched the object.{passes} There is no pulse to measure."
     kinds = [blow.kind for blow in solution.blows]
     odd = [f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds) if kind != "full"]
-    whole = "all full" if not odd else f"among {len(kinds)} passes {listed(odd)}"
-    many = "One blow, full" if len(struck) == 1 and not odd else f"{len(struck)} blows, {whole}"
+    among = "all full" if not odd else f"among {len(kinds)} passes {listed(odd)}"
+    many = "One blow, full" if len(struck) == 1 and not odd else f"{len(struck)} blows, {among}"
     interval = amount(INTERVAL, solution.interval, band.get("interval"))
     apart = "" if solution.interval is None else f", {interval} apart (median)"
     width = amount(PULSE_WIDTH, first.width, band.get("first.width"))
     wide = f"is {width} wide at 10 % of its peak" if width != NONE else "has no width"
-    words = [
+    sentences = [
         f"{many}{apart}.",
         f"The first reaches a rigid-body acceleration of "
         f"{amount(RIGID_PEAK, first.rigid_peak, band.get('first.rigid_peak'))}, {wide} and has a velocity change of "
         f"{amount(VELOCITY_CHANGE, first.velocity_change, band.get('first.velocity_change'))}; the contact force peaks "
         f"at {text_of(first, 'peak_force')}.",
     ]
-    later = _later(struck)
+    later = typical_blows(struck)
     if later:
-        peak, span = (median(getattr(blow, name) for blow in later) for name in ("rigid_peak", "width"))
-        words.append(
+        peak, span = median([blow.rigid_peak for blow in later]), median([blow.width for blow in later])
+        sentences.append(
             f"Later blows: {amount(RIGID_PEAK, peak, band.get('typical.rigid_peak'))} and "
             f"{amount(PULSE_WIDTH, span, band.get('typical.width'))} (medians)."
         )
-    return " ".join([*words, *_felt_words(solution)])
-
-
-def _later(struck: Sequence[Blow]) -> list[Blow]:
-    """Return the blows after the first that count as typical."""
-    return [blow for blow in struck[1:] if blow.kind in ("full", "double")]
-
-
-def _felt_words(solution: Solution) -> list[str]:
-    """Say in words what taps and sensors felt of the first blow; nothing without a stack or sensors."""
-    reading = next((r for r in solution.readings if r is not None), None)
-    if reading is None:
-        return []
-    words = []
-    if reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.arrays:
-        band, tap = text_of(reading, "bandwidth"), solution.arrays["tap"].values[0]
-        words.append(f"At the tap {tap} it reaches {text_of(reading, 'total_peak')} in all, at {band}.")
-    read = [f"{name} {text_of(pulse, 'peak')}" for name, pulse in reading.sensors.items()]
-    if read:
-        words.append(f"Sensors read, with resonance and all they pass beyond that bandwidth: {listed(read)}.")
-    return words
+    reading = next(filter(None, solution.readings), None)
+    if reading and reading.total_peak is not None and reading.bandwidth is not None and "tap" in solution.arrays:
+        bandwidth, tap = text_of(reading, "bandwidth"), solution.arrays["tap"].values[0]
+        sentences.append(f"At the tap {tap} it reaches {text_of(reading, 'total_peak')} in all, at {bandwidth}.")
+    if reading and reading.sensors:
+        read = listed([f"{name} {text_of(pulse, 'peak')}" for name, pulse in reading.sensors.items()])
+        sentences.append(f"Sensors read, with resonance and all they pass beyond that bandwidth: {read}.")
+    return " ".join(sentences)

@@ -8,6 +8,7 @@ from contextlib import AbstractContextManager, nullcontext
 from statistics import median
 from typing import TYPE_CHECKING
 
+from strikewave.analyses.machine.blow_histories import BlowReading, Observed, build_dataset, first_struck
 from strikewave.analyses.machine.build import line_collisions, release
 from strikewave.analyses.machine.kind import Release, kind_of
 from strikewave.analyses.machine.notices import (
@@ -19,8 +20,7 @@ from strikewave.analyses.machine.notices import (
     wave_notices,
 )
 from strikewave.analyses.machine.observe import contact_answers, observe
-from strikewave.analyses.machine.readings import BlowReading, Observed, build_dataset, without_peaks
-from strikewave.analyses.machine.result import RigidReference, Solution, figures_of, sensor_figures
+from strikewave.analyses.machine.result import RigidReference, Solution
 from strikewave.base import citations
 from strikewave.base.compiled import is_cold
 from strikewave.base.compiling import compiling_shown
@@ -82,7 +82,7 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
     seen = observe(case, progress)
     machine, run = seen.machine, seen.run
     start = release(case, machine.struck.mass) if case.launched() else None
-    first = next((blow for blow in seen.blows if blow.kind != "missed"), None)
+    first = first_struck(seen.blows)
     answers = None if first is None else contact_answers(case, first)
     listed = [
         *notices(case, seen.blows, answers),
@@ -90,16 +90,13 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
         *wave_notices(case, run, seen.histories, seen.readings, seen.view.bandwidth),
         *sensor_notices(case),
         *channel_notices(
-            seen.view.channels,
-            [reading.sensors for reading in seen.readings if reading is not None],
-            machine.struck.assembly_mass,
+            seen.view.channels, [row.sensors for row in seen.readings if row], machine.struck.assembly_mass
         ),
         *cut_notices(case, seen),
     ]
-    refused = any(notice.code == "rise-too-steep" for notice in listed)
-    readings = tuple(reading and (without_peaks(reading) if refused else reading) for reading in seen.readings)
-    balance = balance_of(run, seen.blows)
-    struck = machine.struck
+    readings, balance, struck = seen.readings, balance_of(run, seen.blows), machine.struck
+    if "rise-too-steep" in [notice.code for notice in listed]:  # theory then allows no peak to be quoted
+        readings = tuple([row and dataclasses.replace(row, total_peak=None, wave_peak=None) for row in readings])
     return Solution(
         case=case,
         blows=seen.blows,
@@ -120,20 +117,16 @@ def run_case(case: Case, progress: Callable[[float], None] | None = None, *, ban
 
 
 def band_compiled_beside(case: Case) -> AbstractContextManager[None]:
-    """Return what compiles the fast engine for the band of a case in a second process, where it is not compiled yet.
-
-    The run goes on within; a machine that strikes once needs no fast engine.
-    """
+    """Return the context in which a second process compiles the fast engine for the band of a case, if it must be."""
     from strikewave.machines.fast_run import fast_run_beside
 
     return nullcontext() if case.launched() else fast_run_beside()
 
 
 def band_runs_beside(case: Case) -> AbstractContextManager[Callable[[], FastRuns | None]]:
-    """Return what makes the runs of the fast engine for the band of a case in a copy of this process.
+    """Return the context in which a copy of this process makes the runs of the fast engine for the band of a case.
 
-    The run goes on within. Where they must be compiled first, or the case has none, it gives None; see
-    `strikewave.uncertainty.runs`.
+    Where these must be compiled first, or the case has none, it gives None; see `strikewave.uncertainty.runs`.
     """
     if case.launched() or is_cold("run_train"):
         return nullcontext(lambda: None)
@@ -150,13 +143,12 @@ def with_bands(
     from strikewave.analyses.machine.band import machine_bands  # the fast engine, which a run alone does not need
 
     bands, method = machine_bands(solution.case, solution.blows, solution.readings, progress, runs=runs)
-    names = {**figures_of(solution.blows), **sensor_figures(solution.readings)}
-    notices = (*solution.notices, *lacking_notices(names, bands, method))
+    notices = (*solution.notices, *lacking_notices(solution.figures, bands, method))
     return dataclasses.replace(solution, band=bands, band_method=method, notices=notices)
 
 
 def launch_of(machine: Machine, start: Release) -> dict[str, float]:
-    """Return what is said of a machine without a drive: see `strikewave.analyses.machine.result.MachineLaunch`."""
+    """Return the numbers of a launch, which `strikewave.analyses.machine.result.MachineLaunch` declares."""
     striker, arm = machine.strikers.first, start.pendulum
     speed, energy = (0.0, 0.0) if arm is None else (start.arm * arm.radius, 0.5 * arm.inertia * start.arm**2)
     numbers = {
@@ -168,10 +160,7 @@ def launch_of(machine: Machine, start: Release) -> dict[str, float]:
 
 
 def rigid_reference(case: Case, machine: Machine) -> RigidReference:
-    """Return what a contact gives on a rigid object, with no frame and no mount, at the nominal approach speed.
-
-    The kind of the machine says which contact, and which mass stands behind the striker.
-    """
+    """Return the blow of the kind's reference contact on a rigid object, without frame and mount, at nominal speed."""
     contact, behind = kind_of(case).rigid_contact(case, machine)
     mass = machine.struck.mass
     blow = solve_impact(contact, behind, mass, machine.nominal_approach)
@@ -180,14 +169,14 @@ def rigid_reference(case: Case, machine: Machine) -> RigidReference:
 
 
 def published_value(
-    name: str, found: Sequence[Blow], readings: Sequence[BlowReading | None], sensor: str = ""
+    name: str, blows: Sequence[Blow], readings: Sequence[BlowReading | None], sensor: str = ""
 ) -> float | None:
-    """Return the computed number that a published one is set beside; None where there is none.
+    """Return the computed number beside a published one; None where there is none.
 
     ``first`` is the first blow that touched, ``typical`` the median of the later full or double blows, ``count`` the
     number of blows, ``window`` the time from the first to the last.
     """
-    struck = [(blow, reading) for blow, reading in zip(found, readings, strict=True) if reading is not None]
+    struck = [(blow, reading) for blow, reading in zip(blows, readings, strict=True) if reading is not None]
     if name == "count":
         return float(len(struck))
     if not struck:
@@ -213,9 +202,9 @@ def _measured(blow: Blow, reading: BlowReading, quantity: str, sensor: str) -> f
     return None if value is None else float(value)
 
 
-def compare(case: Case, found: Sequence[Blow], readings: Sequence[BlowReading | None]) -> tuple[Comparison, ...]:
+def compare(case: Case, blows: Sequence[Blow], readings: Sequence[BlowReading | None]) -> tuple[Comparison, ...]:
     """Compare the published numbers of a case with the computed ones; the difference is relative."""
-    return comparisons(case, lambda entry: published_value(entry.quantity, found, readings, entry.sensor))
+    return comparisons(case, lambda entry: published_value(entry.quantity, blows, readings, entry.sensor))
 
 
 def _citations(case: Case, seen: Observed) -> tuple[str, ...]:

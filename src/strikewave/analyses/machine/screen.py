@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from strikewave.analyses.machine.kind import kind_of
 from strikewave.analyses.machine.result import (
     ANSWERS_CALLED,
     LineCollision,
     Solution,
     answer_columns,
     blow_columns,
-    reference_law,
     restitution_words,
     settings,
     summary_words,
@@ -69,7 +69,7 @@ class MachineCommand(Command[Solution]):
                 return with_bands(solution, report, runs())
 
     def summary(self, result: Solution) -> str:
-        """Say what happened."""
+        """Return the summary in words."""
         return summary_words(result)
 
     def show(self, result: Solution) -> None:
@@ -89,47 +89,30 @@ def show(solution: Solution) -> None:
     print_rows(solution.title, blow_columns("blows", solution.blows, solution.band))
     print_bands(solution, solution.figures)
     _print_waves(solution)
-    _print_struck(solution, "contact", "Contact, blow by blow")
-    _print_answers(solution)
+    print_rows("Contact, blow by blow", blow_columns("contact", solution.struck), detail=True)
+    if solution.contact is not None:
+        if solution.contact.differ:
+            print_rows(ANSWERS_CALLED, answer_columns(solution.contact, solution.band))
+        tell(restitution_words(solution.contact))
     if solution.slides:
-        _print_struck(solution, "sliding", "Nose across the face; the object's guide bears the side force")
+        title = "Nose across the face; the object's guide bears the side force"
+        print_rows(title, blow_columns("sliding", solution.struck), detail=True)
     print_published(solution.comparisons)
-    _print_collisions(solution)
+    if solution.collisions:
+        print_rows("Collisions in the line, by restitution alone", columns_of(LineCollision, solution.collisions))
     tell("")
-    tell(_alone_words(solution))
+    law, speed = kind_of(solution.case).reference_law, text_of(solution.reference, "approach_speed")
+    alone = f"if nothing but the contact gave way ({law} on a rigid object, at the nominal {speed})"
+    tell(f"{alone}, the pulse would be {solution.reference.words}")
     values = solution.case.with_stale_fits_assumed().values()
     fitted = [f"{path} = {value.typed}" for path, value in values.items() if value.provenance == "fitted"]
     if fitted:
         tell("fitted: " + ", ".join(fitted))
-    tell("balance: " + ", ".join(check.words for check in solution.balance_checks))
-
-
-def _alone_words(solution: Solution) -> str:
-    """Say what the pulse would be if nothing but the contact gave way."""
-    reference = solution.reference
-    return (
-        f"if nothing but the contact gave way ({reference_law(solution.case)} on a rigid object, at the nominal "
-        f"{text_of(reference, 'approach_speed')}), the pulse would be {reference.words}"
-    )
-
-
-def _print_answers(solution: Solution) -> None:
-    """Print what was asked of the contact, and its other answers where they differ."""
-    answers, bands = solution.contact, solution.band
-    if answers is None:
-        return
-    if answers.differ:
-        print_rows(ANSWERS_CALLED, answer_columns(answers, bands))
-    tell(restitution_words(answers))
-
-
-def _print_struck(solution: Solution, which: str, title: str) -> None:
-    """Print a table of the blows that struck."""
-    print_rows(title, blow_columns(which, solution.struck), detail=True)
+    tell("balance: " + ", ".join([check.words for check in solution.balance_checks]))
 
 
 def _print_waves(solution: Solution) -> None:
-    """Print what taps and sensors show of each blow, and the insertion loss of the buffers."""
+    """Print the readings of taps and sensors, blow by blow, and the insertion loss of the buffers."""
     if not (solution.wave_blows or solution.sensor_rows):
         return
     for row in solution.wave_blows[:1]:
@@ -146,9 +129,3 @@ def _print_waves(solution: Solution) -> None:
 
     for shown in (*loss_tables(build_channels(solution.case)), *fit_tables(fitted_losses(solution.case))):
         report_table(shown)
-
-
-def _print_collisions(solution: Solution) -> None:
-    """Print the collisions of the bodies of an amplifier."""
-    if solution.collisions:
-        print_rows("Collisions in the line, by restitution alone", columns_of(LineCollision, solution.collisions))

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from strikewave.analyses.machine.notices import fast_not_judged, fast_verdict, run_verdict
-from strikewave.analyses.machine.result import RigidReference, figures_of
+from strikewave.analyses.machine.result import RigidReference, blow_results
 from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError, nearest
@@ -248,7 +248,7 @@ def train_numbers(found: Sequence[Any]) -> dict[str, float | None]:
     struck = [blow for blow in found if blow.kind != "missed"]
     peaks = [blow.rigid_peak for blow in struck]
     displacements = [b.largest_displacement for b in found if math.isfinite(b.largest_displacement)]
-    numbers: dict[str, float | None] = dict(figures_of(found))
+    numbers: dict[str, float | None] = dict(blow_results(found))
     if struck:
         first = struck[0]
         numbers |= {f"first.{name}": getattr(first, name, None) for name in OF_FIRST}

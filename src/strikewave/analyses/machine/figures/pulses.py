@@ -48,10 +48,11 @@ def summary(solution: Solution) -> Figure:
     figure = Figure(figsize=(9.0, 6.4), layout="constrained")
     grid = figure.add_gridspec(2, 2, height_ratios=(1.0, 1.0))
     sheet_title(figure, solution.title)
-    force, acceleration, train = (figure.add_subplot(cell) for cell in (grid[0, 0], grid[0, 1], grid[1, :]))
-    struck = [i for i, blow in enumerate(solution.blows) if blow.kind != "missed"]
-    if struck:
-        _first_blow(solution, struck[0], force, acceleration)
+    force, acceleration, train = [figure.add_subplot(cell) for cell in (grid[0, 0], grid[0, 1], grid[1, :])]
+    first = solution.first_blow
+    if first is not None:
+        _draw_force(solution, solution.blows.index(first), force)
+        _draw_acceleration(solution, solution.blows.index(first), acceleration)
     else:
         for axes in (force, acceleration):
             axes.set_axis_off()
@@ -60,28 +61,28 @@ def summary(solution: Solution) -> Figure:
     return figure
 
 
-def _first_blow(solution: Solution, row: int, force_axes: Any, acceleration_axes: Any) -> None:
-    data, blow = solution.arrays, solution.blows[row]
-    unit, newtons, size = axis_unit("s", "us")[0], axis_unit("N", "kN")[0], axis_unit("m/s^2", "g")[0]
-    time, force = blow_history(data, row, "pulse_force")
-    acceleration = blow_history(data, row, "pulse_acceleration")[1] / size
-    shown = time <= (SHOWN_WIDTHS * blow.width if blow.width > 0.0 else time[-1])
-    time = time / unit
-    force_axes.plot(time[shown], force[shown] / newtons, color=BLUE, linewidth=1.4)
-    quiet(force_axes, f"Contact force, blow {blow.index}", since_touch(), headed("force", "N", "kN"))
-    acceleration_axes.plot(time[shown], acceleration[shown], color=BLUE, linewidth=1.4, label="computed")
-    quiet(
-        acceleration_axes,
-        f"Rigid-body acceleration, blow {blow.index}",
-        since_touch(),
-        headed("acceleration", "m/s^2", "g"),
-    )
-    for axes in (force_axes, acceleration_axes):
-        few_ticks(axes)
-    if not solution.case.changed_fields():
-        published_marks(solution, acceleration_axes, time[shown], acceleration[shown])
-    if len(acceleration_axes.get_legend_handles_labels()[0]) > 1:
-        acceleration_axes.legend(frameon=False, fontsize=8, loc="upper right")
+def _draw_force(solution: Solution, row: int, axes: Any) -> None:
+    """Draw the contact force of a blow."""
+    blow = solution.blows[row]
+    time, force = _window(solution, row, "pulse_force", blow.width)
+    axes.plot(time, force / axis_unit("N", "kN")[0], color=BLUE, linewidth=1.4)
+    quiet(axes, f"Contact force, blow {blow.index}", since_touch(), headed("force", "N", "kN"))
+    few_ticks(axes)
+
+
+def _draw_acceleration(solution: Solution, row: int, axes: Any) -> None:
+    """Draw the rigid-body acceleration of a blow, with the published marks where they belong."""
+    blow = solution.blows[row]
+    time, values = _window(solution, row, "pulse_acceleration", blow.width)
+    acceleration = values / axis_unit("m/s^2", "g")[0]
+    axes.plot(time, acceleration, color=BLUE, linewidth=1.4, label="computed")
+    title = f"Rigid-body acceleration, blow {blow.index}"
+    quiet(axes, title, since_touch(), headed("acceleration", "m/s^2", "g"))
+    few_ticks(axes)
+    if blow is solution.first_blow and not solution.case.changed_fields():
+        published_marks(solution, axes, time, acceleration)
+    if len(axes.get_legend_handles_labels()[0]) > 1:
+        axes.legend(frameon=False, fontsize=8, loc="upper right")
 
 
 def few_ticks(axes: Any) -> None:
@@ -144,7 +145,7 @@ def _train(solution: Solution, axes: Any) -> None:
     for blow in solution.blows:
         height = 0.0 if blow.kind == "missed" else blow.rigid_peak / size
         place = (peak_time(solution, blow) / unit, height)
-        axes.plot(*([one] for one in place), "o", color=KIND_COLOURS[blow.kind], markersize=4)
+        axes.plot(*place, "o", color=KIND_COLOURS[blow.kind], markersize=4)
         if (labelled and blow.kind == "full") or (blow.kind != "full" and blow.time >= free):
             free = blow.time + (room if blow.kind != "full" else 0.0)
             text = str(blow.index) if blow.kind == "full" else f"{blow.index} {blow.kind}"
@@ -166,29 +167,14 @@ def contact_force(solution: Solution, row: int = 0) -> Figure:
     'force (kN)'
     """
     figure, axes = figure_with_axes(HALF)
-    time, force = _window(solution, row, "pulse_force", solution.blows[row].width)
-    size, _ = axis_unit("N", "kN")
-    axes.plot(time, force / size, color=BLUE, linewidth=1.4)
-    quiet(axes, f"Contact force, blow {solution.blows[row].index}", since_touch(), headed("force", "N", "kN"))
-    few_ticks(axes)
+    _draw_force(solution, row, axes)
     return figure
 
 
 def rigid_acceleration(solution: Solution, row: int = 0) -> Figure:
     """Draw the rigid-body acceleration of one blow, with the published marks where they belong."""
     figure, axes = figure_with_axes(HALF)
-    blow = solution.blows[row]
-    time, values = _window(solution, row, "pulse_acceleration", blow.width)
-    size, _ = axis_unit("m/s^2", "g")
-    acceleration = values / size
-    axes.plot(time, acceleration, color=BLUE, linewidth=1.4, label="computed")
-    if row == _first_struck(solution) and not solution.case.changed_fields():
-        published_marks(solution, axes, time, acceleration)
-    title = f"Rigid-body acceleration, blow {blow.index}"
-    quiet(axes, title, since_touch(), headed("acceleration", "m/s^2", "g"))
-    few_ticks(axes)
-    if len(axes.get_legend_handles_labels()[0]) > 1:
-        axes.legend(frameon=False, fontsize=8, loc="upper right")
+    _draw_acceleration(solution, row, axes)
     return figure
 
 
@@ -196,15 +182,15 @@ def overlaid_pulses(solution: Solution) -> Figure:
     """Draw the rigid-body pulses of the blows over each other: the first, the later full ones, the odd ones."""
     figure, axes = figure_with_axes(WHOLE)
     size, _ = axis_unit("m/s^2", "g")
-    first = _first_struck(solution)
     seen: set[str] = set()
     rows = drawn_blows(solution)
-    longest = max((solution.blows[row].width for row in rows if solution.blows[row].width > 0.0), default=0.0)
+    longest = max([solution.blows[row].width for row in rows if solution.blows[row].width > 0.0], default=0.0)
     for row in reversed(rows):  # the first one on top
         blow = solution.blows[row]
         time, values = _window(solution, row, "pulse_acceleration", longest)
-        if row == first:
-            colour, label, width = BLUE, f"blow {blow.index}, the first" + _odd(blow.kind), 1.6
+        if blow is solution.first_blow:
+            odd = "" if blow.kind == "full" else f" ({blow.kind})"
+            colour, label, width = BLUE, f"blow {blow.index}, the first{odd}", 1.6
         elif blow.kind == "full":
             colour, label, width = GREY, "later full blows", 0.9
         else:
@@ -227,26 +213,16 @@ def whole_train(solution: Solution) -> Figure:
     axes.plot(time / unit, values / size, color=BLUE, linewidth=0.8)
     since = headed(time_words(solution), "s", "ms")
     quiet(axes, "Rigid-body acceleration, whole train", since, headed("acceleration", "m/s^2", "g"))
-    kinds = {blow.kind for blow in solution.blows}
-    for kind, colour in KIND_COLOURS.items():
-        blows = [blow for blow in solution.blows if blow.kind == kind]
-        if blows:
-            heights = [0.0 if kind == "missed" else blow.rigid_peak / size for blow in blows]
-            shape = "o" if kind == "full" else "D" if kind == "double" else "s" if kind == "glancing" else "x"
-            axes.plot(
-                [peak_time(solution, blow) / unit for blow in blows],
-                heights,
-                shape,
-                color=colour,
-                markersize=4,
-                label=kind,
-            )
-    if len(solution.blows) <= MOST_LABELS:
-        for blow in solution.blows:
-            height = 0.0 if blow.kind == "missed" else blow.rigid_peak / size
-            place = (peak_time(solution, blow) / unit, height)
+    places: dict[str, list[tuple[float, float]]] = {kind: [] for kind in KIND_COLOURS}
+    for blow in solution.blows:
+        place = (peak_time(solution, blow) / unit, 0.0 if blow.kind == "missed" else blow.rigid_peak / size)
+        places[blow.kind].append(place)
+        if len(solution.blows) <= MOST_LABELS:
             axes.annotate(str(blow.index), place, xytext=(0, 5), textcoords="offset points", ha="center", fontsize=8)
-    if kinds - {"full"}:
+    for (kind, colour), shape in zip(KIND_COLOURS.items(), "osDx", strict=True):
+        if places[kind]:
+            axes.plot(*zip(*places[kind], strict=True), shape, color=colour, markersize=4, label=kind)
+    if any(places[kind] for kind in KIND_COLOURS if kind != "full"):
         put_legend(axes, *axes.get_legend_handles_labels())
     axes.margins(y=0.14)
     return figure
@@ -260,14 +236,6 @@ def drawn_blows(solution: Solution) -> list[int]:
     odd = [row for row in struck if solution.blows[row].kind != "full"][: MOST_PULSES // 2]
     even = np.linspace(0, len(struck) - 1, MOST_PULSES // 2).round().astype(int)
     return sorted({*odd, *(struck[i] for i in even)})
-
-
-def _odd(kind: str) -> str:
-    return "" if kind == "full" else f" ({kind})"
-
-
-def _first_struck(solution: Solution) -> int:
-    return next(row for row, blow in enumerate(solution.blows) if blow.kind != "missed")
 
 
 def _window(solution: Solution, row: int, name: str, width: float) -> tuple[Array, Array]:

@@ -13,7 +13,14 @@ import numpy as np
 import strikewave
 from strikewave.analyses.machine.band import PULSE_TOLERANCE, quick_look
 from strikewave.analyses.machine.kind import kind_of
-from strikewave.analyses.machine.result import INTERVAL, SHOWN_WIDTHS, Solution, blow_columns, blow_history, figures_of
+from strikewave.analyses.machine.result import (
+    INTERVAL,
+    SHOWN_WIDTHS,
+    Solution,
+    blow_columns,
+    blow_history,
+    blow_results,
+)
 from strikewave.analyses.machine.run import run_case
 from strikewave.base.compiled import is_cold
 from strikewave.base.declare import declarations
@@ -66,7 +73,7 @@ def look(source: CaseSource) -> dict[str, Any]:
     by = f"a first look by {engine}{left_out}; no bands yet"
     return {
         "by": by,
-        "figures": shown_figures(figures_of(seen.blows), {}),
+        "figures": shown_figures(blow_results(seen.blows), {}),
         "charts": [*pulse_charts(seen.since, seen.force, seen.acceleration), *train(seen.blows, {})],
         "tables": [blow_rows(seen.blows, {})],
         "nothing": NOTHING,
@@ -221,7 +228,7 @@ def wishes(source: CaseSource) -> dict[str, dict[str, list[str]]]:
     'object.damper=20..120 N s/m'
     """
     case = loaded(source)
-    figures = figures_of(quick_look(case).blows)
+    figures = blow_results(quick_look(case).blows)
     now = {key: [f"{in_unit(figures[name], *of.units):.4g} {of.usual}"] for key, name, of in NOW if name in figures}
     return {"settings": now, "design": _equal_blows(case)} if is_rotary(case) else {}
 

@@ -1,4 +1,4 @@
-"""What taps and sensors show of each blow, and a run sampled into arrays: train, blows, ideal record, taps, sensors.
+"""Histories and readings of each blow at taps and sensors, and the arrays of a run: train, blows, ideal record.
 
 Total acceleration is what a perfect sensor at a section would read; wave is total less the rigid-body acceleration of
 the assembly, both at the same bandwidth, so that nothing is counted twice. A peak is the value of largest magnitude,
@@ -7,10 +7,11 @@ with its sign.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +21,12 @@ from strikewave.base.datasets import LabelledArrays, quantity
 from strikewave.base.declare import MORE, declarations
 from strikewave.base.shock_quantities import BANDWIDTH, TOTAL_PEAK
 from strikewave.cases.case import Case
+from strikewave.cases.contact_of_case import or_else
 from strikewave.machines._kernels import stroke_places
 from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow, pulse_window, window_ends
 from strikewave.machines.machine import Machine
 from strikewave.machines.run import MachineRun
-from strikewave.machines.spans import Moments, StackSpan
+from strikewave.machines.spans import StackSpan
 from strikewave.sensors import Reading, read
 from strikewave.sensors.trial import SensorChannel, SensorPulse, sensor_pulse, settling_time, shortest_period, still_on
 from strikewave.signal.filters import stated
@@ -33,8 +35,7 @@ from strikewave.waves.li_ma import EXACT, ROUTES, route_history, specimen_of, su
 
 Array = NDArray[np.float64]
 
-RIGID_STEP = 0.1e-6
-"""Finest spacing of the history that a sensor gets where the object is no stack, s."""
+RIGID_STEP = 0.1e-6  # s; finest spacing of a history without a stack: 40 samples a period of a resonance of 250 kHz
 SAMPLES_A_WINDOW, SAMPLES_A_TOUCH, SAMPLES_A_PERIOD = 30_000, 1000, 20
 """Samples of which no more are needed: of a window, as many as of a pulse of 1.5 ms at the finest spacing; of the time
 in touch, where a sample is 1e-6 below the top of a half-sine at most; of a period of the fastest that swings or is
@@ -48,7 +49,7 @@ SAMPLES_A_CUTOFF = 4
 
 @declare.dataclass
 class BlowReading:
-    """What taps and sensors show of one blow; None where the object is no stack."""
+    """Readings of taps and sensors in one blow; those of taps are None where the object is no stack."""
 
     total_peak: float | None = declare.number(
         TOTAL_PEAK,
@@ -70,19 +71,42 @@ class BlowReading:
     sensors: dict[str, SensorPulse] = declare.named(SensorPulse, "what each sensor reads, by its name")
 
 
-class ReadingSetup(NamedTuple):
-    """How a run is looked at.
+class TimedBlow(Protocol):
+    """A blow of a full or a fast run."""
 
-    Attributes
-    ----------
-    channels : tuple of SensorChannel
-        The sensors.
-    bandwidth : float
-        -3 dB of the zero-phase filter that rigid and total acceleration pass, Hz.
-    recorder_begin : float
-        A sampling instant of the recorders, s after the valve signal.
-    route : str
-        "exact", or a route of the paper.
+    @property
+    def kind(self) -> str:
+        """full, glancing, double or missed."""
+
+    @property
+    def time(self) -> float:
+        """First touch, s."""
+
+
+BlowT = TypeVar("BlowT", bound=TimedBlow)
+
+
+def struck_blows(run_blows: Sequence[BlowT]) -> list[BlowT]:
+    """Return the blows that touched the object."""
+    return [blow for blow in run_blows if blow.kind != "missed"]
+
+
+def first_struck(run_blows: Sequence[BlowT]) -> BlowT | None:
+    """Return the first blow that touched the object; None where none did."""
+    return next(iter(struck_blows(run_blows)), None)
+
+
+def typical_blows(struck: Sequence[BlowT]) -> list[BlowT]:
+    """Return the full and double blows after the first: their medians are the typical results."""
+    return [blow for blow in struck[1:] if blow.kind in ("full", "double")]
+
+
+class ReadingSetup(NamedTuple):
+    """Sensors, bandwidth and route by which a run is observed.
+
+    ``bandwidth`` is the -3 dB frequency of the zero-phase filter that rigid and total acceleration pass, Hz;
+    ``recorder_begin`` a sampling instant of the recorders, s after the valve signal; ``route`` "exact", or one of the
+    paper.
     """
 
     channels: tuple[SensorChannel, ...]
@@ -114,35 +138,34 @@ class BlowHistory(NamedTuple):
     at_rest: float
 
 
-def blow_histories(run: MachineRun, found: Sequence[Blow], view: ReadingSetup) -> tuple[BlowHistory | None, ...]:
-    """Return what taps and sensors show of each blow of a run, of the first one also by the routes of the paper.
-
-    None of a blow that missed.
-    """
+def blow_histories(run: MachineRun, run_blows: Sequence[Blow], view: ReadingSetup) -> tuple[BlowHistory | None, ...]:
+    """Return the histories of each blow of a run, of the first one also by the routes of the paper; None of a miss."""
     tail = max(WINDOW_AFTER, *map(settling_time, view.channels), 0.0)
-    ends = window_ends(run, found, tail)
-    step = reading_step(run, found, ends, view.channels)
-    first = next((blow for blow in found if blow.kind != "missed"), None)
-    return tuple(
-        None if blow.kind == "missed" else blow_history(run, blow, view, float(end), step, routes=blow is first)
-        for blow, end in zip(found, ends, strict=True)
-    )
+    ends = window_ends(run, run_blows, tail)
+    step = reading_step(run, run_blows, ends, view.channels)
+    first = first_struck(run_blows)
+    histories: list[BlowHistory | None] = []
+    for blow, end in zip(run_blows, ends, strict=True):
+        missed = blow.kind == "missed"
+        histories.append(None if missed else blow_history(run, blow, view, float(end), step, routes=blow is first))
+    return tuple(histories)
 
 
-def reading_step(run: MachineRun, found: Sequence[Blow], ends: Array, channels: Sequence[SensorChannel]) -> float:
+def reading_step(run: MachineRun, run_blows: Sequence[Blow], ends: Array, channels: Sequence[SensorChannel]) -> float:
     """Return the spacing of the histories of blows whose windows have these ends, s (NaN: missed), for some sensors.
 
     Short pulses have the finest one; a longer one has no more samples than a pulse needs, or than what swings and
     filters need: the frame of the object, resonances and buffers, cutoffs.
     """
-    struck = np.array([end - blow.time for blow, end in zip(found, ends, strict=True) if blow.kind != "missed"])
-    if struck.size == 0 or not channels:
+    struck = struck_blows(run_blows)
+    if not struck or not channels:
         return RIGID_STEP
-    longest, quickest = float(struck.max()), min(blow.contact_time for blow in found if blow.kind != "missed")
-    cutoff = max((c.recorder.cutoff for c in channels if math.isfinite(c.recorder.cutoff)), default=0.0)
+    lasting = ends[np.isfinite(ends)] - [blow.time for blow in struck]
+    longest, quickest = float(lasting.max()), min([blow.contact_time for blow in struck])
+    cutoff = max([c.recorder.cutoff for c in channels if math.isfinite(c.recorder.cutoff)], default=0.0)
     fastest = max(1.0 / shortest_period(channels), run.machine.struck.frame_frequency, cutoff)
     wanted = min(longest / SAMPLES_A_WINDOW, quickest / SAMPLES_A_TOUCH, 1.0 / (SAMPLES_A_PERIOD * fastest))
-    bound = max(longest / MOST_A_WINDOW, min(float(struck.sum()) / MOST_OF_A_SENSOR, longest / SAMPLES_A_WINDOW))
+    bound = max(longest / MOST_A_WINDOW, min(float(lasting.sum()) / MOST_OF_A_SENSOR, longest / SAMPLES_A_WINDOW))
     filtered = 1.0 / (SAMPLES_A_CUTOFF * cutoff) if cutoff else math.inf
     return max(RIGID_STEP, min(max(wanted, bound), filtered))
 
@@ -150,7 +173,7 @@ def reading_step(run: MachineRun, found: Sequence[Blow], ends: Array, channels: 
 def blow_history(
     run: MachineRun, blow: Blow, view: ReadingSetup, end: float, step: float, routes: bool = False
 ) -> BlowHistory:
-    """Return what taps and sensors show of a blow that touched; with ``routes``, also by those of the paper.
+    """Return the histories of a blow that touched; with ``routes``, also by those of the paper.
 
     Before first touch everything moves as the rigid assembly does; the history ends at ``end``, or where a stack has
     settled, and has this step, or that of the stack. By a route of the paper, total is the rigid acceleration and the
@@ -171,7 +194,7 @@ def blow_history(
     moments = run.sample(np.clip(blow.time + since, 0.0, last))
     rigid, by_route, without = moments.rigid_acceleration, {}, []
     taps = layered.taps if layered else ()
-    force, speed, total = (np.zeros((len(taps), since.size)) for _ in range(3))
+    force, speed, total = np.zeros((3, len(taps), since.size))
     for k, (layer, position) in enumerate(taps):
         assert isinstance(span, StackSpan)
         assert layered is not None
@@ -194,7 +217,7 @@ def blow_history(
     for channel in view.channels:
         felt = rigid if channel.tap is None else total[channel.tap]
         readings.append(_recorded(channel, felt, step, start, blow.time - view.recorder_begin, launched))
-    steepest = min((front(values, step) for values in total), default=math.inf)
+    steepest = min([front(values, step) for values in total], default=math.inf)
     if taps:
         filtered = stated(np.vstack([rigid, total, *by_route.values()]), step, view.bandwidth)
         rigid, total = filtered[0], filtered[1 : len(taps) + 1]
@@ -225,30 +248,20 @@ def _recorded(
     return read(channel.sensor, channel.recorder, felt, step, start, phase, steady=launched)
 
 
-def without_peaks(reading: BlowReading) -> BlowReading:
-    """Return a reading without the peaks that may not be quoted."""
-    return replace(reading, total_peak=None, wave_peak=None)
-
-
 def blow_reading(history: BlowHistory, view: ReadingSetup) -> BlowReading:
     """Return the peaks of a blow's history."""
-    pairs = zip(view.channels, history.readings, strict=True)
-    sensors = {
-        channel.sensor.name: replace(sensor_pulse(reading), cut=_is_cut(channel, reading, history))
-        for channel, reading in pairs
-    }
+    sensors = dict[str, SensorPulse]()
+    for channel, reading in zip(view.channels, history.readings, strict=True):
+        # a reading is cut off where it ends in touch, or before a slow filter has answered the pulse
+        cut = history.followed <= settling_time(channel) and still_on(reading, history.at_rest)
+        sensors[channel.sensor.name] = replace(sensor_pulse(reading), cut=cut)
     if not len(history.total):
         return BlowReading(None, None, None, sensors)
     return BlowReading(largest(history.total[0]), largest(history.total[0] - history.rigid), view.bandwidth, sensors)
 
 
-def _is_cut(channel: SensorChannel, reading: Reading, history: BlowHistory) -> bool:
-    """Tell whether a reading ends before the pulse does: in touch, or before a slow filter has answered it."""
-    return history.followed <= settling_time(channel) and still_on(reading, history.at_rest)
-
-
 class Observed(NamedTuple):
-    """A run and all that was seen of it: blows, how it was looked at, names of taps; histories and readings a blow."""
+    """A run with its blows, the set-up of its readings, the names of its taps, and histories and readings a blow."""
 
     run: MachineRun
     blows: tuple[Blow, ...]
@@ -259,12 +272,11 @@ class Observed(NamedTuple):
 
     @property
     def machine(self) -> Machine:
-        """What ran."""
+        """Machine that ran."""
         return self.run.machine
 
 
-PULSE_STEP = 0.5e-6
-"""Finest sampling of the stored blow windows, s."""
+PULSE_STEP = 0.5e-6  # s; finest sampling of the stored windows: 300 samples of a pulse of 150 us
 SAMPLES_A_PULSE = 3000
 """Samples of the shortest pulse of which no more are needed: as many as of one of 1.5 ms at the finest sampling."""
 MOST_KEPT_SAMPLES = 5_000_000
@@ -273,33 +285,26 @@ sampling a window has anyway."""
 
 
 def carriage_position(case: Case, phases: Sequence[tuple[str, float]], time: Array) -> Array:
-    """Return how far the carriage is from its fed place, m, at times after the valve signal.
-
-    Both strokes begin and end where the phases of the run say.
-    """
-    feed, at = case.rotary_tables().feed, dict(phases)
-    rise, fall = (0.5 if share is None else share.si for share in (feed.acceleration, feed.cushion))
-
-    def moved(begin: float, end: float) -> Array:
-        places = np.empty(time.size)
-        stroke_places((time - begin) / (end - begin), rise, fall, places)
-        return places
-
-    return np.asarray(feed.stroke.si * (1.0 - moved(at["feed"], at["fed"]) + moved(at["retract"], at["brake"])))
+    """Return the distance of the carriage from its fed place, m, at times after the valve signal."""
+    feed, at, moved = case.rotary_tables().feed, dict(phases), np.empty((2, time.size))
+    rise, fall = or_else(feed.acceleration, 0.5), or_else(feed.cushion, 0.5)
+    for (begin, end), share in zip((("feed", "fed"), ("retract", "brake")), moved, strict=True):
+        stroke_places((time - at[begin]) / (at[end] - at[begin]), rise, fall, share)
+    return np.asarray(feed.stroke.si * (1.0 - moved[0] + moved[1]))
 
 
-def pulse_axis(run: MachineRun, found: Sequence[Blow]) -> tuple[Array, float]:
+def pulse_axis(run: MachineRun, run_blows: Sequence[Blow]) -> tuple[Array, float]:
     """Return time since first touch and its step, s, of the windows of all blows: as long as the longest pulse needs.
 
     The step is the finest one where pulses are short or waves run through a stack, and coarser for pulses that are all
     long, or for more samples than are kept.
     """
-    lasting = window_ends(run, found) - [blow.time for blow in found]
+    lasting = window_ends(run, run_blows) - [blow.time for blow in run_blows]
     longest = max([WINDOW_AFTER, *lasting[np.isfinite(lasting)]])
-    shortest = min((blow.contact_time for blow in found if blow.kind != "missed"), default=0.0)
+    shortest = min([blow.contact_time for blow in struck_blows(run_blows)], default=0.0)
     step = PULSE_STEP if run.machine.layered else max(PULSE_STEP, shortest / SAMPLES_A_PULSE)
     usual = (WINDOW_BEFORE + WINDOW_AFTER) / PULSE_STEP
-    step = max(step, longest / max(MOST_KEPT_SAMPLES / max(len(found), 1), usual))
+    step = max(step, longest / max(MOST_KEPT_SAMPLES / max(len(run_blows), 1), usual))
     return np.arange(-round(WINDOW_BEFORE / step), math.floor(longest / step + 1e-6) + 1) * step, step
 
 
@@ -311,43 +316,45 @@ def build_dataset(case: Case, seen: Observed) -> LabelledArrays:
     train = run.sample(time)
     ends = window_ends(run, blows)
     pulse_time, pulse_step = pulse_axis(run, blows)
-    force, acceleration = (np.full((len(blows), pulse_time.size), np.nan) for _ in range(2))
+    force, acceleration = np.full((2, len(blows), pulse_time.size), np.nan)
     for row, blow in enumerate(blows):
         if blow.kind != "missed":
             until = min(float(ends[row]) - blow.time, pulse_time[-1])
             since, f, a = pulse_window(run, blow.time, until, pulse_step)
             first = round((since[0] - pulse_time[0]) / pulse_step)
             window = slice(first, first + since.size)
-            force[row, window], acceleration[row, window] = (v[: pulse_time.size - first] for v in (f, a))
+            force[row, window], acceleration[row, window] = np.array([f, a])[:, : pulse_time.size - first]
     recorder, begun = case.impact().recorder, case.time_zero
     record_time = recorder.begin + np.arange(int(recorder.memory.si)) / recorder.sampling_rate.si
     inside = (record_time >= (-np.inf if case.launched() else 0.0)) & (record_time <= run.end)
-    record = np.zeros(
-        record_time.size
-    )  # a launched machine is in flight before, at the acceleration that it begins with
+    # a launched machine is in flight before its run begins, at the acceleration that it begins with
+    record = np.zeros(record_time.size)
     record[inside] = run.sample(np.maximum(record_time[inside], 0.0)).rigid_acceleration
+    of_pulse = ("blow", "pulse_time")
     variables = {
         "contact_force": quantity("time", train.contact_force, "N", "contact force"),
         "rigid_acceleration": quantity("time", train.rigid_acceleration, "m/s^2", "rigid-body acceleration"),
         "nose_position": quantity("time", train.face_place, "m", "position of the struck face along the blow"),
         "assembly_position": quantity("time", train.assembly_place, "m", "position of the assembly"),
         "assembly_speed": quantity("time", train.assembly_speed, "m/s", "speed of the assembly"),
-        "pulse_force": quantity(("blow", "pulse_time"), force, "N", "contact force of each blow"),
-        "pulse_acceleration": quantity(
-            ("blow", "pulse_time"), acceleration, "m/s^2", "rigid-body acceleration of each blow"
-        ),
+        "pulse_force": quantity(of_pulse, force, "N", "contact force of each blow"),
+        "pulse_acceleration": quantity(of_pulse, acceleration, "m/s^2", "rigid-body acceleration of each blow"),
         "record_acceleration": quantity(
             "record_time", record, "m/s^2", "rigid-body acceleration as an ideal recorder samples it"
         ),
     }
     if case.launched() is None:
         variables["turntable_speed"] = quantity("time", train.turntable_speed, "rad/s", "turntable speed")
-    variables |= _place_variables(case, run, time, train)
-    for column, one in declarations(Blow).items():
+    if {"feed", "fed", "retract", "brake"} <= dict(run.phases).keys():
+        carriage, turned = carriage_position(case, run.phases, time), train.turntable_angle
+        angle = "angle of the first striker after the strike position"
+        variables["turntable_angle"] = quantity("time", turned, "rad", angle)
+        variables["carriage_position"] = quantity("time", carriage, "m", "way of the carriage from its fed place")
+    for column, declared in declarations(Blow).items():
         if column not in ("index", "kind"):
-            values = np.array([getattr(b, column) for b in blows])
-            variables[f"blow_{column}"] = quantity("blow", values, one.quantity.si or "1", column.replace("_", " "))
-    variables["blow_kind"] = quantity("blow", np.array([b.kind for b in blows], dtype=object), "1", "kind")
+            values, unit = np.array([getattr(blow, column) for blow in blows]), declared.quantity.si or "1"
+            variables[f"blow_{column}"] = quantity("blow", values, unit, column.replace("_", " "))
+    variables["blow_kind"] = quantity("blow", np.array([blow.kind for blow in blows], dtype=object), "1", "kind")
     coordinates = {
         "time": quantity("time", time, "s", f"time after {begun}"),
         "pulse_time": quantity("pulse_time", pulse_time, "s", "time after first touch"),
@@ -356,7 +363,6 @@ def build_dataset(case: Case, seen: Observed) -> LabelledArrays:
     }
     if seen.taps:
         variables |= _tap_variables(seen.histories, len(seen.taps), pulse_time, seen.view)
-        variables |= _route_variables(seen.histories, len(seen.taps), pulse_time, seen.view)
         coordinates["tap"] = ("tap", np.array(seen.taps, dtype=object))
         coordinates["route"] = ("route", np.array(ROUTES, dtype=object))
     variables |= _reading_variables(seen.histories, seen.view.channels)
@@ -364,37 +370,25 @@ def build_dataset(case: Case, seen: Observed) -> LabelledArrays:
     return LabelledArrays.of(variables, coordinates, {"route": seen.view.route})
 
 
-def _place_variables(case: Case, run: MachineRun, time: Array, train: Moments) -> dict[str, Any]:
-    """Return where turntable and carriage are; nothing for a machine without a feed."""
-    if not {"feed", "fed", "retract", "brake"} <= dict(run.phases).keys():
-        return {}
-    carriage = carriage_position(case, run.phases, time)
-    return {
-        "turntable_angle": quantity(
-            "time", train.turntable_angle, "rad", "angle of the first striker after the strike position"
-        ),
-        "carriage_position": quantity("time", carriage, "m", "way of the carriage from its fed place"),
-    }
-
-
 def _tap_variables(
     histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: ReadingSetup
 ) -> dict[str, Any]:
-    """Return force, speed and total acceleration at the taps, and the rigid acceleration at the same bandwidth."""
-    force, speed, total = (np.full((len(histories), taps, pulse_time.size), np.nan) for _ in range(3))
+    """Return the variables of the taps: force, speed, acceleration, the rigid body's, and the paper's of one blow."""
+    force, speed, total = np.full((3, len(histories), taps, pulse_time.size), np.nan)
     rigid = np.full((len(histories), pulse_time.size), np.nan)
+    waves, first = np.full((len(ROUTES), taps, pulse_time.size), np.nan), next(filter(None, histories), None)
     for row, history in enumerate(histories):
         if history is None or not len(history.total):
             continue
-
-        def at(values: Any, since: Any = history.since) -> Any:
-            return np.interp(pulse_time, since, values, left=np.nan, right=np.nan)
-
+        at = functools.partial(np.interp, pulse_time, history.since, left=np.nan, right=np.nan)
         rigid[row] = at(history.rigid)
         for k in range(taps):
-            force[row, k], speed[row, k], total[row, k] = (
-                at(values[k]) for values in (history.force, history.speed, history.total)
-            )
+            force[row, k], speed[row, k] = at(history.force[k]), at(history.speed[k])
+            total[row, k] = at(history.total[k])
+        if history is first:
+            for (tap, route), values in history.routes.items():
+                waves[ROUTES.index(route), tap] = at(values)
+    paper = f"stress-wave acceleration, first blow, by the routes of Li & Ma 2019, at {view.bandwidth:g} Hz"
     where, band = ("blow", "tap", "pulse_time"), f"{view.route}, at {view.bandwidth:g} Hz"
     return {
         "tap_force": quantity(where, force, "N", "force in the stack at each tap"),
@@ -403,34 +397,21 @@ def _tap_variables(
         "rigid_acceleration_filtered": quantity(
             ("blow", "pulse_time"), rigid, "m/s^2", f"rigid-body acceleration of each blow, {band}"
         ),
+        "route_acceleration": quantity(("route", "tap", "pulse_time"), waves, "m/s^2", paper),
     }
 
 
-def _route_variables(
-    histories: Sequence[BlowHistory | None], taps: int, pulse_time: Any, view: ReadingSetup
-) -> dict[str, Any]:
-    """Return the wave acceleration of the first blow by the paper's routes, where a tap has two neighbours."""
-    waves = np.full((len(ROUTES), taps, pulse_time.size), np.nan)
-    first = next((history for history in histories if history is not None), None)
-    if first is not None:
-        for (tap, route), values in first.routes.items():
-            waves[ROUTES.index(route), tap] = np.interp(pulse_time, first.since, values, left=np.nan, right=np.nan)
-    name = f"stress-wave acceleration, first blow, by the routes of Li & Ma 2019, at {view.bandwidth:g} Hz"
-    return {"route_acceleration": quantity(("route", "tap", "pulse_time"), waves, "m/s^2", name)}
-
-
 def _reading_variables(histories: Sequence[BlowHistory | None], channels: Sequence[SensorChannel]) -> dict[str, Any]:
-    """Return what each sensor's recorder kept of each blow, and when each of its records begins."""
+    """Return the records of each sensor, blow by blow, and the time at which each begins."""
     variables: dict[str, Any] = {}
     for k, channel in enumerate(channels):
-        readings = [history.readings[k] if history is not None else None for history in histories]
-        size = max((reading.values.size for reading in readings if reading is not None), default=0)
-        values, start, step = np.full((len(readings), size), np.nan), np.full(len(readings), np.nan), 0.0
-        for row, reading in enumerate(readings):
-            if reading is not None:
-                values[row, : reading.values.size] = reading.values
-                start[row] = reading.time[0] if reading.time.size else np.nan
-                step = float(reading.time[1] - reading.time[0]) if reading.time.size > 1 else step
+        readings = {row: history.readings[k] for row, history in enumerate(histories) if history}
+        size = max([reading.values.size for reading in readings.values()], default=0)
+        values, start, step = np.full((len(histories), size), np.nan), np.full(len(histories), np.nan), 0.0
+        for row, reading in readings.items():
+            values[row, : reading.values.size] = reading.values
+            start[row] = reading.time[0] if reading.time.size else np.nan
+            step = float(reading.time[1] - reading.time[0]) if reading.time.size > 1 else step
         name, where = channel.sensor.name, f"reading_{k + 1}"
         variables[where] = quantity(("blow", f"sample_{k + 1}"), values, "m/s^2", f"reading of the sensor {name}")
         variables[where][2].update(sensor=name, step=step)
