@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import math
 import re
+from abc import ABC, abstractmethod
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
+from strikewave.exchange.units import UnitSystem
 from strikewave.fem.boundary import held_nodes, nodes_named
 from strikewave.fem.contact import NEAR, TieState, extents
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import Array, Index, Mesh
-from strikewave.fem.model import Driven, Fixed, Guided, Model, RigidWall, Symmetry, Tie, TimeCurve
+from strikewave.fem.model import Fixed, Guided, Model, RigidWall, Symmetry, Tie, TimeCurve
 from strikewave.fem.solids import AnySolid, HeatedSolid, ZerilliArmstrong
 from strikewave.fem.solve import check_controls
 
@@ -214,11 +218,6 @@ def _axes(plane: Array) -> tuple[Array, tuple[bool, bool, bool]]:
     return np.asarray(axes), (x, y, z)
 
 
-def driven_nodes(model: Model, boundary: Driven, ties: TieState) -> Index:
-    """Return the nodes of a driven side that do not follow another side."""
-    return np.setdiff1d(nodes_named(model.mesh, boundary.side), ties.nodes).astype(np.int32)
-
-
 def lasting(curve: TimeCurve, until: float) -> TimeCurve:
     """Return a curve with points at 0 and beyond the end of a run, as codes take a curve for 0 outside of its points.
 
@@ -232,6 +231,67 @@ def lasting(curve: TimeCurve, until: float) -> TimeCurve:
         time, value = [0.0, *time], [value[0], *value]
     last = max(2.0 * until, 2.0 * time[-1])
     return TimeCurve((*time, last), (*value, value[-1]))
+
+
+@dataclass
+class DeckSets(ABC):
+    """Sets, curves and axes of a deck, numbered within their kind; the faces of a side are written once.
+
+    Attributes
+    ----------
+    lines : list of str
+        Lines of all that is written so far.
+    """
+
+    row: ClassVar[int]
+    """Numbers of nodes on a line."""
+
+    model: Model
+    system: UnitSystem
+    ties: TieState
+    lines: list[str] = field(default_factory=list)
+    _counts: Counter[str] = field(default_factory=Counter)
+    _sides: dict[str, int] = field(default_factory=dict)
+
+    @abstractmethod
+    def written(self, kind: str, number: int, title: str, rows: Sequence[Sequence[int | float]]) -> list[str]:
+        """Return the lines of faces, nodes, a curve, axes or a vector."""
+
+    def next(self, kind: str) -> int:
+        """Return the next number of a kind."""
+        self._counts[kind] += 1
+        return self._counts[kind]
+
+    def add(self, kind: str, title: str, rows: Sequence[Sequence[int | float]]) -> int:
+        """Write what is one of a kind, and return its number."""
+        number = self.next(kind)
+        self.lines += self.written(kind, number, title, rows)
+        return number
+
+    def faces(self, side: str) -> int:
+        """Return the number of the set of a side's faces, normals outward."""
+        if side not in self._sides:
+            self._sides[side] = self.add("faces", side, (self.model.mesh.side(side).astype(np.int64) + 1).tolist())
+        return self._sides[side]
+
+    def nodes(self, title: str, nodes: Index) -> int:
+        """Write a set of nodes, and return its number."""
+        numbers = (nodes.astype(np.int64) + 1).tolist()
+        return self.add("nodes", title, [numbers[k : k + self.row] for k in range(0, len(numbers), self.row)])
+
+    def side_nodes(self, title: str, side: str) -> int:
+        """Write the nodes of a side that do not follow another side, and return the number of their set."""
+        return self.nodes(title, np.setdiff1d(nodes_named(self.model.mesh, side), self.ties.nodes))
+
+    def curve(self, title: str, curve: TimeCurve, scale: float) -> int:
+        """Write a curve over time that lasts beyond the run, its values times a factor, and return its number."""
+        long = lasting(curve, self.model.controls.duration)
+        points = zip(long.time, long.value, strict=True)
+        return self.add("curve", title, [[t * self.system.duration, v * scale] for t, v in points])
+
+    def axes(self, axes: Array) -> int:
+        """Write a local system, its axes by rows, and return its number."""
+        return self.add("axes", "", axes.tolist())
 
 
 def axis_of(direction: Sequence[float]) -> tuple[int, float] | None:

@@ -10,20 +10,19 @@ import itertools
 import math
 import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from strikewave.exchange.deck import (
     Deck,
+    DeckSets,
     Heading,
     axes_from,
     axis_of,
     checked,
-    driven_nodes,
     has_one_point,
     head_lines,
-    lasting,
     left_out_of_all,
     mesh_columns,
     or_smallest,
@@ -36,20 +35,8 @@ from strikewave.exchange.deck import (
 )
 from strikewave.exchange.units import UnitSystem
 from strikewave.fem.bodies import RigidBody
-from strikewave.fem.contact import TieState
 from strikewave.fem.hexahedron import element_masses, nodal_sums
-from strikewave.fem.mesh import Array, Index, Mesh
-from strikewave.fem.model import (
-    Driven,
-    Model,
-    NonReflecting,
-    Pressure,
-    Rigid,
-    RigidWall,
-    SurfaceContact,
-    Tie,
-    TimeCurve,
-)
+from strikewave.fem.model import Driven, Model, NonReflecting, Pressure, RigidWall, SurfaceContact, Tie, TimeCurve
 from strikewave.fem.recorder import section_elements
 from strikewave.fem.solids import AnySolid, Bilinear, JohnsonCook
 
@@ -74,56 +61,21 @@ def _field(value: Value) -> str:
     return ("" if value is None else str(value)).rjust(10)
 
 
-@dataclass
-class Groups:
-    """Groups of nodes, surfaces, functions and skews of a deck.
+NAMES = {"faces": "SURF/SEG", "nodes": "GRNOD/NODE", "curve": "FUNCT", "axes": "SKEW/FIX"}
+"""Names of the blocks of sets."""
 
-    Attributes
-    ----------
-    mesh : Mesh
-    lines : list of str
-        Those written so far.
-    """
 
-    mesh: Mesh
-    lines: list[str] = field(default_factory=list)
-    _surfaces: dict[str, int] = field(default_factory=dict)
-    _counts: dict[str, int] = field(default_factory=dict)
+class RadiossSets(DeckSets):
+    """Surfaces, groups of nodes, functions and skews of a deck of OpenRadioss."""
 
-    def next(self, kind: str) -> int:
-        """Return the next number of a kind."""
-        self._counts[kind] = self._counts.get(kind, 0) + 1
-        return self._counts[kind]
+    row: ClassVar[int] = 10
 
-    def surface(self, side: str) -> int:
-        """Return the number of the surface of a side's faces, normals outward."""
-        if side not in self._surfaces:
-            number = self._surfaces[side] = self.next("surface")
-            faces = (self.mesh.side(side).astype(np.int64) + 1).tolist()
-            rows = ([count, *face] for count, face in enumerate(faces, start=1))
-            self.lines += block(f"SURF/SEG/{number}", side, *rows)
-        return self._surfaces[side]
-
-    def nodes(self, title: str, nodes: Index) -> int:
-        """Write a group of nodes of the mesh and return its number."""
-        number = self.next("nodes")
-        numbers = (nodes.astype(np.int64) + 1).tolist()
-        self.lines += block(f"GRNOD/NODE/{number}", title, *(numbers[k : k + 10] for k in range(0, len(numbers), 10)))
-        return number
-
-    def function(self, title: str, curve: TimeCurve, scale: tuple[float, float], until: float) -> int:
-        """Write a function of time, with factors of time and value, and return its number; ``until`` is in s."""
-        number, long = self.next("function"), lasting(curve, until)
-        rows = ([t * scale[0], v * scale[1]] for t, v in zip(long.time, long.value, strict=True))
-        self.lines += block(f"FUNCT/{number}", title, *rows)
-        return number
-
-    def skew(self, axes: Array) -> int:
-        """Write a fixed skew, its axes by rows, and return its number; its second and third axis are given."""
-        number = self.next("skew")
-        second, third = axes[1].tolist(), axes[2].tolist()
-        self.lines += block(f"SKEW/FIX/{number}", f"axes {number}", [0.0, 0.0, 0.0], second, third)
-        return number
+    def written(self, kind: str, number: int, title: str, rows: Sequence[Sequence[int | float]]) -> list[str]:
+        """Return the lines of a surface, a group, a function or a skew, stated by its second and third axis."""
+        if kind == "axes":
+            return block(f"{NAMES[kind]}/{number}", f"axes {number}", [0.0, 0.0, 0.0], *rows[1:])
+        cards = ([count, *face] for count, face in enumerate(rows, start=1)) if kind == "faces" else rows
+        return block(f"{NAMES[kind]}/{number}", title, *cards)
 
 
 ONE_POINT, FULL = 24, 17
@@ -192,30 +144,25 @@ def _heat(solid: JohnsonCook, system: UnitSystem) -> list[float]:
     return [solid.m, melting, capacity, solid.room_temperature]
 
 
-def rigid_bodies(model: Model) -> list[tuple[Rigid, Index, Array]]:
-    """Return rigid parts with their nodes and centre of mass, m."""
-    mass = nodal_sums(model.mesh.hexahedra, element_masses(model.mesh, model.solids) / 8.0, len(model.mesh.points))
-    bodies = [RigidBody(model.mesh, rigid, mass, np.zeros(3)) for rigid in model.rigid]
-    return [(rigid, body.nodes, body.centre) for rigid, body in zip(model.rigid, bodies, strict=True)]
-
-
-def rigid_lines(model: Model, system: UnitSystem, groups: Groups) -> Iterator[str]:
+def rigid_lines(sets: RadiossSets) -> Iterator[str]:
     """Yield rigid bodies: a main node of each, beyond those of the mesh, and what it may not do."""
-    for count, (rigid, nodes, centre) in enumerate(rigid_bodies(model), start=1):
+    model, system = sets.model, sets.system
+    mass = nodal_sums(model.mesh.hexahedra, element_masses(model.mesh, model.solids) / 8.0, len(model.mesh.points))
+    for count, rigid in enumerate(model.rigid, start=1):
+        body = RigidBody(model.mesh, rigid, mass, np.zeros(3))
         main = len(model.mesh.points) + count
-        yield from block("NODE", None, [main, *(centre * system.distance).tolist()])
-        group = groups.nodes(f"nodes of {rigid.part}", nodes)
+        yield from block("NODE", None, [main, *(body.centre * system.distance).tolist()])
+        group = sets.nodes(f"nodes of {rigid.part}", body.nodes)
         yield from block(f"RBODY/{count}", rigid.part, [main, 0, 0, 0, 0.0, group, 0, 0, 0], [0.0] * 3, [0.0] * 3, [0])
         locked = [tuple(not free for free in ways) for ways in (rigid.translations, rigid.rotations)]
         if any(map(any, locked)):
-            alone = groups.next("nodes")
-            groups.lines += block(f"GRNOD/NODE/{alone}", f"main node of {rigid.part}", [main])
-            yield from restraint(groups.next("restraint"), rigid.part, locked, 0, alone)
+            alone = sets.add("nodes", f"main node of {rigid.part}", [[main]])
+            yield from restraint(sets.next("restraint"), rigid.part, locked, 0, alone)
         velocity = np.where(rigid.translations, model.velocity.get(rigid.part, (0.0, 0.0, 0.0)), 0.0)
         if velocity.any():
-            whole = groups.nodes(f"{rigid.part} with its main node", np.append(nodes, main - 1))
+            group = sets.nodes(f"{rigid.part} with its main node", np.append(body.nodes, main - 1))
             components = (velocity * system.velocity).tolist()
-            yield from block(f"INIVEL/TRA/{groups.next('velocity')}", rigid.part, [*components, whole, 0])
+            yield from block(f"INIVEL/TRA/{sets.next('velocity')}", rigid.part, [*components, group, 0])
 
 
 def restraint(number: int, title: str, held: Sequence[tuple[bool, ...]], skew: int, group: int) -> list[str]:
@@ -234,36 +181,43 @@ BY_BOXES = 2
 """Isearch of a tie: by boxes."""
 
 
-def load_lines(model: Model, system: UnitSystem, groups: Groups, ties: TieState) -> Iterator[str]:
-    """Yield the lines of all that holds, drives, loads and touches; groups go to ``groups``."""
-    for group_held in restraints(model, ties):
-        group = groups.nodes(" and ".join(group_held.sides), group_held.nodes)
-        skew = groups.skew(group_held.axes) if group_held.is_local else 0
-        directions = [group_held.held, FREE_TO_TURN]
-        yield from restraint(groups.next("restraint"), " and ".join(group_held.sides), directions, skew, group)
+def load_lines(sets: RadiossSets) -> Iterator[str]:
+    """Yield the lines of all that holds, drives, loads and touches; groups go to ``sets``."""
+    model, system = sets.model, sets.system
+    for group_held in restraints(model, sets.ties):
+        title = " and ".join(group_held.sides)
+        group = sets.nodes(title, group_held.nodes)
+        skew = sets.axes(group_held.axes) if group_held.is_local else 0
+        yield from restraint(sets.next("restraint"), title, [group_held.held, FREE_TO_TURN], skew, group)
     for number, contact in enumerate(model.contacts, start=1):
-        yield from _contact(number, contact, groups)
+        yield from _contact(number, contact, sets)
     for number, tie in enumerate(model.ties, start=len(model.contacts) + 1):
-        yield from _tie(number, tie, system, groups)
+        yield from _tie(number, tie, sets)
     for number, wall in enumerate(model.walls, start=1):
-        yield from _wall(number, wall, system, groups, ties)
+        yield from _wall(number, wall, sets)
     for boundary in model.boundaries:
         if isinstance(boundary, Driven):
-            yield from _driven(model, boundary, system, groups, ties)
-        elif isinstance(boundary, Pressure):
-            yield from _pressed(model, boundary, system, groups)
-    yield from _gravity(model, system, groups)
-    yield from _velocities(model, system, groups)
-    yield from rigid_lines(model, system, groups)
+            yield from _driven(boundary, sets)
+        elif isinstance(boundary, Pressure):  # OpenRadioss takes one along the normal, which is outward, as positive
+            curve = sets.curve(f"pressure on {boundary.side}", boundary.pressure, system.stress)
+            card: list[Value] = [sets.faces(boundary.side), curve, 0, 0, 0, 0, 1.0, -1.0]
+            yield from block(f"PLOAD/{sets.next('pressure')}", boundary.side, card)
+    yield from _gravity(sets)
+    rigid = {body.part for body in model.rigid}
+    for name in model.mesh.names:
+        velocity = np.array(model.velocity.get(name, (0.0, 0.0, 0.0)), float) * system.velocity
+        if velocity.any() and name not in rigid:
+            nodes = sets.nodes(f"nodes of {name}", model.mesh.nodes_of(name))
+            yield from block(f"INIVEL/TRA/{sets.next('velocity')}", name, [*velocity.tolist(), nodes, 0])
+    yield from rigid_lines(sets)
 
 
-def _contact(number: int, contact: SurfaceContact, groups: Groups) -> list[str]:
+def _contact(number: int, contact: SurfaceContact, sets: RadiossSets) -> list[str]:
     """Return a contact of two surfaces of solids, which have no gap: nodes of each are checked against the other."""
-    first, second = groups.surface(contact.first), groups.surface(contact.second)
     return block(
         f"INTER/TYPE24/{number}",
         contact.name,
-        [first, second, 0, None, None, 0, None, 0, None, 0],
+        [sets.faces(contact.first), sets.faces(contact.second), 0, None, None, 0, None, 0, None, 0],
         [0, None, None, 0, 0.0, 0.0, 0.0],
         [0.0, 0.0, 0, 0, 0.0, 0.0],
         [0.0, float(contact.friction), None, None, 0.0, 0.0],
@@ -272,69 +226,49 @@ def _contact(number: int, contact: SurfaceContact, groups: Groups) -> list[str]:
     )
 
 
-def _tie(number: int, tie: Tie, system: UnitSystem, groups: Groups) -> list[str]:
-    nodes = groups.nodes(tie.side, np.unique(groups.mesh.side(tie.side)))
-    reach = tie_distance(tie, groups.mesh) * system.distance
-    title = f"{tie.side} on {tie.onto}"
-    return block(
-        f"INTER/TYPE2/{number}", title, [nodes, groups.surface(tie.onto), 0, 0, 0, BY_BOXES, 0, None, float(reach)]
-    )
+def _tie(number: int, tie: Tie, sets: RadiossSets) -> list[str]:
+    mesh = sets.model.mesh
+    nodes = sets.nodes(tie.side, np.unique(mesh.side(tie.side)))
+    reach = float(tie_distance(tie, mesh) * sets.system.distance)
+    card: list[Value] = [nodes, sets.faces(tie.onto), 0, 0, 0, BY_BOXES, 0, None, reach]
+    return block(f"INTER/TYPE2/{number}", f"{tie.side} on {tie.onto}", card)
 
 
-def _wall(number: int, wall: RigidWall, system: UnitSystem, groups: Groups, ties: TieState) -> list[str]:
+def _wall(number: int, wall: RigidWall, sets: RadiossSets) -> list[str]:
     """Return a wall; its normal runs from its point to a second one, a unit of length away."""
-    nodes = np.setdiff1d(np.unique(groups.mesh.side(wall.side)), ties.nodes).astype(np.int32)
-    point = system.distance * np.array(wall.point)
+    point = sets.system.distance * np.array(wall.point)
     head = point + np.array(wall.normal) / np.linalg.norm(wall.normal)
     return block(
         f"RWALL/PLANE/{number}",
         wall.name,
-        [0, RUBS if wall.friction else SLIDES, groups.nodes(wall.name, nodes), 0],
+        [0, RUBS if wall.friction else SLIDES, sets.side_nodes(wall.name, wall.side), 0],
         [0.0, float(wall.friction), 0.0, 0.0, 0],
         point.tolist(),
         head.tolist(),
     )
 
 
-def _driven(model: Model, boundary: Driven, system: UnitSystem, groups: Groups, ties: TieState) -> list[str]:
+def _driven(boundary: Driven, sets: RadiossSets) -> list[str]:
     """Return a driven side, along an axis or the first axis of a skew."""
-    nodes = groups.nodes(f"{boundary.side} driven", driven_nodes(model, boundary, ties))
-    scale = system.duration, system.velocity
-    function = groups.function(f"velocity of {boundary.side}", boundary.velocity, scale, model.controls.duration)
+    nodes = sets.side_nodes(f"{boundary.side} driven", boundary.side)
+    curve = sets.curve(f"velocity of {boundary.side}", boundary.velocity, sets.system.velocity)
     axis = axis_of(boundary.direction)
-    skew = 0 if axis else groups.skew(axes_from(boundary.direction))
-    way: list[Value] = [function, "XYZ"[axis[0]] if axis else "X", skew, 0, nodes, 0, 0]
-    number = groups.next("driven")
+    skew = 0 if axis else sets.axes(axes_from(boundary.direction))
+    way: list[Value] = [curve, "XYZ"[axis[0]] if axis else "X", skew, 0, nodes, 0, 0]
+    number = sets.next("driven")
     return block(f"IMPVEL/{number}", f"{boundary.side} driven", way, [1.0, axis[1] if axis else 1.0, 0.0, 0.0])
 
 
-def _pressed(model: Model, boundary: Pressure, system: UnitSystem, groups: Groups) -> list[str]:
-    """Return a pressure; OpenRadioss takes one along the normal, which is outward, as positive."""
-    scale = system.duration, system.stress
-    function = groups.function(f"pressure on {boundary.side}", boundary.pressure, scale, model.controls.duration)
-    card: list[Value] = [groups.surface(boundary.side), function, 0, 0, 0, 0, 1.0, -1.0]
-    return block(f"PLOAD/{groups.next('pressure')}", boundary.side, card)
-
-
-def _gravity(model: Model, system: UnitSystem, groups: Groups) -> Iterator[str]:
+def _gravity(sets: RadiossSets) -> Iterator[str]:
+    model = sets.model
     if not any(model.gravity):
         return
-    constant = TimeCurve((0.0,), (1.0,))
-    function = groups.function("gravity", constant, (system.duration, 1.0), model.controls.duration)
-    nodes = groups.nodes("all nodes", np.arange(len(model.mesh.points) + len(model.rigid), dtype=np.int32))
+    curve = sets.curve("gravity", TimeCurve((0.0,), (1.0,)), 1.0)
+    nodes = sets.nodes("all nodes", np.arange(len(model.mesh.points) + len(model.rigid), dtype=np.int32))
     for number, (axis, value) in enumerate(zip("XYZ", model.gravity, strict=True), start=1):
         if value:
-            card: list[Value] = [function, axis, 0, 0, nodes, None, 1.0, float(value) * system.acceleration]
+            card: list[Value] = [curve, axis, 0, 0, nodes, None, 1.0, float(value) * sets.system.acceleration]
             yield from block(f"GRAV/{number}", f"gravity along {axis}", card)
-
-
-def _velocities(model: Model, system: UnitSystem, groups: Groups) -> Iterator[str]:
-    rigid = {body.part for body in model.rigid}
-    for name in model.mesh.names:
-        velocity = np.array(model.velocity.get(name, (0.0, 0.0, 0.0)), float) * system.velocity
-        if velocity.any() and name not in rigid:
-            nodes = groups.nodes(f"nodes of {name}", model.mesh.nodes_of(name))
-            yield from block(f"INIVEL/TRA/{groups.next('velocity')}", name, [*velocity.tolist(), nodes, 0])
 
 
 FORMAT = 2023
@@ -354,13 +288,13 @@ def radioss_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
 
     Nodes, elements and parts are numbered from 1 in the order of the mesh; the main nodes of rigid parts follow.
     """
-    ties, groups = checked(model), Groups(model.mesh)
+    sets = RadiossSets(model, system, checked(model))
     left_out, differs = tuple(_left_out(model)), tuple(_differs(model))
-    loads = list(load_lines(model, system, groups, ties))
+    loads = list(load_lines(sets))
     head = [
         *_begin(system, heading, left_out, differs),
         *part_lines(model, system),
-        *groups.lines,
+        *sets.lines,
         *loads,
         *_histories(model),
     ]

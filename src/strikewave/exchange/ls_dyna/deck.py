@@ -9,21 +9,20 @@ import itertools
 import math
 import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
 from strikewave.exchange.deck import (
     NEVER,
     Deck,
+    DeckSets,
     Heading,
     TimeCurve,
     axis_of,
     checked,
-    driven_nodes,
     has_one_point,
     head_lines,
-    lasting,
     left_out_of_all,
     mesh_columns,
     or_smallest,
@@ -35,8 +34,6 @@ from strikewave.exchange.deck import (
     walls_at_rigid_nodes,
 )
 from strikewave.exchange.units import UnitSystem
-from strikewave.fem.contact import TieState
-from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Driven, Model, NonReflecting, Pressure, Rigid, RigidWall, SurfaceContact, Tie
 from strikewave.fem.recorder import section_elements
 from strikewave.fem.solids import AnySolid, Bilinear, JohnsonCook
@@ -85,70 +82,28 @@ def _real(value: float, width: int) -> str:
     return text.replace("e", ".0e") if "." not in text and len(text) <= width - 2 else text
 
 
-@dataclass
-class Sets:
-    """Sets and curves of a deck, each written once.
-
-    Attributes
-    ----------
-    mesh : Mesh
-    lines : list of str
-        Those written so far.
-    """
-
-    mesh: Mesh
-    lines: list[str] = field(default_factory=list)
-    _segments: dict[str, int] = field(default_factory=dict)
-    _counts: dict[str, int] = field(default_factory=dict)
-
-    def next(self, kind: str) -> int:
-        """Return the next number of a kind."""
-        self._counts[kind] = self._counts.get(kind, 0) + 1
-        return self._counts[kind]
-
-    def segments(self, side: str) -> int:
-        """Return the number of the set of a side's faces, normals outward."""
-        if side not in self._segments:
-            number = self._segments[side] = self.next("segments")
-            rows = ("%10d" * 4 % tuple(face) for face in (self.mesh.side(side).astype(np.int64) + 1).tolist())
-            self.lines += keyword("SET_SEGMENT_TITLE", plain(side, 80), [number, 0.0, 0.0, 0.0, 0.0], *rows)
-        return self._segments[side]
-
-    def nodes(self, title: str, nodes: Index) -> int:
-        """Write a set of nodes and return its number."""
-        number = self.next("nodes")
-        numbers = (nodes.astype(np.int64) + 1).tolist()
-        rows = (numbers[k : k + 8] for k in range(0, len(numbers), 8))
-        self.lines += keyword("SET_NODE_LIST_TITLE", plain(title, 80), [number, 0.0, 0.0, 0.0, 0.0], *rows)
-        return number
-
-    def curve(self, title: str, curve: TimeCurve, scale: tuple[float, float], until: float) -> int:
-        """Write a curve over time, with factors of time and value, and return its number; ``until`` is in s."""
-        number, long = self.next("curve"), lasting(curve, until)
-        points = (
-            f"{real(t * scale[0], 20):>20}{real(v * scale[1], 20):>20}"
-            for t, v in zip(long.time, long.value, strict=True)
-        )
-        self.lines += keyword("DEFINE_CURVE_TITLE", plain(title, 80), [number, 0, 1.0, 1.0, 0.0, 0.0], *points)
-        return number
-
-    def axes(self, axes: Array) -> int:
-        """Write a local system, its axes by rows, and return its number."""
-        number = self.next("axes")
-        x, y = axes[0].tolist(), axes[1].tolist()
-        self.lines += keyword("DEFINE_COORDINATE_VECTOR", [number, *x, *y])
-        return number
-
-    def vector(self, direction: Sequence[float]) -> int:
-        """Write a vector from the origin, and return its number."""
-        number = self.next("vector")
-        self.lines += keyword("DEFINE_VECTOR", [number, 0.0, 0.0, 0.0, *(float(x) for x in direction)])
-        return number
+SETS: dict[str, tuple[str, list[Value]]] = {
+    "faces": ("SET_SEGMENT_TITLE", [0.0] * 4),
+    "nodes": ("SET_NODE_LIST_TITLE", [0.0] * 4),
+    "curve": ("DEFINE_CURVE_TITLE", [0, 1.0, 1.0, 0.0, 0.0]),
+}
+"""Keywords of sets with a title, and what stands behind their number: attributes of 0, factors of 1, offsets of 0."""
 
 
-def remark(lines: Sequence[str]) -> list[str]:
-    """Return lines of a comment, none longer than 80 columns."""
-    return [f"$ {text}" for line in lines for text in textwrap.wrap(plain(line, LONGEST_REMARK), REMARK_WIDTH)]
+class LsDynaSets(DeckSets):
+    """Sets, curves and axes of a deck of LS-DYNA."""
+
+    row: ClassVar[int] = 8
+
+    def written(self, kind: str, number: int, title: str, rows: Sequence[Sequence[int | float]]) -> list[str]:
+        """Return the lines of faces, nodes, a curve, axes or a vector from the origin."""
+        if kind == "axes":
+            return keyword("DEFINE_COORDINATE_VECTOR", [number, *rows[0], *rows[1]])
+        if kind == "vector":
+            return keyword("DEFINE_VECTOR", [number, 0.0, 0.0, 0.0, *rows[0]])
+        name, head = SETS[kind]
+        cards = ["".join(f"{real(x, 20):>20}" for x in row) for row in rows] if kind == "curve" else rows
+        return keyword(name, plain(title, 80), [number, *head], *cards)
 
 
 ONE_POINT, FULL = 1, 2
@@ -258,41 +213,42 @@ STICKS = 1.0
 """FRIC of a wall from which on nodes do not slide at all."""
 
 
-def load_lines(model: Model, system: UnitSystem, sets: Sets, ties: TieState) -> Iterator[str]:
+def load_lines(sets: LsDynaSets) -> Iterator[str]:
     """Yield the lines of all that holds, drives, loads and touches; their sets go to ``sets``."""
-    yield from _held(model, sets, ties)
-    for number, contact in enumerate(model.contacts, start=1):
-        yield from _contact(number, contact, sets)
-    for number, tie in enumerate(model.ties, start=len(model.contacts) + 1):
-        yield from _tie(number, tie, system, sets)
-    for wall in model.walls:
-        yield from _wall(wall, system, sets, ties)
-    for boundary in model.boundaries:
-        if isinstance(boundary, Driven):
-            yield from _driven(model, boundary, system, sets, ties)
-        elif isinstance(boundary, Pressure):
-            yield from _pressed(model, boundary, system, sets)
-        elif isinstance(boundary, NonReflecting):
-            yield from keyword("BOUNDARY_NON_REFLECTING", [sets.segments(boundary.side), 0.0, 0.0])
-    yield from _gravity(model, system, sets)
-    yield from _velocities(model, system)
-
-
-def _held(model: Model, sets: Sets, ties: TieState) -> Iterator[str]:
-    for restraint in restraints(model, ties):
+    model, system = sets.model, sets.system
+    for restraint in restraints(model, sets.ties):
         number = sets.nodes(" and ".join(restraint.sides), restraint.nodes)
         axes = sets.axes(restraint.axes) if restraint.is_local else 0
         yield from keyword("BOUNDARY_SPC_SET", [number, axes, *(int(is_held) for is_held in restraint.held), 0, 0, 0])
+    for number, contact in enumerate(model.contacts, start=1):
+        yield from _contact(number, contact, sets)
+    for number, tie in enumerate(model.ties, start=len(model.contacts) + 1):
+        yield from _tie(number, tie, sets)
+    for wall in model.walls:
+        yield from _wall(wall, sets)
+    for boundary in model.boundaries:
+        if isinstance(boundary, Driven):
+            yield from _driven(boundary, sets)
+        elif isinstance(boundary, Pressure):
+            curve = sets.curve(f"pressure on {boundary.side}", boundary.pressure, system.stress)
+            yield from keyword("LOAD_SEGMENT_SET", [sets.faces(boundary.side), curve, 1.0, 0.0])
+        elif isinstance(boundary, NonReflecting):
+            yield from keyword("BOUNDARY_NON_REFLECTING", [sets.faces(boundary.side), 0.0, 0.0])
+    if any(model.gravity):
+        curve = sets.curve("gravity", CONSTANT, 1.0)
+        for axis, value in zip("XYZ", model.gravity, strict=True):
+            if value:  # LS-DYNA takes the acceleration of the base, which is opposite to gravity
+                yield from keyword(f"LOAD_BODY_{axis}", [curve, -float(value) * system.acceleration])
+    yield from _velocities(model, system)
 
 
-def _contact(number: int, contact: SurfaceContact, sets: Sets) -> list[str]:
+def _contact(number: int, contact: SurfaceContact, sets: LsDynaSets) -> list[str]:
     """Return a contact of two sides, each checked against the other; faces of solids have no thickness."""
-    first, second = sets.segments(contact.first), sets.segments(contact.second)
     friction = float(f"{contact.friction:.{DIGITS}g}")
     return keyword(
         "CONTACT_AUTOMATIC_SURFACE_TO_SURFACE_ID",
         f"{number:10d}{plain(contact.name, 70)}",
-        [first, second, SEGMENTS, SEGMENTS, 0, 0, 1, 1],
+        [sets.faces(contact.first), sets.faces(contact.second), SEGMENTS, SEGMENTS, 0, 0, 1, 1],
         [friction, friction, 0.0, 0.0, 0.0, 0, 0.0, NO_DEATH],
         [1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0],
         [SOFT],
@@ -301,59 +257,43 @@ def _contact(number: int, contact: SurfaceContact, sets: Sets) -> list[str]:
     )
 
 
-def _tie(number: int, tie: Tie, system: UnitSystem, sets: Sets) -> list[str]:
+def _tie(number: int, tie: Tie, sets: LsDynaSets) -> list[str]:
     """Return a tie; nodes within 0.6 times the sum of both thicknesses are tied, which below 0 move nothing."""
-    nodes = sets.nodes(tie.side, np.unique(sets.mesh.side(tie.side)))
-    reach = -float(f"{tie_distance(tie, sets.mesh) * system.distance:.{DIGITS}g}")
+    mesh = sets.model.mesh
+    nodes = sets.nodes(tie.side, np.unique(mesh.side(tie.side)))
+    reach = -float(f"{tie_distance(tie, mesh) * sets.system.distance:.{DIGITS}g}")
     return keyword(
         "CONTACT_TIED_NODES_TO_SURFACE_CONSTRAINED_OFFSET_ID",
         f"{number:10d}{plain(f'{tie.side} on {tie.onto}', 70)}",
-        [nodes, sets.segments(tie.onto), NODES, SEGMENTS, 0, 0, 1, 1],
+        [nodes, sets.faces(tie.onto), NODES, SEGMENTS, 0, 0, 1, 1],
         [0.0, 0.0, 0.0, 0.0, 0.0, 0, 0.0, NO_DEATH],
         [1.0, 1.0, reach, reach, 1.0, 1.0, 1.0, 1.0],
     )
 
 
-def _wall(wall: RigidWall, system: UnitSystem, sets: Sets, ties: TieState) -> list[str]:
+def _wall(wall: RigidWall, sets: LsDynaSets) -> list[str]:
     """Return a wall; its normal runs from tail to head, a unit of length long."""
-    nodes = np.setdiff1d(np.unique(sets.mesh.side(wall.side)), ties.nodes).astype(np.int32)
-    tail = system.distance * np.array(wall.point)
+    tail = sets.system.distance * np.array(wall.point)
     head = tail + np.array(wall.normal) / np.linalg.norm(wall.normal)
     friction = min(float(wall.friction), STICKS)
     return keyword(
         "RIGIDWALL_PLANAR",
-        [sets.nodes(wall.name, nodes), 0, 0, 0.0, 0.0, NO_DEATH, 1.0],
+        [sets.side_nodes(wall.name, wall.side), 0, 0, 0.0, 0.0, NO_DEATH, 1.0],
         [*tail.tolist(), *head.tolist(), friction, 0.0],
     )
 
 
-def _driven(model: Model, boundary: Driven, system: UnitSystem, sets: Sets, ties: TieState) -> list[str]:
+def _driven(boundary: Driven, sets: LsDynaSets) -> list[str]:
     """Return a driven side: along an axis (DOF 1 to 3), or a vector and free across it (DOF 4)."""
-    nodes = sets.nodes(f"{boundary.side} driven", driven_nodes(model, boundary, ties))
-    scale = system.duration, system.velocity
-    curve = sets.curve(f"velocity of {boundary.side}", boundary.velocity, scale, model.controls.duration)
+    nodes = sets.side_nodes(f"{boundary.side} driven", boundary.side)
+    curve = sets.curve(f"velocity of {boundary.side}", boundary.velocity, sets.system.velocity)
     axis = axis_of(boundary.direction)
     if axis is None:
-        way: list[Value] = [4, 0, curve, 1.0, sets.vector(boundary.direction)]
+        vector = sets.add("vector", "", [[float(x) for x in boundary.direction]])
+        way: list[Value] = [4, 0, curve, 1.0, vector]
     else:
         way = [axis[0] + 1, 0, curve, axis[1], 0]
     return keyword("BOUNDARY_PRESCRIBED_MOTION_SET", [nodes, *way, NO_END, 0.0])
-
-
-def _pressed(model: Model, boundary: Pressure, system: UnitSystem, sets: Sets) -> list[str]:
-    scale = system.duration, system.stress
-    curve = sets.curve(f"pressure on {boundary.side}", boundary.pressure, scale, model.controls.duration)
-    return keyword("LOAD_SEGMENT_SET", [sets.segments(boundary.side), curve, 1.0, 0.0])
-
-
-def _gravity(model: Model, system: UnitSystem, sets: Sets) -> Iterator[str]:
-    """Yield gravity; LS-DYNA takes the acceleration of the base, which is opposite to it."""
-    if not any(model.gravity):
-        return
-    curve = sets.curve("gravity", CONSTANT, (system.duration, 1.0), model.controls.duration)
-    for axis, value in zip("XYZ", model.gravity, strict=True):
-        if value:
-            yield from keyword(f"LOAD_BODY_{axis}", [curve, -float(value) * system.acceleration])
 
 
 def _velocities(model: Model, system: UnitSystem) -> Iterator[str]:
@@ -393,9 +333,9 @@ def ls_dyna_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
     *NODE
            1 0.000000000e+00 0.000000000e+00 0.000000000e+00
     """
-    ties, sets = checked(model), Sets(model.mesh)
+    sets = LsDynaSets(model, system, checked(model))
     left_out, differs = tuple(_left_out(model)), tuple(_differs(model))
-    loads = list(load_lines(model, system, sets, ties))
+    loads = list(load_lines(sets))
     lines = [
         *_head(model, system, heading, left_out, differs),
         *_controls(model, system),
@@ -404,11 +344,7 @@ def ls_dyna_deck(model: Model, system: UnitSystem, heading: Heading) -> Deck:
         *sets.lines,
         *loads,
     ]
-    return Deck({".k": itertools.chain(_pieces(lines), _mesh(model, system))}, left_out, differs)
-
-
-def _pieces(lines: list[str]) -> Iterator[str]:
-    yield from (line + "\n" for line in lines)
+    return Deck({".k": itertools.chain((line + "\n" for line in lines), _mesh(model, system))}, left_out, differs)
 
 
 def _mesh(model: Model, system: UnitSystem) -> Iterator[str]:
@@ -433,7 +369,8 @@ def _head(
         *(f"wall {number}: {wall.name}" for number, wall in enumerate(model.walls, start=1)),
         *(f"section {number}: {section.name}" for number, section in enumerate(model.sections, start=1)),
     ]
-    return ["*KEYWORD", *keyword("TITLE", plain(heading.title.replace("&", "and"), 80)), *remark(remarks)]
+    comments = [f"$ {line}" for text in remarks for line in textwrap.wrap(plain(text, LONGEST_REMARK), REMARK_WIDTH)]
+    return ["*KEYWORD", *keyword("TITLE", plain(heading.title.replace("&", "and"), 80)), *comments]
 
 
 def _controls(model: Model, system: UnitSystem) -> Iterator[str]:
