@@ -51,7 +51,6 @@ def test_both_byte_orders_and_precisions(tmp_path, order, real):
     (a, b), energies = read_binout([path])
     assert a.force.tolist() == [[1.25] * 3, [2.25] * 3]
     assert (-b.force).tolist() == a.force.tolist()
-    assert a.moment.tolist() == [[1.5] * 3, [2.5] * 3]
     assert {name: values.tolist() for name, values in energies.values.items()} == {
         "kinetic energy": [3.5], "stonewall energy": [3.0],
     }  # fmt: skip
@@ -120,7 +119,6 @@ def test_an_output_that_was_cut_off_does_not_count(tmp_path):
     [
         ("d000002", "time", "rcforc time"),
         ("d000001", "y_force", "rcforc y_force"),
-        ("d000002", "z_moment", "rcforc z_moment"),
         ("d000001", "kinetic_energy", "glstat kinetic_energy"),
     ],
 )

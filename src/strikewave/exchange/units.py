@@ -41,60 +41,17 @@ class UnitSystem:
         """Return the factor of a quantity length^a mass^b time^c."""
         return float(f"{self.length**-length * self.mass**-mass * self.time**-time:.14g}")
 
-    @property
-    def distance(self) -> float:
-        """Of a length."""
-        return self.factor(1)
-
-    @property
-    def duration(self) -> float:
-        """Of a time."""
-        return self.factor(time=1)
-
-    @property
-    def density(self) -> float:
-        """Of a density."""
-        return self.factor(-3, 1)
-
-    @property
-    def stress(self) -> float:
-        """Of a stress, a pressure or a modulus."""
-        return self.factor(-1, 1, -2)
-
-    @property
-    def force(self) -> float:
-        """Of a force."""
-        return self.factor(1, 1, -2)
-
-    @property
-    def energy(self) -> float:
-        """Of an energy."""
-        return self.factor(2, 1, -2)
-
-    @property
-    def velocity(self) -> float:
-        """Of a velocity."""
-        return self.factor(1, 0, -1)
-
-    @property
-    def acceleration(self) -> float:
-        """Of an acceleration."""
-        return self.factor(1, 0, -2)
-
-    @property
-    def rate(self) -> float:
-        """Of a rate of strain."""
-        return self.factor(time=-1)
-
-    @property
-    def specific_heat(self) -> float:
-        """Of a specific heat, energy per mass and kelvin."""
-        return self.factor(2, 0, -2)
-
-    @property
-    def heat_capacity(self) -> float:
-        """Of a heat capacity per volume and kelvin."""
-        return self.factor(-1, 1, -2)
+    distance = property(lambda self: self.factor(1), doc="Factor of a length.")
+    duration = property(lambda self: self.factor(time=1), doc="Factor of a time.")
+    density = property(lambda self: self.factor(-3, 1), doc="Factor of a density.")
+    stress = property(lambda self: self.factor(-1, 1, -2), doc="Factor of a stress, a pressure or a modulus.")
+    force = property(lambda self: self.factor(1, 1, -2), doc="Factor of a force.")
+    energy = property(lambda self: self.factor(2, 1, -2), doc="Factor of an energy.")
+    velocity = property(lambda self: self.factor(1, 0, -1), doc="Factor of a velocity.")
+    acceleration = property(lambda self: self.factor(1, 0, -2), doc="Factor of an acceleration.")
+    rate = property(lambda self: self.factor(time=-1), doc="Factor of a rate of strain.")
+    specific_heat = property(lambda self: self.factor(2, 0, -2), doc="Factor of an energy per mass and kelvin.")
+    heat_capacity = property(lambda self: self.factor(-1, 1, -2), doc="Factor of an energy per volume and kelvin.")
 
 
 SYSTEMS = {

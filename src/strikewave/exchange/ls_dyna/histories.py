@@ -79,10 +79,6 @@ class ContactForce:
         Rising.
     force : array (outputs, 3)
         Resultant on this side.
-    mass : array (outputs,)
-        Mass of the nodes that touch, where the file has it; else 0.
-    moment : array (outputs, 3) or None
-        About the origin, where the file has it.
     """
 
     number: int
@@ -90,8 +86,6 @@ class ContactForce:
     title: str
     time: Array
     force: Array
-    mass: Array
-    moment: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -215,8 +209,7 @@ def _force(key: tuple[int, str, int], values: array[float], title: str) -> Conta
     number, side, count = key
     table = np.frombuffer(values, float).reshape(-1, count)
     table = table[last_pass(table[:, 0])]
-    mass = table[:, 4] if count > 4 else np.zeros(len(table))
-    return ContactForce(number, side, title, table[:, 0], table[:, 1:4], mass, table[:, 5:] if count > 5 else None)
+    return ContactForce(number, side, title, table[:, 0], table[:, 1:4])
 
 
 def last_pass(time: Array) -> NDArray[np.bool_]:
@@ -382,8 +375,6 @@ _NONE = np.empty(0)
 """Stands for an array that is missing."""
 FORCES = ("x_force", "y_force", "z_force")
 """Arrays of the components of a contact force."""
-MOMENTS = ("x_moment", "y_moment", "z_moment")
-"""Those of its moment, which newer versions write."""
 
 Held = dict[str, dict[str, NDArray[Any]]]
 """Arrays by the folder in which they lie, such as ``d000001``."""
@@ -417,20 +408,10 @@ def _contacts(path: Path, branch: Held) -> tuple[ContactForce, ...]:
         raise InputError("FILE", path, "a side for each contact in rcforc/metadata")
     time = _table(path, outputs, ("time",), 1)[:, 0, 0]
     force = _table(path, outputs, FORCES, numbers.size)
-    mass = _table(path, outputs, ("mass",), numbers.size) if "mass" in outputs[0] else np.zeros_like(force[:, :1])
-    moment = _table(path, outputs, MOMENTS, numbers.size) if MOMENTS[0] in outputs[0] else None
     titles = _titles(about)
     return tuple(
-        ContactForce(
-            int(number),
-            "B" if sides[k] else "A",
-            titles.get(int(number), ""),
-            time,
-            force[:, :, k],
-            mass[:, 0, k],
-            None if moment is None else moment[:, :, k],
-        )
-        for k, number in enumerate(numbers)
+        ContactForce(number, "B" if is_master else "A", titles.get(number, ""), time, force[:, :, k])
+        for k, (number, is_master) in enumerate(zip(numbers.tolist(), sides.tolist(), strict=True))
     )
 
 
