@@ -11,12 +11,11 @@ from timing import table, write
 
 from strikewave import load_case
 from strikewave.studies.engine.evaluation import Job, KeptHistory, RunOutcome
-from strikewave.studies.engine.plan import grid, varied
+from strikewave.studies.engine.plan import grid, read_variable, varied
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.runner import carry_out
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.engine.variables import read_variable
-from strikewave.studies.sweep.plan import plan_of
+from strikewave.studies.sweep.study import plan_of
 
 RUNS, FAST, KEPT = 2000, 400, 20_000
 """Runs that compute nothing, fast runs of eleven blows, and runs that keep pulses."""

@@ -26,7 +26,7 @@ from strikewave.reporting.measured_files import read_time_unit
 from strikewave.reporting.options import read_share
 from strikewave.specifications.budget_file import load_budget
 from strikewave.studies.axes import units_of
-from strikewave.studies.engine.variables import read_ends, read_variable, typed_value
+from strikewave.studies.engine.plan import read_ends, read_variable, typed_value
 from strikewave.studies.search.goals import read_aim
 from strikewave.uncertainty.bands import moved
 from strikewave.uncertainty.draws import range_of

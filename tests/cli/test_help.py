@@ -140,7 +140,7 @@ def test_completion_names_what_the_libraries_know():
     from strikewave.reporting.options import complete_case
     from strikewave.signal.oscillators import KINDS
     from strikewave.signal.srs import PARTS
-    from strikewave.studies.buffer.candidate import RANKS
+    from strikewave.studies.buffer.stacks import RANKS
     from strikewave.studies.map.figures import COLOURS
     from strikewave.studies.scatter.study import METHODS
     from strikewave.studies.search.rotary import VARIED

@@ -122,7 +122,7 @@ TYPED = re.compile(r'f"[^"\n]*\{[^}\n]*\} (?:g|kN|N|us|µs|ms|m/s|mm|MPa|GPa|Hz|
 """A number of a sentence with its unit typed behind it."""
 FIXED = {
     "analyses/compare/report.py": 1,  # the sampling that a standard prescribes
-    "studies/buffer/screen.py": 1,  # of a notice, which documents hold too
+    "studies/buffer/report.py": 1,  # of a notice, which documents hold too
 }
 
 

@@ -6,7 +6,7 @@ import pytest
 from strikewave import load_case
 from strikewave.fem import solve
 from strikewave.papers.li_ma_2019.runs import executing
-from strikewave.studies.engine.keys import run_key
+from strikewave.studies.engine.evaluation import run_key
 from strikewave.studies.engine.store import RunStore
 
 CASE = load_case("two-bars-fem", ["fem.duration=20 us"])

@@ -20,17 +20,6 @@ from strikewave.sensors import Recorder, Sensor
 from strikewave.sensors.trial import SensorChannel
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.signal.srs import srs
-from strikewave.studies.buffer.candidate import (
-    RINGING,
-    BufferGoal,
-    StackChoices,
-    assess,
-    carries,
-    look_closer,
-    ranked,
-    stacks,
-    withstands,
-)
 from strikewave.studies.buffer.mounting_site import (
     BaseMotion,
     Blows,
@@ -44,6 +33,17 @@ from strikewave.studies.buffer.mounting_site import (
     mounting_site_of,
     reading_of,
     usual_materials,
+)
+from strikewave.studies.buffer.stacks import (
+    RINGING,
+    BufferGoal,
+    StackChoices,
+    assess,
+    carries,
+    look_closer,
+    ranked,
+    stacks,
+    withstands,
 )
 from strikewave.studies.buffer.study import design_buffer
 from strikewave.studies.engine.pools import GivenPool

@@ -18,13 +18,12 @@ import pytest
 
 from strikewave import load_case
 from strikewave.base.errors import InputError
-from strikewave.studies.engine import cluster, keys
+from strikewave.studies.engine import cluster, evaluation
 from strikewave.studies.engine.cluster import ClusterPool, OfThisVersion
 from strikewave.studies.engine.evaluation import Job
-from strikewave.studies.engine.plan import grid, varied
+from strikewave.studies.engine.plan import grid, read_variable, varied
 from strikewave.studies.engine.runner import Workers, carry_out
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.engine.variables import read_variable
 from strikewave.studies.sweep.study import sweep
 
 CASE = load_case("li-ma-2019", ["feed.blows=1"])
@@ -180,11 +179,11 @@ def test_a_sweep_has_the_bits_of_this_process_and_another_version_is_refused(of_
     given = sweep(words[0], words[1], keep=words[2], analysis="fast", workers=Workers(cluster=of_two.address))
     own = sweep(words[0], words[1], keep=words[2], analysis="fast")
     assert np.array_equal(given.numbers, own.numbers)
-    keys.program_key.cache_clear()
-    monkeypatch.setattr(keys, "__version__", "9.9.9")
+    evaluation.program_key.cache_clear()
+    monkeypatch.setattr(evaluation, "__version__", "9.9.9")
     with pytest.raises(InputError, match=r"--cluster: .* workers with this strikewave: tcp://.* not 9\.9\.9"):
         ClusterPool(of_two.address)
-    keys.program_key.cache_clear()
+    evaluation.program_key.cache_clear()
 
 
 def test_a_worker_that_joins_late_with_another_version_runs_nothing():

@@ -15,16 +15,22 @@ from hypothesis import strategies as st
 from strikewave import load_case, run_case
 from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.cases.files import bundled_cases
-from strikewave.studies.engine import keys
+from strikewave.studies.engine import evaluation
 from strikewave.studies.engine import store as stores
 from strikewave.studies.engine.case_evaluation import OF_FIRST, CaseEvaluation, numbers_of, read_kept
-from strikewave.studies.engine.evaluation import Job, KeptHistory, RunOutcome
-from strikewave.studies.engine.keys import run_key
-from strikewave.studies.engine.plan import DrawVariation, drawn_rows, filled, grid, sobol_sequence, varied
+from strikewave.studies.engine.evaluation import Job, KeptHistory, RunOutcome, run_key
+from strikewave.studies.engine.plan import (
+    DrawVariation,
+    drawn_rows,
+    filled,
+    grid,
+    read_variable,
+    sobol_sequence,
+    varied,
+)
 from strikewave.studies.engine.pools import GivenPool, Loss, ProcessPool
 from strikewave.studies.engine.runner import MOST_DEATHS, carry_out
 from strikewave.studies.engine.store import APPLICATION, INDEX, RunStore
-from strikewave.studies.engine.variables import read_variable
 from strikewave.uncertainty.draws import tolerances_of
 
 CASE = load_case("li-ma-2019")
@@ -185,8 +191,8 @@ def test_histories_that_are_handed_over_stay_till_the_store_goes(tmp_path):
     (tmp_path / "result").mkdir()
     with RunStore(tmp_path / "s") as store:
         run(store, 50)
-        keys = list(store.known())
-        (name,) = store.hand_over(tmp_path / "result", keys)
+        evaluation = list(store.known())
+        (name,) = store.hand_over(tmp_path / "result", evaluation)
     with RunStore(tmp_path / "s") as store:
         assert len(list(store.histories())) == 1
         (tmp_path / "s" / INDEX).rename(tmp_path / "index")
@@ -288,12 +294,12 @@ def test_the_key_holds_case_evaluation_version_and_files(monkeypatch, tmp_path):
     assert run_key(bar, one) != with_file
     for schema in ("SCHEMA", "ELEMENTS_SCHEMA"):
         with monkeypatch.context() as patched:
-            keys.program_key.cache_clear()
-            patched.setattr(keys, schema, 99)
+            evaluation.program_key.cache_clear()
+            patched.setattr(evaluation, schema, 99)
             assert run_key(CASE, one) != key
-    keys.program_key.cache_clear()
+    evaluation.program_key.cache_clear()
     assert run_key(CASE, one) == key
-    monkeypatch.setattr(keys, "program_key", lambda: "another version")
+    monkeypatch.setattr(evaluation, "program_key", lambda: "another version")
     assert run_key(CASE, one) != key
 
 
@@ -302,11 +308,11 @@ def test_every_quantity_of_every_built_in_case_tells_its_runs_apart(name):
     """One that is left out of the key would take the result of another run for its own."""
     case, one = load_case(name), CaseEvaluation("run", ("cv",))
     values = case.values()
-    keys = {
+    evaluation = {
         run_key(case.with_values({path: value.model_copy(update={"si": value.si + 1.0})}), one)
         for path, value in values.items()
     }
-    assert len({*keys, run_key(case, one)}) == len(values) + 1
+    assert len({*evaluation, run_key(case, one)}) == len(values) + 1
 
 
 def test_what_is_drawn_of_single_strikers_tells_runs_apart():

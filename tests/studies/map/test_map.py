@@ -18,16 +18,21 @@ from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import (
     FIELDS,
+    IRREGULAR,
+    MISSES,
+    NO_RETURN,
     PLACE,
     REASONS,
+    UNKNOWN,
     arrivals,
     bounce_time,
     cell_of,
     machine_of,
     measured,
     own_blows,
+    period_of,
+    regime_of,
 )
-from strikewave.studies.map.regimes import IRREGULAR, MISSES, NO_RETURN, UNKNOWN, period_of, regime_of
 from strikewave.studies.map.report import setting_table
 from strikewave.studies.map.study import MapStudy, axes_of, check_plan, confirmed, in_full, make_map, plan_of
 from strikewave.uncertainty.statistics import variation

@@ -21,9 +21,8 @@ from strikewave import load_case
 from strikewave.base.compiling import WORDS
 from strikewave.studies.axes import axis_of
 from strikewave.studies.engine.store import INDEX, runs_beside
-from strikewave.studies.map.cells import FIELDS, PLACE
+from strikewave.studies.map.cells import FAILED, FIELDS, PLACE
 from strikewave.studies.map.figures import map_figure
-from strikewave.studies.map.regimes import FAILED
 from strikewave.studies.map.study import MapStudy, make_map, plan_of
 
 FEW = ("map", "li-ma-2019", "--points", "4x3", "--workers", "1", "--train", "0", "--set", "feed.blows=3")

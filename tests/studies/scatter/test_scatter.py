@@ -18,8 +18,16 @@ from strikewave.machines.fast_run import fast_train
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.runner import Workers
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.scatter.runs import Runner, RunResult, of_blows, run_result
-from strikewave.studies.scatter.study import OddBlows, ScatterPlan, make_scatter, scatter
+from strikewave.studies.scatter.study import (
+    OddBlows,
+    Runner,
+    RunResult,
+    ScatterPlan,
+    make_scatter,
+    of_blows,
+    run_result,
+    scatter,
+)
 from strikewave.studies.search.rotary_candidate import supply
 from strikewave.uncertainty.draws import drawn, drawn_case, quantiles, stated, tolerances_of
 from strikewave.uncertainty.shares import (
@@ -172,7 +180,7 @@ def test_a_motion_that_cannot_be_followed_is_tried_again(monkeypatch):
             raise IntegrationError("lost")
         return run_machine(machine, tolerance)
 
-    monkeypatch.setattr("strikewave.studies.scatter.runs.run_machine", run)
+    monkeypatch.setattr("strikewave.studies.scatter.study.run_machine", run)
     assert run_result(case_with("feed.blows=1")).kinds == ("full",)
     assert tried == [1e-7, 1e-8]
 

@@ -12,8 +12,7 @@ from strikewave import load_case
 from strikewave.base.errors import StrikewaveError
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.studies.scatter.figures import scatter_picture
-from strikewave.studies.scatter.runs import run_result
-from strikewave.studies.scatter.study import scatter
+from strikewave.studies.scatter.study import run_result, scatter
 from strikewave.uncertainty.draws import FELT
 
 QUICK = ("scatter", "bare.toml", "--workers", "1", "--runs", "10", "--set", "feed.blows=3")

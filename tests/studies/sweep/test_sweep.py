@@ -15,9 +15,8 @@ from strikewave.fem.run import balance_measure
 from strikewave.studies.engine.case_evaluation import read_kept
 from strikewave.studies.sweep.effects import main_effect, share_by_chance
 from strikewave.studies.sweep.figures import drawn_settings, sweep_picture
-from strikewave.studies.sweep.plan import SweepRequest, plan_of, read_request
 from strikewave.studies.sweep.report import sweep_report
-from strikewave.studies.sweep.study import sweep
+from strikewave.studies.sweep.study import SweepRequest, plan_of, read_request, sweep
 
 ONE = load_case("li-ma-2019", ["feed.blows=1"])
 

@@ -20,7 +20,7 @@ from strikewave.cases.case import Case, load_case
 from strikewave.papers.li_ma_2019.body_reasons import Reason, reasons
 from strikewave.papers.li_ma_2019.element_pulses import specimen_body
 from strikewave.papers.li_ma_2019.runs import QUIET_ELEMENTS, RIGID_ELEMENTS, WAVE_ELEMENTS, Execution, coarser
-from strikewave.studies.engine.answers import OfCase
+from strikewave.studies.engine.questions import OfCase
 
 SHARE = 0.1
 """Relative change of an assumed dimension, up and down: above the error of a coarse mesh, yet nearly linear."""

@@ -15,9 +15,9 @@ from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.result import Result
 from strikewave.cases.case import Case, load_case
 from strikewave.cases.files import bundled_cases
-from strikewave.studies.engine.answers import Failure, OfCase, answers
-from strikewave.studies.engine.keys import run_key
+from strikewave.studies.engine.evaluation import run_key
 from strikewave.studies.engine.pools import Pool, ProcessPool
+from strikewave.studies.engine.questions import Failure, OfCase, answers
 from strikewave.studies.engine.runner import StudyProgress
 from strikewave.studies.engine.store import RunStore, given_or_temporary
 

@@ -30,7 +30,7 @@ from strikewave.cases.case import Case, load_case
 from strikewave.cases.tables.stack import GasketTable
 from strikewave.papers.li_ma_2019.published import published_number
 from strikewave.papers.li_ma_2019.runs import COMPARISON, FIXTURE, MACHINE, Execution
-from strikewave.studies.engine.answers import OfCase
+from strikewave.studies.engine.questions import OfCase
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]

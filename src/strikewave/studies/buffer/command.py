@@ -11,7 +11,7 @@ from strikewave.base.quantities import Value
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.options import Changes, Running, case_name, quantity, typed_value
 from strikewave.reporting.output_options import StudyOutput
-from strikewave.studies.buffer.defaults import LAYERS, THICKEST, WORST
+from strikewave.studies.buffer import LAYERS, THICKEST, WORST
 
 
 def command(
@@ -89,8 +89,8 @@ def command(
     They are ranked by what the sensor reads of a blow, and by the bandwidth that is left. The blow is that of a machine
     case or a layered bar at the sensor's tap, or a record. With --json, no files are written unless --out is given.
     """
-    from strikewave.studies.buffer.candidate import BufferGoal
-    from strikewave.studies.buffer.screen import BufferCommand, rank_buffers, source_of_case, source_of_record
+    from strikewave.studies.buffer.report import BufferCommand, rank_buffers, source_of_case, source_of_record
+    from strikewave.studies.buffer.stacks import BufferGoal
     from strikewave.studies.buffer.study import choices_of
     from strikewave.studies.engine.runner import Workers
 

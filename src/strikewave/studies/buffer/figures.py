@@ -14,8 +14,8 @@ from strikewave.reporting.style import BLUE, GREEN, GREY, ORANGE, RED, mark_runs
 from strikewave.sensors import transmission
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.studies.axes import plain_log_ticks
-from strikewave.studies.buffer.candidate import BufferCandidate, distinct
 from strikewave.studies.buffer.result import BufferStudy
+from strikewave.studies.buffer.stacks import BufferCandidate, distinct
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -1,17 +1,59 @@
-"""The report of a buffer design: what the sensor reads on each stack of gaskets, and what the stack passes."""
+"""What page and screen say of a buffer design, and the command that makes one."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from strikewave.base.texts import percent
+import numpy as np
+
+from strikewave.base.errors import MISSING, InputError
+from strikewave.base.result import Notice
+from strikewave.base.texts import command_line, file_word, percent
+from strikewave.cases.case import Case, load_case
+from strikewave.cases.tables.stack import SensorTable
+from strikewave.records import ChannelReading, HealthNotice, Options
 from strikewave.reporting import chapters
+from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import page_table
-from strikewave.reporting.faces import columns_of, part_tables, text_of
+from strikewave.reporting.faces import amount, columns_of, part_tables, text_of
+from strikewave.reporting.output_options import Output
 from strikewave.reporting.parts import Picture, Section, Tag
-from strikewave.studies.buffer.candidate import ALIKE, BufferCandidate, StackGasket, distinct
-from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
+from strikewave.reporting.run_and_write import drawing, run_and_write
+from strikewave.reporting.style import save
+from strikewave.reporting.terminal import print_rows, progress_bar, tell
+from strikewave.studies.buffer.mounting_site import (
+    SURFACE,
+    BaseMotion,
+    Blows,
+    MountingSite,
+    blows_of,
+    choose_sensor,
+    mounting_site_of,
+)
 from strikewave.studies.buffer.result import MARKED, BufferStudy, stack_columns
+from strikewave.studies.buffer.stacks import (
+    ALIKE,
+    READING,
+    RINGING,
+    BufferCandidate,
+    BufferGoal,
+    StackChoices,
+    StackGasket,
+    distinct,
+)
+from strikewave.studies.buffer.study import LEADING, design_buffer
+from strikewave.studies.command import ResumableCommand
+from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.runner import share_reporter
+from strikewave.studies.engine.store import RunStore
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MOST_ROWS = 20
 """Stacks in the table: the first that differ; buffers.csv has all."""
@@ -19,6 +61,8 @@ MOST_ROWS = 20
 
 def buffer_report(study: BufferStudy) -> str:
     """Return the report of a buffer design as one HTML page: no script, nothing fetched, the same bytes each time."""
+    from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
+
     first = study.candidates[0]
     pictures = [
         Picture(
@@ -113,6 +157,214 @@ def _sensor_section(study: BufferStudy) -> Section:
     return Section("Sensor and blow", " ".join(words), [*part_tables(study, "sensor"), *part_tables(study, "motion")])
 
 
-picture = peak_bandwidth
+def picture(study: BufferStudy) -> Figure:
+    """Draw the picture of a result in Python, see `strikewave.reporting.shown_result`."""
+    from strikewave.studies.buffer.figures import peak_bandwidth
+
+    return peak_bandwidth(study)
+
+
 page = buffer_report
-"""Page of a result in Python, found as `picture` is by `strikewave.reporting.shown_result`."""
+"""Page of a result in Python."""
+
+
+LONGEST = 200_000
+"""Samples of a record that are kept about its largest value, a quarter of them before it: at 1 MHz 0.2 s, longer than
+any blow and its ringing, and few enough for a run of each stack."""
+
+
+class BlowSource(NamedTuple):
+    """Where sensor and blow come from: the case, the sensor's table, its site, the record's path and reading."""
+
+    case: Case | None
+    site: MountingSite
+    record: Path | None = None
+    reading: ChannelReading | None = None
+    found: Sequence[HealthNotice] = ()
+
+
+def rank_buffers(command: BufferCommand, output: Output) -> int:
+    """Rank the stacks, write and print them, and return the exit code."""
+    source = command.source
+    if source.case is not None:
+        command = dataclasses.replace(command, source=source._replace(case=output.tested(source.case)))
+    else:
+        command = dataclasses.replace(command, test=output.stated_test())
+    return run_and_write(command, output, f"buffer-{_called(source)}", None)
+
+
+def source_of_record(
+    file: str,
+    stated: dict[str, dict[str, Any]],
+    options: Options,
+    case: tuple[str | None, str | None, list[str] | None],
+    given: dict[str, Any],
+) -> BlowSource:
+    """Return where the blow of a record, and the sensor of a case or of what was typed, come from."""
+    reading, notices = _reading(file, stated, options)
+    return BlowSource(None, source_of_case(*case, given, needed=False).site, Path(file), reading, notices)
+
+
+@dataclass
+class BufferCommand(ResumableCommand[BufferStudy]):
+    """A search for the gaskets under a sensor; one that is stopped goes on where it was.
+
+    Attributes
+    ----------
+    source : BlowSource
+        Where sensor and blow come from.
+    blow : str
+        Blow of a case: worst, first, or a number.
+    choice : StackChoices
+        Gaskets to choose from.
+    goal : BufferGoal
+        Goal that the reading must keep.
+    pool : Pool
+        Who runs the stacks.
+    test : mapping of str to str
+        Statements about the test, where no case holds it.
+    """
+
+    source: BlowSource
+    blow: str
+    choice: StackChoices
+    goal: BufferGoal
+    pool: Pool
+    test: Mapping[str, str] = dataclasses.field(default_factory=dict)
+
+    def solved(self, store: RunStore) -> BufferStudy:
+        """Return the study, with bars on stderr."""
+        source = self.source
+        if source.reading is not None:
+            blows = _recorded(source.record, source.reading, source.found)
+        else:
+            with progress_bar("blows") as report:
+                blows = _blows(source, self.blow, report)
+        try:
+            with progress_bar("stacks") as report:
+                advance = share_reporter(report)
+                study = design_buffer(source.site, blows, self.choice, self.goal, store, self.pool, advance)
+        except KeyboardInterrupt as stop:
+            self.stopped_after(stop, store, "stacks")
+        origin = None
+        if source.record is not None:
+            origin = measured.source_of("records", source.record.stem, [source.record], self.test)
+        return dataclasses.replace(study, case=source.case, origin=origin, asked=measured.asked())
+
+    def summary(self, result: BufferStudy) -> str:
+        """Say which stack is first, and what the sensor then reads."""
+        return buffer_words(result)
+
+    def show(self, result: BufferStudy) -> None:
+        """Print the ranking."""
+        _print(result)
+
+    def draw(self, result: BufferStudy, folder: Path) -> list[str]:
+        """Write the page, peak over bandwidth, histories and transmissibility."""
+        from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
+
+        with drawing(folder / "peak-bandwidth.svg") as path:
+            save(peak_bandwidth(result), path)
+        with drawing(folder / "histories.svg") as path:
+            save(buffer_histories(result), path)
+        with drawing(folder / "transmissibility.svg") as path:
+            save(buffer_transmissibility(result), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(buffer_report(result), "utf-8", newline="\n")
+        return ["report.html", "peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
+
+
+def source_of_case(
+    name: str | None, sensor: str | None, changes: list[str] | None, given: dict[str, Any], needed: bool = True
+) -> BlowSource:
+    """Return case and site; without a case, where none is needed, the site stands on what was typed."""
+    typed = {key: value for key, value in given.items() if key != "diameter"}
+    footprint = {"diameter": given["diameter"]} if "diameter" in given else None
+    if name is None:
+        if needed:
+            raise InputError("CASE", MISSING, "a case, or --record with a measured blow", "see `strikewave cases`")
+        if sensor is not None or changes:
+            field = "--set" if sensor is None else "--sensor"
+            hint = "without one, --model, --mass and --diameter describe the sensor"
+            raise InputError(field, sensor or changes, "only with a case", hint)
+        alone: SensorTable = SensorTable(name="sensor").model_copy(update=typed)
+        return BlowSource(None, mounting_site_of(alone, None, footprint))
+    case = load_case(name, changes or ())
+    table = choose_sensor(case, sensor).model_copy(update=typed)
+    return BlowSource(case, mounting_site_of(table, case, footprint))
+
+
+def _blows(source: BlowSource, blow: str, report: Callable[[float], None]) -> Blows:
+    assert source.case is not None
+    return blows_of(source.case, source.site.table, blow, report)
+
+
+def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> tuple[ChannelReading, list[HealthNotice]]:
+    """Return one channel of a file, and what its examination suspects; one that it calls bad is refused."""
+    _, reading = measured.read_channels(file, stated, options)
+    channel = reading.channels[0].channel
+    if channel.unit != "m/s^2":
+        has = channel.unit or "the file's own numbers"
+        raise InputError("--unit", has, "an acceleration", 'say --unit g, or --sensitivity "1.2 mV/g"')
+    findings = [finding for finding in reading.all_findings if finding.severity != "good"]
+    if reading.status == "bad":
+        why = "; ".join(f"{f.code}: {f.message}" for f in findings if f.severity == "bad")
+        hint = f"{why}; see `{command_line(['record', file_word(file)])}`, or take another --channel"
+        raise InputError("--record", file, "a record that its examination does not call bad", hint)
+    return reading.channels[0], findings
+
+
+def _recorded(path: Path | None, reading: ChannelReading, findings: Sequence[HealthNotice]) -> Blows:
+    """Return the motion about the largest value of a record, with the baseline of its blow taken off."""
+    channel = reading.channel
+    place = int(np.argmax(np.abs(channel.values - reading.baseline)))
+    at = channel.start + place * channel.step
+    blow = min(reading.pulses, key=lambda pulse: abs(pulse.time - at), default=None)
+    first = max(place - LONGEST // 4, 0)
+    values = channel.values[first : first + LONGEST] - (reading.baseline if blow is None else blow.offset)
+    message = (
+        f"the record holds nothing above {0.5e-3 * channel.sampling_rate:.4g} kHz, nor what its own sensor and filter "
+        "took off: a stiff buffer may read more than is shown"
+    )
+    warnings = [Notice("record-bandwidth", message, 0.5 * channel.sampling_rate, 0.0)]
+    warnings += [Notice("record-suspect", f"{f.code}: {f.message}", f.value, 0.0) for f in findings]
+    name = f"{path.name if path else ''} {channel.name}".strip()
+    motion = BaseMotion(name, values, channel.step, channel.start + first * channel.step, recorded=blow)
+    return Blows((motion,), 0, tuple(warnings))
+
+
+def _called(source: BlowSource) -> str:
+    if source.record is not None:
+        return source.record.stem
+    return (source.case.name if source.case else "") or "case"
+
+
+def _print(study: BufferStudy) -> None:
+    motion, site = study.motion, study.site
+    rigid = "" if motion.rigid_peak is None else f", rigid-body peak {amount(SURFACE, motion.rigid_peak, digits=5)}"
+    if motion.recorded is not None:
+        largest = amount(SURFACE, motion.largest_sample, digits=5)
+        rigid += f" (largest sample {largest}: readings below have its noise too)"
+    tell(
+        f"{site.table.name}, {text_of(study.sensor, 'mass')}, on {text_of(study.sensor, 'area')} of gasket; "
+        f"{motion.name}: surface {amount(SURFACE, motion.peak, digits=5)}{rigid}",
+        "  ",
+    )
+    shown = distinct(study.candidates, LEADING)
+    shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
+    rows = [one for one in study.stacks if one in shown or one is study.present]
+    title = f"{study.keeping} stacks keep {amount(READING, study.limit, digits=5)}; {study.order} ({MARKED})"
+    print_rows(title, stack_columns("screen", rows))
+    if len(study.candidates) > len(shown):
+        tell(
+            f"stacks with peak and bandwidth of one above within {percent(ALIKE, 0)} are left out here; --json and the "
+            "files have all"
+        )
+    first = study.candidates[0]
+    parts = [f"{first.rigid_ratio:.3g} times the rigid-body peak"] if math.isfinite(first.rigid_ratio) else []
+    if math.isfinite(first.velocity_error):
+        parts += [f"velocity change off by {percent(first.velocity_error, 1, '+')}"]
+    elif first.ringing > RINGING or not first.whole:
+        parts += ["velocity change not known: the history ends while it still rings"]
+    parts += [f"{text_of(first, 'sag')} of sag", f"loss factors held to {percent(first.loss_error)} from 1 to 100 kHz"]
+    tell(f"{first.name}: {', '.join(parts)}")

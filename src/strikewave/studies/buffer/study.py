@@ -23,7 +23,19 @@ from strikewave.cases.case import Case
 from strikewave.reporting.options import read_value
 from strikewave.sensors import Mounting
 from strikewave.sensors.mounting import mounting_system
-from strikewave.studies.buffer.candidate import (
+from strikewave.studies.buffer import LAYERS, THICKEST, THICKNESSES, WORST
+from strikewave.studies.buffer.mounting_site import (
+    BaseMotion,
+    Blows,
+    GasketStack,
+    MountingSite,
+    blows_of,
+    choose_sensor,
+    mounting_site_of,
+    usual_materials,
+)
+from strikewave.studies.buffer.result import BufferStudy, study_notices
+from strikewave.studies.buffer.stacks import (
     BufferCandidate,
     BufferGoal,
     Leading,
@@ -38,21 +50,8 @@ from strikewave.studies.buffer.candidate import (
     with_pareto,
     withstands,
 )
-from strikewave.studies.buffer.defaults import LAYERS, THICKEST, THICKNESSES, WORST
-from strikewave.studies.buffer.mounting_site import (
-    BaseMotion,
-    Blows,
-    GasketStack,
-    MountingSite,
-    blows_of,
-    choose_sensor,
-    mounting_site_of,
-    usual_materials,
-)
-from strikewave.studies.buffer.notices import study_notices
-from strikewave.studies.buffer.result import BufferStudy
-from strikewave.studies.engine.answers import Answer, Failure, answers
 from strikewave.studies.engine.pools import Pool, ProcessPool
+from strikewave.studies.engine.questions import Answer, Failure, answers
 from strikewave.studies.engine.runner import Advance, Workers, as_workers, share_reporter
 from strikewave.studies.engine.store import RunStore, given_or_temporary, store_in
 

@@ -21,7 +21,7 @@ from typing import Any, Generic
 
 from strikewave.base.compiled import is_cold
 from strikewave.base.errors import InputError, MissingPackageError, StrikewaveError
-from strikewave.studies.engine.keys import program_key
+from strikewave.studies.engine.evaluation import program_key
 from strikewave.studies.engine.pools import Answer, Asked, Batch, Loss, Pool
 
 OPTION = "--cluster"

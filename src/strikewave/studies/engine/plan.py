@@ -1,22 +1,254 @@
-"""Which cases a study runs: grids, designs that fill a range evenly, and draws within the tolerances of a case."""
+"""What a study varies, as it is typed, and which cases it runs: grids, even designs, draws within tolerances."""
 
 from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.errors import InputError
-from strikewave.cases.case import Case
-from strikewave.studies.axes import Axis, case_at
+from strikewave.analyses.by_tables import check_case
+from strikewave.base import declare
+from strikewave.base.declare import KEY, MAIN, NO_UNIT
+from strikewave.base.errors import InputError, nearest
+from strikewave.base.quantities import Range, Value
+from strikewave.base.texts import first_few
+from strikewave.base.units import DIMENSIONS, range_ends, take_apart, with_last_unit
+from strikewave.cases.case import Case, dump_case, parse_case
+from strikewave.reporting.columns import Column, Values
+from strikewave.reporting.numbers import with_unit
+from strikewave.studies.axes import Axis, case_at, range_axis, units_of
 from strikewave.studies.engine.evaluation import Row
-from strikewave.studies.engine.variables import StudyVariable, with_word
 from strikewave.uncertainty.bands import latin_hypercube
-from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, quantiles
+from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, quantiles, range_of
+
+POINTS = 11
+"""Values of a range where no number of them stands behind it: eleven show a curve."""
+MOST_VALUES = 100_000
+"""Most values of one variable."""
+MOST_LISTED = 12
+"""Values of a list that a table of a page names."""
+EXAMPLE = 'such as machine.speed="400..900 rpm:11" or contact.damping=hunt-crossley,exact'
+_RANGE = re.compile(
+    r"(?P<low>[^:]*?)\s*\.\.\s*(?P<high>[^:]+?)\s*(:\s*(?P<count>\d{1,7})?)?\s*(?P<log>(?<=[\s:\d])log)?\s*"
+)
+
+
+@declare.dataclass
+class StudyVariable:
+    """What is varied: a quantity with its values, or one of some words.
+
+    Attributes
+    ----------
+    axis : Axis
+        Path, units and values (SI) of a quantity; of words their places, 0 and on.
+    words : tuple of str
+        Empty for a quantity.
+    is_range : bool
+        True if all values between its first and last are meant.
+    """
+
+    axis: Axis
+    words: tuple[str, ...] = ()
+    is_range: bool = False
+
+    @declare.computed(declare.word("path of a setting", label="setting", column=KEY, tables="grid range"))
+    def path(self) -> str:
+        """In the case."""
+        return self.axis.path
+
+    @declare.computed(declare.word("what it is varied between, where it is a word", key="words", optional=True))
+    def named(self) -> tuple[str, ...] | None:
+        """Its words; None of a quantity."""
+        return self.words or None
+
+    @declare.computed(declare.word("low end of its range, SI", optional=True))
+    def low(self) -> float | None:
+        """Its first value; None of a list."""
+        return self.axis.values[0] if self.is_range else None
+
+    @declare.computed(declare.word("high end of its range, SI", optional=True))
+    def high(self) -> float | None:
+        """Its last value; None of a list."""
+        return self.axis.values[-1] if self.is_range else None
+
+    @declare.computed(declare.word("whether it is spaced by its logarithm", optional=True))
+    def log(self) -> bool | None:
+        """Whether its range is logarithmic; None of a list."""
+        return self.axis.log if self.is_range else None
+
+    @declare.computed(declare.word("its values where they are a list, SI", optional=True))
+    def values(self) -> tuple[float, ...] | None:
+        """Its values; None of words and of a range."""
+        return None if self.words or self.is_range else self.axis.values
+
+    @declare.computed(declare.word("how it is spaced", column=MAIN, tables="grid range", in_document=False))
+    def spacing(self) -> str:
+        """Whether it is of words, a list, or a range, and how that is spaced."""
+        return "words" if self.words else "logarithmic" if self.log else "linear" if self.is_range else "list"
+
+    @declare.computed(
+        declare.word("what it takes", label="values", column=MAIN, tables="grid range", in_document=False)
+    )
+    def extent(self) -> str:
+        """Both ends of a range, else the first values."""
+        if self.is_range:
+            return f"{self.brief(self.axis.values[0])} to {self.brief(self.axis.values[-1])}"
+        return first_few([self.brief(value) for value in self.axis.values], MOST_LISTED)
+
+    @declare.computed(declare.count("how many", label="count", column=MAIN, tables="grid", in_document=False))
+    def count(self) -> int:
+        """How many values."""
+        return len(self.axis.values)
+
+    def at(self, share: float) -> float:
+        """Return the value at a share of the range from 0 to 1, or that of the list.
+
+        Examples
+        --------
+        >>> speed = StudyVariable(Axis("machine.speed", "rpm", "rad/s", (50.0, 100.0)), is_range=True)
+        >>> speed.at(0.5), StudyVariable(Axis("feed.blows", "", "", (1.0, 5.0))).at(0.5)
+        (75.0, 5.0)
+        """
+        values = self.axis.values
+        if not self.is_range:
+            return values[min(int(share * len(values)), len(values) - 1)]
+        low, high = values[0], values[-1]
+        return float(low * (high / low) ** share if self.axis.log else low + share * (high - low))
+
+    def shown(self, value: float) -> str:
+        """Return a value as a case file has it."""
+        return self.words[int(value)] if self.words else str(self.axis.typed(value))
+
+    def brief(self, value: float) -> str:
+        """Return a value as a reader takes it in, to four digits.
+
+        Examples
+        --------
+        >>> StudyVariable(Axis("machine.speed", "rpm", "rad/s", (50.0,))).brief(76.4454212)
+        '730 rpm'
+        """
+        return (
+            self.words[int(value)] if self.words else with_unit(value, self.axis.si_unit or "1", self.axis.unit or "1")
+        )
+
+    def column(self, values: Values, is_shown: bool = True) -> Column:
+        """Return its values in SI, or its words, as a column of a table."""
+        if self.words:
+            return Column(self.path, values, shown="" if is_shown else None)
+        unit = self.axis.unit
+        return Column(self.path, values, self.axis.si_unit or NO_UNIT, unit, (unit or NO_UNIT) if is_shown else None)
+
+    @property
+    def label(self) -> str:
+        """What of what, and the unit in which it is shown; words have none."""
+        return self.axis.label.removesuffix(" (1)") if self.words else self.axis.label
+
+
+def read_variable(case: Case, text: str, points: int = POINTS) -> StudyVariable:
+    """Read what is varied.
+
+    Parameters
+    ----------
+    case : Case
+        Whose quantity or word it is.
+    text : str
+        As typed.
+    points : int, optional
+        Values of a range that names no number of them.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> variable = read_variable(load_case("li-ma-2019"), "machine.speed=400..900rpm:3")
+    >>> [variable.axis.typed(value) for value in variable.axis.values]
+    ['400 rpm', '650 rpm', '900 rpm']
+    """
+    path, equals, given = (part.strip() for part in text.partition("="))
+    if not equals or not given:
+        raise InputError("--vary", text, "setting=values", EXAMPLE)
+    if path in case.values():
+        return _quantity(case, path, given, points)
+    words = case.entries()
+    if path not in words:
+        raise InputError("--vary", path, "a quantity or a word of the case", nearest(path, words))
+    names = tuple(dict.fromkeys(part.strip() for part in given.split(",") if part.strip()))
+    for name in names:
+        with_word(case, path, name)
+    return StudyVariable(Axis(path, "", "", tuple(float(k) for k in range(len(names)))), names)
+
+
+def with_word(case: Case, path: str, word: str) -> Case:
+    """Return a case with another word, such as another law."""
+    changed = parse_case(dump_case(case), case.name, [f"{path}={word}"])
+    check_case(changed)
+    return changed
+
+
+def _quantity(case: Case, path: str, given: str, points: int) -> StudyVariable:
+    found = _RANGE.fullmatch(given)
+    if found is None and ":" in given:  # as other tools write ranges; no quantity has a colon
+        low, high = with_last_unit([given.partition(":")[0], given.rpartition(":")[2]])
+        hint = f'such as "{path}={low.partition(" ")[0]}..{high}:{points}"'
+        raise InputError("--vary", f"{path}={given}", "a range written low..high:COUNT, or values and commas", hint)
+    if found is None:
+        values = read_list(case, path, given)
+        unit, si_unit = units_of(path, values[-1])
+        numbers = sorted({value.si for value in values})
+        return StudyVariable(Axis(path, unit, si_unit, tuple(numbers)))
+    ends = read_ends(case, path, f"{found['low']}..{found['high']}")
+    if ends is None:
+        raise InputError(
+            "--vary", f"{path}={given}", "a range written low..high:COUNT", "two dots stand between its ends"
+        )
+    count = int(found["count"] or points)
+    if not 2 <= count <= MOST_VALUES:
+        raise InputError("--vary", given, f"2 to {MOST_VALUES} values of a range")
+    axis = range_axis(path, ends, count, bool(found["log"]))
+    if range_of(case, path).unit == "count":
+        whole = sorted({float(round(value)) for value in axis.values})
+        return StudyVariable(Axis(path, "", "", tuple(whole), axis.log))
+    typed = tuple(typed_value(case, path, str(axis.typed(value))).si for value in axis.values)
+    return StudyVariable(replace(axis, values=typed), is_range=True)  # each is what --set with its text would give
+
+
+def read_ends(case: Case, path: str, given: str) -> tuple[Value, Value] | None:
+    """Return the ends of a range of a quantity, such as ``400..900 rpm``; None where that is none.
+
+    Examples
+    --------
+    >>> from strikewave import load_case
+    >>> [end.typed for end in read_ends(load_case("li-ma-2019"), "machine.speed", "400..900 rpm")]
+    ['400 rpm', '900 rpm']
+    """
+    ends = range_ends(given)
+    return None if ends is None else (typed_value(case, path, ends[0]), typed_value(case, path, ends[1]))
+
+
+def read_list(case: Case, path: str, given: str) -> list[Value]:
+    """Return the values of a list of a quantity, such as ``10, 20 N s/m``."""
+    parts = [part for part in given.split(",") if part.strip()]
+    if len(parts) > MOST_VALUES:
+        raise InputError("--vary", f"{len(parts)} values", f"at most {MOST_VALUES}")
+    return [typed_value(case, path, part) for part in with_last_unit(parts)] if parts else []
+
+
+def typed_value(case: Case, path: str, text: str) -> Value:
+    """Return a value of a quantity of a case as its file would take it; a bare number is SI."""
+    allowed: Range = range_of(case, path)
+    typed = take_apart(text)
+    bare: str | float = text.strip()
+    if typed is not None and not typed.unit:
+        bare = f"{bare} {allowed.unit}" if allowed.unit in DIMENSIONS else typed.value
+    try:
+        return allowed.read(bare)
+    except InputError as error:
+        raise error.at(path) from None
+
 
 Array = NDArray[np.float64]
 

@@ -1,6 +1,6 @@
 """The finished runs of a study in a folder, so that one that was stopped goes on where it was and repeats nothing.
 
-``index.sqlite`` holds a row a run: its key (`strikewave.studies.engine.keys`), its numbers (SI), or the document of its
+``index.sqlite`` holds a row a run: its key (see `.evaluation`), its numbers (SI), or the document of its
 answer, or why it failed; a folder may hold runs of several studies. Histories go into
 ``run-histories-N.parquet`` once there are enough for a file; till then they stand in the index. One process writes,
 each batch of runs in one transaction: what was finished stays, whatever ends the program. A run that failed is a row

@@ -21,8 +21,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.studies.engine.evaluation import RunOutcome
-from strikewave.studies.engine.keys import content_key
+from strikewave.studies.engine.evaluation import RunOutcome, content_key
 from strikewave.studies.engine.pools import Pool, each_on
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.fit.covariance import Estimate

@@ -16,7 +16,7 @@ from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.cases.plausible import PLAUSIBLE
 from strikewave.cases.stack_of_case import build_stack
 from strikewave.studies.axes import Axis, units_of
-from strikewave.studies.engine.variables import read_ends
+from strikewave.studies.engine.plan import read_ends
 from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.draws import allowed_at, range_of
 from strikewave.uncertainty.known import field_of

@@ -1,7 +1,4 @@
-"""One cell of a map: a machine with some of its settings changed, run fast, and what its blows come to.
-
-When the object is back on its stop: closed forms of its flight against the spring, and of its bounce.
-"""
+"""One cell of a map: a machine run fast, what its blows come to, and the regime that its train settles to."""
 
 from __future__ import annotations
 
@@ -10,6 +7,7 @@ import hashlib
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,14 +25,111 @@ from strikewave.machines import Machine, StruckObject
 from strikewave.machines.fast_run import FastTrain, fast_train, why_not
 from strikewave.studies.axes import Axis
 from strikewave.studies.engine.evaluation import Job, Row, RunOutcome
-from strikewave.studies.engine.plan import AxisVariation, grid
-from strikewave.studies.engine.variables import StudyVariable
-from strikewave.studies.map.regimes import CYCLES, FAILED, IRREGULAR, UNKNOWN, Regime, regime_of
+from strikewave.studies.engine.plan import AxisVariation, StudyVariable, grid
 from strikewave.studies.search.rotary_estimates import Support, return_arc
 from strikewave.studies.simulation import RUN_TOLERANCE
 from strikewave.uncertainty.statistics import variation
 
 Array = NDArray[np.float64]
+
+TOLERANCE = 1e-3
+"""Blows are alike within this share of the scale of each of their quantities: above what the fast run errs by (3e-4 of
+the approach speed, docs/map.md), far below what tolerances do to a blow."""
+CYCLES = 3
+"""Times that a period must be seen: twice may be chance."""
+LONGEST_PERIOD = 10
+"""Longest period that is distinguished from irregular motion: the second half of a train of 60 blows holds it `CYCLES`
+times."""
+
+NAMES = ("period-1", "period-2", "period-n", "irregular", "misses", "no return", "failed", "unknown")
+"""Regimes by their code."""
+PERIOD_1, PERIOD_2, PERIOD_N, IRREGULAR, MISSES, NO_RETURN, FAILED, UNKNOWN = range(8)
+"""Codes of the regimes."""
+
+
+class Regime(NamedTuple):
+    """A regime by its code (see `NAMES`), and its period in blows, 0 where it has none."""
+
+    code: int
+    period: int
+
+    @property
+    def name(self) -> str:
+        """In words; a longer period with its number."""
+        return f"period-{self.period}" if self.code == PERIOD_N else NAMES[self.code]
+
+
+def period_of(states: Array, scales: Array, turn: int = 1, tolerance: float = TOLERANCE) -> int:
+    """Return the shortest period of a sequence, 0 where it has none that is seen `CYCLES` times.
+
+    Periods up to `LONGEST_PERIOD` are tried, and that of a turn.
+
+    Parameters
+    ----------
+    states : ndarray
+        Sections of the motion, shape (N, quantities).
+    scales : ndarray
+        Scale of each quantity, of which ``tolerance`` is a share.
+    turn : int, optional
+        Blows of a turn.
+    tolerance : float, optional
+        Largest difference of alike states.
+
+    Examples
+    --------
+    >>> period_of(np.array([[1.0], [2.0]] * 6), np.array([1.0]))
+    2
+    """
+    count = len(states)
+    for period in sorted({*range(1, LONGEST_PERIOD + 1), turn}):
+        if period * CYCLES > count:
+            break
+        apart = np.abs(states[period:] - states[:-period]) / scales
+        if np.all(apart <= tolerance):
+            return period
+    return 0
+
+
+def regime_of(
+    states: Array, missed: NDArray[np.bool_], scales: Array, turn: int = 1, tolerance: float = TOLERANCE
+) -> Regime:
+    """Name what a train has settled to, from the passes after its transient.
+
+    Parameters
+    ----------
+    states : ndarray
+        Approach speed and angle of each pass, shape (N, quantities); not looked at where missed.
+    missed : ndarray
+        True if the pass touched nothing.
+    scales : ndarray
+        Scale of each quantity.
+    turn : int, optional
+        Strikers of a turn where they differ from one another: the blows can repeat after a whole turn at best.
+    tolerance : float, optional
+        See `period_of`.
+
+    Returns
+    -------
+    Regime
+        "no return" where every pass missed, "misses" where some did, else the period, or irregular.
+        Fewer than `CYCLES` passes, or turns without a period, are unknown.
+
+    Examples
+    --------
+    >>> regime_of(np.ones((9, 1)), np.zeros(9, dtype=bool), np.ones(1)).name
+    'period-1'
+    """
+    if len(states) < CYCLES:
+        return Regime(UNKNOWN, 0)
+    if missed.all():
+        return Regime(NO_RETURN, 0)
+    if missed.any():
+        return Regime(MISSES, 0)
+    period = period_of(states, scales, turn, tolerance)
+    if not period and turn * CYCLES > len(states):
+        return Regime(UNKNOWN, 0)
+    code = {0: IRREGULAR, 1: PERIOD_1, 2: PERIOD_2}.get(period, PERIOD_N)
+    return Regime(code, period)
 
 
 MEAN_PEAK = Quantity("m/s^2", "g")

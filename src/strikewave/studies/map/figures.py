@@ -15,8 +15,7 @@ from strikewave.reporting.faces import label_of
 from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, mark_runs, put_below, quiet, sheet_title
 from strikewave.studies.axes import plain_log_ticks
-from strikewave.studies.map.cells import MapCell
-from strikewave.studies.map.regimes import FAILED, NAMES, PERIOD_1, UNKNOWN
+from strikewave.studies.map.cells import FAILED, NAMES, PERIOD_1, UNKNOWN, MapCell
 from strikewave.studies.map.study import MapStudy
 
 if TYPE_CHECKING:

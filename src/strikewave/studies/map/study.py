@@ -25,14 +25,15 @@ from strikewave.machines import blows
 from strikewave.machines.run import run_machine
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, axis_of, case_at, units_of
+from strikewave.studies.engine.plan import StudyVariable, read_ends, read_list
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import Advance, Workers, as_workers, at_work, finished_runs, share_reporter
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.engine.variables import StudyVariable, read_ends, read_list
 from strikewave.studies.map import EQUAL, POINTS, TRAIN, X, Y
 from strikewave.studies.map.cells import (
     FIELDS,
     MEAN_PEAK,
+    NAMES,
     NOTE,
     PLACE,
     REASONS,
@@ -47,7 +48,6 @@ from strikewave.studies.map.cells import (
     cell_of,
     machine_of,
 )
-from strikewave.studies.map.regimes import NAMES
 from strikewave.studies.simulation import RUN_TOLERANCE
 from strikewave.studies.study import Study, key_number
 from strikewave.uncertainty.statistics import variation

@@ -23,10 +23,10 @@ from strikewave.cases.case import Case, dump_case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.studies.engine.case_evaluation import OF_NUMBER, KeptNumber, OfKept
 from strikewave.studies.engine.evaluation import Row
+from strikewave.studies.engine.plan import StudyVariable
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
 from strikewave.studies.engine.store import RunStore, store_in
-from strikewave.studies.engine.variables import StudyVariable
 from strikewave.studies.search.evolution import DesignRuns, KnownNumber, known_numbers
 from strikewave.studies.search.goals import Goal, shares_of
 from strikewave.studies.search.plan import OPTUNA, DesignPlan, plan_of
@@ -46,7 +46,7 @@ from strikewave.studies.search.ranking import (
     sensitivities,
 )
 from strikewave.studies.study import Study
-from strikewave.studies.sweep.plan import Vary, vary_texts
+from strikewave.studies.sweep.study import Vary, vary_texts
 
 Array = NDArray[np.float64]
 

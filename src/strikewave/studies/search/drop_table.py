@@ -41,7 +41,7 @@ from strikewave.specifications.ideal_pulses import HALF_SINE
 from strikewave.specifications.judged_records import rests_on_indicative
 from strikewave.specifications.judging import Shock, judge_shock
 from strikewave.specifications.reading import Specification, load_specification
-from strikewave.studies.engine.keys import case_text
+from strikewave.studies.engine.evaluation import case_text
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
 from strikewave.studies.engine.store import RunStore, given_or_temporary, store_in

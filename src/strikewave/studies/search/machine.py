@@ -33,8 +33,8 @@ from strikewave.reporting.faces import columns_of
 from strikewave.reporting.parts import Tag
 from strikewave.signal.pulse import crossing, refine_peak
 from strikewave.specifications.judging import PulseLimits, Shock
-from strikewave.studies.engine.answers import Failure, Question, answers
 from strikewave.studies.engine.pools import Pool
+from strikewave.studies.engine.questions import Failure, Question, answers
 from strikewave.studies.engine.runner import Advance
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.study import Study

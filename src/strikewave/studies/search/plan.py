@@ -25,8 +25,7 @@ from strikewave.cases.tables.common import CaseTable
 from strikewave.studies.axes import case_at
 from strikewave.studies.engine.case_evaluation import KeptNumber, checked_analysis, checked_device, numbers_of
 from strikewave.studies.engine.evaluation import Job, Row
-from strikewave.studies.engine.plan import AxisVariation, varied
-from strikewave.studies.engine.variables import EXAMPLE, StudyVariable, read_variable, typed_value
+from strikewave.studies.engine.plan import EXAMPLE, AxisVariation, StudyVariable, read_variable, typed_value, varied
 from strikewave.studies.search.goals import (
     EXAMPLES,
     Aim,
@@ -41,7 +40,7 @@ from strikewave.studies.search.goals import (
 )
 from strikewave.studies.simulation import name_and_owner
 from strikewave.studies.study_file import Settings, case_place, read_study, stated_at
-from strikewave.studies.sweep.plan import varied_texts
+from strikewave.studies.sweep.study import varied_texts
 
 Array = NDArray[np.float64]
 

@@ -39,7 +39,7 @@ from strikewave.reporting.faces import columns_of
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 from strikewave.specifications.judging import ShockVerdict, judge_shock
 from strikewave.specifications.reading import Specification
-from strikewave.studies.engine.keys import case_text
+from strikewave.studies.engine.evaluation import case_text
 from strikewave.studies.engine.pools import Pool, ProcessPool
 from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
 from strikewave.studies.engine.store import RunStore, given_or_temporary, store_in

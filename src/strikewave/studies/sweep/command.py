@@ -76,8 +76,8 @@ def command(
     written unless --out is given.
     """
     from strikewave.studies.engine.runner import Workers
-    from strikewave.studies.sweep.plan import SweepRequest, read_request
     from strikewave.studies.sweep.report import SweepCommand, show_estimate
+    from strikewave.studies.sweep.study import SweepRequest, read_request
 
     typed = SweepRequest(tuple(vary or ()), tuple(keep or ()), analysis or "", design or "", runs, seed)
     request = read_request(case, changes or (), typed)

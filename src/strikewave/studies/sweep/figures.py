@@ -15,8 +15,7 @@ from strikewave.reporting.numbers import share_with_error
 from strikewave.reporting.style import BLUE, GREY, ORANGE, RED, legend_below, mark_runs, quiet, sheet_title
 from strikewave.studies.axes import plain_log_ticks
 from strikewave.studies.engine.case_evaluation import KeptNumber
-from strikewave.studies.engine.plan import GRID
-from strikewave.studies.engine.variables import StudyVariable
+from strikewave.studies.engine.plan import GRID, StudyVariable
 from strikewave.studies.sweep.study import SweepStudy
 
 if TYPE_CHECKING:

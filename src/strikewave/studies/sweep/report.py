@@ -22,8 +22,7 @@ from strikewave.studies.engine.runner import finished_before, seconds_each
 from strikewave.studies.engine.store import RunStore, runs_beside
 from strikewave.studies.study import picture_section, study_page
 from strikewave.studies.sweep.figures import MOST_NUMBERS, MOST_SETTINGS, sweep_picture
-from strikewave.studies.sweep.plan import SweepPlan
-from strikewave.studies.sweep.study import SweepStudy, make_sweep
+from strikewave.studies.sweep.study import SweepPlan, SweepStudy, make_sweep
 
 MOST_REASONS = 12
 """Reasons of failures that a table lists."""

@@ -33,10 +33,10 @@ from strikewave.machines.blows import Blow
 from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
 from strikewave.reporting.parts import NONE
-from strikewave.studies.engine.variables import read_variable
+from strikewave.studies.engine.plan import read_variable
 from strikewave.studies.search.plan import load_design
 from strikewave.studies.search.rotary import is_rotary
-from strikewave.studies.sweep.plan import varied_texts
+from strikewave.studies.sweep.study import varied_texts
 from strikewave.web.case_state import CaseSource
 from strikewave.web.case_values import by_full_run, edited_fields, loaded, result_file, told
 from strikewave.web.charts import ChartLine, line_chart, points, svg_of, train_chart

@@ -19,7 +19,7 @@ from strikewave.cases.files import bundled_cases
 from strikewave.reporting.shown_result import ShownResult, shown_table
 from strikewave.specifications.reading import asked_names
 from strikewave.studies.engine.evaluation import Row
-from strikewave.studies.engine.variables import StudyVariable
+from strikewave.studies.engine.plan import StudyVariable
 from strikewave.studies.fit.result import FitStudy
 from strikewave.studies.map import X, Y
 from strikewave.studies.map.cells import MapCell

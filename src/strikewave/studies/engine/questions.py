@@ -16,8 +16,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from pydantic import TypeAdapter
 
 from strikewave.cases.case import Case
-from strikewave.studies.engine.evaluation import RunOutcome, attempts
-from strikewave.studies.engine.keys import program_key, run_key
+from strikewave.studies.engine.evaluation import RunOutcome, attempts, program_key, run_key
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import Advance, carry_out
 from strikewave.studies.engine.store import RunStore

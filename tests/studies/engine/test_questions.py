@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from strikewave import load_case
 from strikewave.base.errors import StrikewaveError
-from strikewave.studies.engine.answers import Failure, OfCase, answers
 from strikewave.studies.engine.pools import GivenPool, ProcessPool, ThreadPool, each_on
+from strikewave.studies.engine.questions import Failure, OfCase, answers
 from strikewave.studies.engine.store import RunStore
 
 
