@@ -81,7 +81,7 @@ class PredictedFigure:
         return self.predicted / self.measured - 1.0
 
     held = declare.phrase("band holds it", column=MAIN)(
-        lambda one: Tag("inside", "good") if one.inside else Tag("outside", "warned")
+        lambda figure: Tag("inside", "good") if figure.inside else Tag("outside", "warned")
     )
 
 
@@ -106,7 +106,7 @@ class Checks:
     @declare.computed(declare.count("how many bands hold what was measured"))
     def inside(self) -> int:
         """How many bands hold what was measured."""
-        return sum(one.inside for one in self.figures)
+        return sum(figure.inside for figure in self.figures)
 
     figures: tuple[PredictedFigure, ...] = declare.rows(
         PredictedFigure, "peaks, widths, velocity changes or impulses, and numbers"
@@ -116,7 +116,7 @@ class Checks:
     @declare.computed(declare.number(RATIO, "mean bias of each figure", key="bias"))
     def biases(self) -> dict[str, float]:
         """Mean bias of each figure."""
-        names = dict.fromkeys(one.figure for one in self.figures)
+        names = dict.fromkeys(figure.figure for figure in self.figures)
         return {name: float(np.mean([one.bias for one in self.figures if one.figure == name])) for name in names}
 
     @declare.computed(declare.rows(PulseAgreement, "whole pulses, by ISO/TS 18571", key="iso18571"))
@@ -144,18 +144,18 @@ def check(solved: Solved, experiments: Sequence[Experiment]) -> Checks:
     draws = [run for run in runs[1:] if run is not None]
     figures, agreements, place = list[PredictedFigure](), list[tuple[str, CurveAgreement]](), 0
     for experiment, run in zip(experiments, kept_out.runs(found.place), strict=True):
-        for one in experiment.measured:
-            if isinstance(one, MeasuredPulse):
-                curve = run.history(one.part, one.blow, one.unit).filtered(one.low_pass)
-                agreements.append((one.called, agreement(one.record, curve, "correlation")))
-            for name, unit, measured, doubt in _figures(one):
+        for datum in experiment.measured:
+            if isinstance(datum, MeasuredPulse):
+                curve = run.history(datum.part, datum.blow, datum.unit).filtered(datum.low_pass)
+                agreements.append((datum.called, agreement(datum.record, curve, "correlation")))
+            for name, unit, measured, doubt in _figures(datum):
                 predicted, values = nominal[place], [draw[place] for draw in draws]
                 off = np.array(values) / predicted - 1.0  # about the prediction: draws may lie to one side of it
                 spread = math.sqrt(float(np.mean(off**2))) if len(values) > 1 else 0.0
-                shares = found.widest * spread, left.get(_kind(one, name), 0.0), NORMAL * doubt / abs(measured)
+                shares = found.widest * spread, left.get(_kind(datum, name), 0.0), NORMAL * doubt / abs(measured)
                 half = abs(predicted) * math.hypot(*shares)
                 ends = predicted - half, predicted + half
-                figures.append(PredictedFigure(one.called, name, unit, measured, predicted, *ends))
+                figures.append(PredictedFigure(datum.called, name, unit, measured, predicted, *ends))
                 place += 1
     return Checks(tuple(figures), tuple(agreements))
 
@@ -195,7 +195,11 @@ def allowed_places(solved: Solved, places: Sequence[Array]) -> list[Array]:
     kept, left = [np.asarray(place) for place in places], list(range(len(places)))
     for _ in range(HALVINGS):
         residuals = each_or_none(solved.problem.residuals, [kept[k] for k in left])
-        left = [k for k, one in zip(left, residuals, strict=True) if one is None or float(one @ one) > limit]
+        left = [
+            k
+            for k, residual in zip(left, residuals, strict=True)
+            if residual is None or float(residual @ residual) > limit
+        ]
         if not left:
             break
         for k in left:
@@ -208,8 +212,8 @@ def _predicted(problem: Problem, place: Array) -> list[float]:
     return [
         value
         for experiment, run in zip(problem.experiments, problem.runs(place), strict=True)
-        for one in experiment.measured
-        for value in _computed(one, run)
+        for datum in experiment.measured
+        for value in _computed(datum, run)
     ]
 
 
@@ -264,11 +268,11 @@ def _left_over(problem: Problem, place: Array) -> dict[str, float]:
 
     off, stated = dict[str, list[float]](), dict[str, list[float]]()
     for experiment, run in zip(problem.experiments, problem.runs(place), strict=True):
-        for one in experiment.measured:
-            for (name, _, measured, doubt), computed in zip(_figures(one), _computed(one, run), strict=True):
-                off.setdefault(_kind(one, name), []).append(computed / measured - 1.0)
-                if isinstance(one, MeasuredNumber) and problem.excess.between:
-                    stated.setdefault(_kind(one, name), []).append(problem.excess.of_another * doubt / measured)
+        for datum in experiment.measured:
+            for (name, _, measured, doubt), computed in zip(_figures(datum), _computed(datum, run), strict=True):
+                off.setdefault(_kind(datum, name), []).append(computed / measured - 1.0)
+                if isinstance(datum, MeasuredNumber) and problem.excess.between:
+                    stated.setdefault(_kind(datum, name), []).append(problem.excess.of_another * doubt / measured)
 
     def reach(shares: Sequence[float], freedom: float) -> float:
         return float(stdtrit(freedom, 0.975)) * math.sqrt(float(np.mean(np.square(shares)))) if shares else 0.0
@@ -311,7 +315,7 @@ class TriedChoice:
         "why it could not be fitted; empty where it was", label="could not be fitted", default="", column=MORE, order=1
     )
     beyond_noise = declare.phrase("more than noise", column=MORE)(
-        lambda one: None if one.failure else str(one.more_than_noise)
+        lambda choice: None if choice.failure else str(choice.more_than_noise)
     )
 
     @property
@@ -344,7 +348,7 @@ def read_tries(case: Case, word: str) -> list[str]:
 
 def tried(choice: str, solved: Solved) -> TriedChoice:
     """Return how well a fitted choice does."""
-    sizes = [one.size for one in solved.misfits]
+    sizes = [misfit.size for misfit in solved.misfits]
     broken = sum(one.more_than_noise for one in solved.misfits)
     return TriedChoice(choice, _mean(sizes), _kept_out(solved), broken)
 
@@ -356,7 +360,7 @@ def _mean(sizes: Sequence[float]) -> float:
 def _kept_out(solved: Solved) -> float:
     """Return the root mean square residual of records, or of numbers of a setting, that each fit was without."""
     problem = solved.problem
-    parts: list[list[Measured]] = [[one] for one in problem.measured if isinstance(one, MeasuredPulse)]
+    parts: list[list[Measured]] = [[datum] for datum in problem.measured if isinstance(datum, MeasuredPulse)]
     if not parts:
         settings = [[one for one in test.measured if not _is_known(one)] for test in problem.experiments]
         parts = [setting for setting in settings if setting]
@@ -382,7 +386,7 @@ def _without(problem: Problem, measured: Sequence[Measured], keep: bool) -> Prob
     """Return a problem with what was measured here alone, or without it."""
     out = set(map(id, measured))
     experiments = [
-        replace(one, measured=tuple(thing for thing in one.measured if (id(thing) in out) == keep))
-        for one in problem.experiments
+        replace(experiment, measured=tuple(datum for datum in experiment.measured if (id(datum) in out) == keep))
+        for experiment in problem.experiments
     ]
     return Problem([one for one in experiments if one.measured], problem.fields)

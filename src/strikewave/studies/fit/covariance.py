@@ -274,7 +274,7 @@ def _reach(covariance: Array, spreads: Sequence[Spread]) -> Array:
     from scipy.special import stdtrit
 
     whole = np.maximum(np.diag(covariance), np.finfo(float).tiny)
-    shares = [np.sqrt(np.maximum(np.diag(one.covariance), 0.0) / whole) for one in spreads]
+    shares = [np.sqrt(np.maximum(np.diag(spread.covariance), 0.0) / whole) for spread in spreads]
     ends = [stdtrit(one.freedom, 0.975) * share for one, share in zip(spreads, shares, strict=True)]
     return np.asarray(np.max([np.full(whole.size, NORMAL), *ends], axis=0))
 
@@ -332,7 +332,7 @@ def _spread(jacobian: Array, known: Array, pushes: Sequence[Push]) -> Spread:
 
     A variance that is known leaves its share of the freedom: with all of it stated the interval is normal.
     """
-    parts = [_sandwich(jacobian, known, one.covariance) for one in pushes]
+    parts = [_sandwich(jacobian, known, push.covariance) for push in pushes]
     covariance = np.sum(parts, axis=0)
     spent = np.sum([np.diag(part) ** 2 / one.freedom for part, one in zip(parts, pushes, strict=True)], axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -375,7 +375,7 @@ def design_effect(residuals: Sequence[Array]) -> float:
     """
     if len(residuals) < 2:
         return 1.0
-    count = min(one.size for one in residuals)
+    count = min(residual.size for residual in residuals)
     along = np.linspace(0.0, 1.0, count)
     rows = np.array([np.interp(along, np.linspace(0.0, 1.0, one.size), one) for one in residuals])
     rows /= np.linalg.norm(rows, axis=1, keepdims=True)

@@ -133,7 +133,7 @@ def _text(result: Any) -> str:
     if isinstance(result, np.ndarray) and result.ndim == 1 and result.dtype == np.float64:
         return json.dumps(base64.b64encode(result.astype("<f8").tobytes()).decode())
     numbers = result if isinstance(result, list) else [result]
-    return json.dumps(result) if result is None or all(isinstance(one, float) for one in numbers) else ""
+    return json.dumps(result) if result is None or all(isinstance(number, float) for number in numbers) else ""
 
 
 def _read(text: str) -> Any:

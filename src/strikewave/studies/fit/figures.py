@@ -89,11 +89,13 @@ def draw_values(axes: Any, study: FitStudy) -> None:
     """Draw each value within its bounds, with its 95 % interval."""
     names = [one.field.path.partition(".")[2].replace("_", " ") for one in study.parameters]
     places = np.arange(len(names))[::-1]
-    for place, one in zip(places, study.parameters, strict=True):
-        field, colour = one.field, (BLUE if one.determined else RED)
+    for place, parameter in zip(places, study.parameters, strict=True):
+        field, colour = parameter.field, (BLUE if parameter.determined else RED)
         axes.plot([0.0, 1.0], [place, place], color="#DCE9F2", linewidth=6.0, solid_capstyle="butt")
-        axes.plot([field.place(one.low), field.place(one.high)], [place, place], color=colour, linewidth=3.0)
-        axes.plot(field.place(one.value), place, "o", color=colour, markersize=6)
+        axes.plot(
+            [field.place(parameter.low), field.place(parameter.high)], [place, place], color=colour, linewidth=3.0
+        )
+        axes.plot(field.place(parameter.value), place, "o", color=colour, markersize=6)
         axes.plot(field.place(field.value.si), place, "|", color=GREY, markersize=12)
     worst = functools.reduce(worse, study.verdicts.texts, "")
     found = [one.field.place(one.value) for one in study.parameters]
@@ -171,8 +173,8 @@ def corner_figure(study: FitStudy) -> Figure:
     assert study.posterior is not None
     values = study.parameters[:MOST_IN_CORNER]
     columns = [
-        np.array([one.field.axis.shown(one.field.si(float(place))) for place in places])
-        for one, places in zip(values, study.posterior.draws.T, strict=False)
+        np.array([value.field.axis.shown(value.field.si(float(place))) for place in places])
+        for value, places in zip(values, study.posterior.draws.T, strict=False)
     ]
     size = len(values)
     figure = new_figure((WHOLE[0], 1.0 + min(2.2 * size + 0.6, 8.0)))

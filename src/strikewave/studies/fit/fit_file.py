@@ -228,9 +228,9 @@ def load_fit(path: str | Path, changes: Sequence[str] = ()) -> ReadFit:
             raise InputErrors([str(error)]) from None
     measured: dict[str, tuple[RecordTable | NumberTable, ...]] = {"record": file.record, "number": file.number}
     targets = [
-        (one.kept_out, one.target(path.parent, f"{path.name}: {table}.{k}"))
+        (row.kept_out, row.target(path.parent, f"{path.name}: {table}.{k}"))
         for table, rows in measured.items()
-        for k, one in enumerate(rows)
+        for k, row in enumerate(rows)
     ]
     request = FitRequest(
         to=tuple(target for kept_out, target in targets if not kept_out),

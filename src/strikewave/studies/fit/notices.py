@@ -78,7 +78,7 @@ def fit_notices(study: FitStudy) -> list[Notice]:
 
 def _of_records(study: FitStudy) -> Iterator[Notice]:
     """Yield what is left of the records beyond noise."""
-    broken = [one for one in study.solved.misfits if one.more_than_noise and not one.scatters]
+    broken = [misfit for misfit in study.solved.misfits if misfit.more_than_noise and not misfit.scatters]
     if broken:
         worst = max(broken, key=lambda one: one.size)
         known = "times its noise" if worst.noise_known else "times 1e-4 of its peak, for it shows no noise"
@@ -104,14 +104,16 @@ def _of_numbers(study: FitStudy) -> Iterator[Notice]:
     excess = study.solved.problem.excess
     if excess.between:
         repeats = " and repeats" if len({one.called for one in study.numbers}) < len(study.numbers) else ""
-        shares = [excess.between * one.uncertainty / abs(one.value) for one in study.numbers if not one.of_field]
+        shares = [
+            excess.between * number.uncertainty / abs(number.value) for number in study.numbers if not number.of_field
+        ]
         message = (
             f"the numbers are off by {percent(float(np.median(shares)), 1)} (standard deviation) from setting to "
             f"setting, beyond what their uncertainties{repeats} explain: the model lacks something, and standard "
             "errors and predictions hold that"
         )
         yield Notice("lack-of-fit", message, excess.between, 0.0)
-    missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
+    missed = [misfit for misfit in study.solved.misfits if misfit.is_number and misfit.size > MET]
     if missed:
         worst = max(missed, key=lambda one: one.size)
         others = f" (the worst of {len(missed)} of {len(study.numbers)} numbers)" if len(missed) > 1 else ""

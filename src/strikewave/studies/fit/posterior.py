@@ -68,13 +68,13 @@ class Posterior:
     """
 
     draws: Array
-    walkers = declare.computed(declare.count("chains that move together"))(lambda one: WALKERS)
+    walkers = declare.computed(declare.count("chains that move together"))(lambda posterior: WALKERS)
     steps: int = declare.count("steps of each chain")
     memory: float = declare.number(
         RATIO, "longest autocorrelation time of any field, steps", key="autocorrelation_time"
     )
     independent = declare.computed(declare.number(NOT_MEASURED, "independent draws, about", key="independent_draws"))(
-        lambda one: WALKERS * one.steps / one.memory
+        lambda posterior: WALKERS * posterior.steps / posterior.memory
     )
     accepted: float = declare.number(RATIO, "share of moves that were accepted")
     runs: int
@@ -85,7 +85,7 @@ class Posterior:
         """Whether chains are too short to be trusted."""
         return not (self.steps >= LONG * self.memory and self.independent >= ENOUGH)
 
-    seed = declare.computed(declare.count("seed of the chains"))(lambda one: SEED)
+    seed = declare.computed(declare.count("seed of the chains"))(lambda posterior: SEED)
 
     def quantiles(self, share: float) -> Array:
         """Return the place below which a share of the draws lies, of each field."""
@@ -171,7 +171,7 @@ def sample(
         answers = each_or_none(likelihood, list(places[inside]))
         runs += len(answers)
         values = np.full(len(places), -math.inf)
-        values[inside] = [-math.inf if one is None or math.isnan(one) else one for one in answers]
+        values[inside] = [-math.inf if answer is None or math.isnan(answer) else answer for answer in answers]
         if advance is not None:
             advance(runs, found.misfit)
         return values
@@ -229,7 +229,7 @@ def predictive_bands(solved: Solved, posterior: Posterior, most: int) -> list[tu
     Each run is laid on its record, as in the fit.
     """
     problem = solved.problem
-    pulses = [one for one in problem.measured if isinstance(one, MeasuredPulse)][:most]
+    pulses = [datum for datum in problem.measured if isinstance(datum, MeasuredPulse)][:most]
     if not pulses:
         return []
     found = [
@@ -246,8 +246,8 @@ def predictive_bands(solved: Solved, posterior: Posterior, most: int) -> list[tu
 def _curves(problem: Problem, place: Array) -> list[Array]:
     """Return the computed pulses at a place, each laid on its record."""
     return [
-        one.laid(run).computed
+        datum.laid(run).computed
         for experiment, run in zip(problem.experiments, problem.runs(place), strict=True)
-        for one in experiment.measured
-        if isinstance(one, MeasuredPulse)
+        for datum in experiment.measured
+        if isinstance(datum, MeasuredPulse)
     ]

@@ -114,7 +114,7 @@ class Misfit:
     independent: float = declare.number(RATIO, "independent samples that the residual has")
     independent_samples = declare.computed(
         declare.count("independent samples, whole ones", column=MORE, in_document=False)
-    )(lambda one: math.floor(one.independent))
+    )(lambda misfit: math.floor(misfit.independent))
     more_than_noise: bool = declare.word("whether noise alone leaves so much once in a thousand times at most")
     is_number: bool = declare.word("whether it is a stated number, not a record", default=False)
     noise_known: bool = declare.word(
@@ -163,8 +163,9 @@ class Problem:
         given = all(
             runs_fast(experiment.case)
             and all(
-                isinstance(one, MeasuredNumber) and (one.of_field or one.name in numbers_of(experiment.case, "fast"))
-                for one in experiment.measured
+                isinstance(datum, MeasuredNumber)
+                and (datum.of_field or datum.name in numbers_of(experiment.case, "fast"))
+                for datum in experiment.measured
             )
             for experiment in self.experiments
         )
@@ -174,12 +175,12 @@ class Problem:
     @property
     def measured(self) -> list[Measured]:
         """All that was measured, in the order of the residuals."""
-        return [one for experiment in self.experiments for one in experiment.measured]
+        return [datum for experiment in self.experiments for datum in experiment.measured]
 
     @property
     def slow(self) -> bool:
         """Whether a run takes seconds: of elements."""
-        return any(one.case.command == "fem" for one in self.experiments)
+        return any(experiment.case.command == "fem" for experiment in self.experiments)
 
     @property
     def start(self) -> Array:
@@ -190,13 +191,13 @@ class Problem:
     def stairs(self) -> Array:
         """By how much each field moves until the runs feel it, in the unit cube: see `transits.stairs`."""
         paths = [field.path for field in self.fields]
-        shares = np.max([stairs(one.case, paths) for one in self.experiments], axis=0)
+        shares = np.max([stairs(experiment.case, paths) for experiment in self.experiments], axis=0)
         sizes = [(1.0 if field.log else abs(field.value.si)) / field.width for field in self.fields]
         return np.multiply(shares, sizes)
 
     def runs(self, place: Array) -> list[Simulation]:
         """Return a run of each experiment at a place."""
-        return [self._simulate(case_at(one.case, self.fields, place)) for one in self.experiments]
+        return [self._simulate(case_at(experiment.case, self.fields, place)) for experiment in self.experiments]
 
     def residuals(self, place: Array) -> Array:
         """Return all residuals at a place."""
@@ -209,7 +210,7 @@ class Problem:
 
     def rows(self) -> list[slice]:
         """Return where the residuals of each measured thing stand."""
-        ends = np.cumsum([0, *(1 if isinstance(one, MeasuredNumber) else one.time.size for one in self.measured)])
+        ends = np.cumsum([0, *(1 if isinstance(datum, MeasuredNumber) else datum.time.size for datum in self.measured)])
         return [slice(int(a), int(b)) for a, b in pairwise(ends)]
 
     def shots(self) -> list[int | None]:
@@ -221,17 +222,17 @@ class Problem:
         shots, known = list[int | None](), dict[tuple[int, int], int]()
         for setting, experiment in enumerate(self.experiments):
             files, names = list[str](), Counter[str]()
-            for one in experiment.measured:
-                if isinstance(one, MeasuredPulse):
-                    if one.shot not in files:
-                        files.append(one.shot)
-                    repeat = files.index(one.shot)
-                elif one.of_field:
+            for datum in experiment.measured:
+                if isinstance(datum, MeasuredPulse):
+                    if datum.shot not in files:
+                        files.append(datum.shot)
+                    repeat = files.index(datum.shot)
+                elif datum.of_field:
                     shots.append(None)
                     continue
                 else:
-                    repeat = names[one.called]
-                    names[one.called] += 1
+                    repeat = names[datum.called]
+                    names[datum.called] += 1
                 shots.append(known.setdefault((setting, repeat), len(known)))
         return shots
 
@@ -244,8 +245,8 @@ class Problem:
         """Return the problem with the amplitude of one record times a factor."""
         louder = replace(pulse, values=factor * pulse.values)
         experiments = [
-            replace(one, measured=tuple(louder if each is pulse else each for each in one.measured))
-            for one in self.experiments
+            replace(experiment, measured=tuple(louder if datum is pulse else datum for datum in experiment.measured))
+            for experiment in self.experiments
         ]
         return Problem(experiments, self.fields, self._simulate, self.excess)
 
@@ -255,22 +256,22 @@ class Problem:
         ``alone`` has the residuals with the values at their best for each record by itself.
         """
         found = []
-        for one, rows in zip(self.measured, self.rows(), strict=True):
+        for datum, rows in zip(self.measured, self.rows(), strict=True):
             left = residuals[rows]
-            if isinstance(one, MeasuredNumber):
-                size = one.left * abs(float(left[0]))
-                found.append(Misfit(one.called, size, size * one.uncertainty / abs(one.value), 1.0, False, True))
+            if isinstance(datum, MeasuredNumber):
+                size = datum.left * abs(float(left[0]))
+                found.append(Misfit(datum.called, size, size * datum.uncertainty / abs(datum.value), 1.0, False, True))
                 continue
-            size, more = one.left * _root_mean_square(left), more_than_noise(one, left)
+            size, more = datum.left * _root_mean_square(left), more_than_noise(datum, left)
             found.append(
                 Misfit(
-                    one.called,
+                    datum.called,
                     size,
-                    share=size * one.deviation / float(np.max(np.abs(one.values))),
-                    independent=_independent(one, left),
+                    share=size * datum.deviation / float(np.max(np.abs(datum.values))),
+                    independent=_independent(datum, left),
                     more_than_noise=more,
-                    noise_known=bool(one.quiet),
-                    scatters=more and alone is not None and not more_than_noise(one, alone[rows]),
+                    noise_known=bool(datum.quiet),
+                    scatters=more and alone is not None and not more_than_noise(datum, alone[rows]),
                 )
             )
         return found
@@ -284,8 +285,8 @@ class Problem:
     def alone(self, residuals: Array, jacobian: Array) -> Array:
         """Return the residuals of each record with the values at their best for it alone, by the slopes."""
         found = residuals.copy()
-        for one, rows in zip(self.measured, self.rows(), strict=True):
-            if isinstance(one, MeasuredPulse):
+        for datum, rows in zip(self.measured, self.rows(), strict=True):
+            if isinstance(datum, MeasuredPulse):
                 part = jacobian[rows]
                 found[rows] -= part @ np.linalg.lstsq(part, residuals[rows], FAINT_SLOPE)[0]
         return found
@@ -294,14 +295,14 @@ class Problem:
         """Return the blocks of the residuals: their noise, and what is left of them where that is more."""
         alone, blocks = self.alone(residuals, jacobian), []
         numbers = sum(isinstance(one, MeasuredNumber) for one in self.measured)
-        for one, rows, shot in zip(self.measured, self.rows(), self.shots(), strict=True):
-            if isinstance(one, MeasuredNumber):
+        for datum, rows, shot in zip(self.measured, self.rows(), self.shots(), strict=True):
+            if isinstance(datum, MeasuredNumber):
                 blocks.append(ResidualBlock(rows, np.ones(1), shot, quiet=self.excess.freedom / numbers, pooled=True))
                 continue
-            left = alone[rows] if more_than_noise(one, alone[rows]) else None
-            quiet = independent_count(one.quiet, one.correlation) if one.quiet else math.inf
-            noise = one.correlation / one.left**2
-            blocks.append(ResidualBlock(rows, noise, shot, left, one.shared, one.stated, quiet))
+            left = alone[rows] if more_than_noise(datum, alone[rows]) else None
+            quiet = independent_count(datum.quiet, datum.correlation) if datum.quiet else math.inf
+            noise = datum.correlation / datum.left**2
+            blocks.append(ResidualBlock(rows, noise, shot, left, datum.shared, datum.stated, quiet))
         return blocks
 
     def excess_of(self, residuals: Array) -> Excess:
@@ -309,13 +310,13 @@ class Problem:
         rows, groups, known = list[int](), list[int](), dict[tuple[int, str], int]()
         place = 0
         for setting, experiment in enumerate(self.experiments):
-            for one in experiment.measured:
-                if isinstance(one, MeasuredNumber):
+            for datum in experiment.measured:
+                if isinstance(datum, MeasuredNumber):
                     rows.append(place)
                     groups.append(
-                        KNOWN_ELSEWHERE if one.of_field else known.setdefault((setting, one.called), len(known))
+                        KNOWN_ELSEWHERE if datum.of_field else known.setdefault((setting, datum.called), len(known))
                     )
-                place += 1 if isinstance(one, MeasuredNumber) else one.time.size
+                place += 1 if isinstance(datum, MeasuredNumber) else datum.time.size
         if len(rows) == len(known) <= len(self.fields):  # values that meet them all
             return AS_STATED
         return excess_of(residuals[rows], groups, len(self.fields))
@@ -344,7 +345,7 @@ class Problem:
 
         experiments = []
         for experiment in self.experiments:
-            repeats = Counter(one.called for one in experiment.measured)
+            repeats = Counter(datum.called for datum in experiment.measured)
             measured = tuple(heavier(one, repeats) for one in experiment.measured)
             experiments.append(replace(experiment, measured=measured))
         return Problem(experiments, self.fields, self._simulate, excess)

@@ -29,10 +29,10 @@ POSTERIOR_TITLE = "Posterior beside least squares"
 def fit_words(study: FitStudy) -> str:
     """Say in words what a fit comes to."""
     found = study.solved.estimate
-    values = [f"{one.name} = {one.words}" for one in study.parameters if one.determined]
+    values = [f"{parameter.name} = {parameter.words}" for parameter in study.parameters if parameter.determined]
     words = [f"{', '.join(values)} (standard errors)."] if values else []
     words += [f"{_capital(combination_words(study, group))}." for group in found.groups()]
-    broken = [one for one in study.solved.misfits if one.more_than_noise]
+    broken = [misfit for misfit in study.solved.misfits if misfit.more_than_noise]
     worst = max(study.solved.misfits, key=lambda one: one.share)
     missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
     if missed:
@@ -75,7 +75,7 @@ def posterior_words(posterior: Posterior) -> str:
 
 def correlation_table(study: FitStudy) -> Table:
     """Return the correlation of the values, a row and a column each."""
-    names = [one.name for one in study.parameters]
+    names = [parameter.name for parameter in study.parameters]
     rows = [
         [name, *(written(one, 3) for one in row)] for name, row in zip(names, study.correlation.tolist(), strict=True)
     ]

@@ -58,27 +58,31 @@ class FittedParameter:
 
     field: FreeField
     name = declare.computed(declare.word("path of the value", key="field", label="field", column=KEY))(
-        lambda one: one.field.path
+        lambda parameter: parameter.field.path
     )
-    unit = declare.computed(declare.word("its SI unit"))(lambda one: one.field.axis.si_unit or NO_UNIT)
+    unit = declare.computed(declare.word("its SI unit"))(lambda parameter: parameter.field.axis.si_unit or NO_UNIT)
     value: float = declare.number(OF_FIELD, "fitted value")
     standard_error: float
     known_error = declare.computed(
         declare.number(OF_FIELD, "of it; null where the data do not determine it", key="standard_error")
-    )(lambda one: one.standard_error if one.determined else None)
+    )(lambda parameter: parameter.standard_error if parameter.determined else None)
     low: float = declare.number(OF_FIELD, "low end of its 95 % interval")
     high: float = declare.number(OF_FIELD, "high end of its 95 % interval")
     profile: ProfileEnds | None = None
     stair: float = 0.0
     start = declare.computed(declare.number(OF_FIELD, "value of the case", label="began at", column=MORE, order=1))(
-        lambda one: one.field.value.si
+        lambda parameter: parameter.field.value.si
     )
     bounds = declare.computed(declare.history(OF_FIELD, "[low, high] within which it was sought"))(
-        lambda one: (one.field.low, one.field.high)
+        lambda parameter: (parameter.field.low, parameter.field.high)
     )
     interval = declare.computed(
         declare.word("what the interval rests on: quadratic, profile, or bounds where it is not determined")
-    )(lambda one: "profile" if one.profile is not None else "quadratic" if one.determined else "bounds")
+    )(
+        lambda parameter: (
+            "profile" if parameter.profile is not None else "quadratic" if parameter.determined else "bounds"
+        )
+    )
     reach: float | None = declare.number(
         Quantity.of_data("standard errors"), "standard errors that 95 % lie within, to either side", default=None
     )
@@ -107,7 +111,9 @@ class FittedParameter:
         return f"{texts[0]} ± {texts[1]} {unit}".strip()
 
     interval_words = declare.phrase("95 % interval", column=MAIN)(
-        lambda one: one.field.between(one.low, one.high) + ("" if one.determined else " (bounds)")
+        lambda parameter: (
+            parameter.field.between(parameter.low, parameter.high) + ("" if parameter.determined else " (bounds)")
+        )
     )
 
     @declare.phrase("interval from", column=MORE)
@@ -124,7 +130,7 @@ class PosteriorValue:
 
     value: FittedParameter
     name = declare.computed(declare.word("path of the value", key="field", label="field", column=KEY))(
-        lambda one: one.value.name
+        lambda value: value.value.name
     )
     median: float = declare.number(OF_FIELD, "median", column=KEY)
     low: float = declare.number(OF_FIELD, "low end of its 95 % interval")
@@ -136,10 +142,12 @@ class PosteriorValue:
         return self.value.given_units
 
     interval_words = declare.phrase("95 % of the posterior", column=KEY)(
-        lambda one: one.value.field.between(one.low, one.high)
+        lambda value: value.value.field.between(value.low, value.high)
     )
-    fitted_words = declare.phrase("least squares", column=MORE)(lambda one: one.value.field.shown(one.value.value))
-    fitted_interval = declare.phrase("95 % of least squares", column=MAIN)(lambda one: one.value.interval_words)
+    fitted_words = declare.phrase("least squares", column=MORE)(
+        lambda value: value.value.field.shown(value.value.value)
+    )
+    fitted_interval = declare.phrase("95 % of least squares", column=MAIN)(lambda value: value.value.interval_words)
 
 
 @declare.dataclass
@@ -215,7 +223,7 @@ class FitStudy(AskedResult):
     base: Case
     case: Case
     solved: Solved
-    case_name = declare.computed(declare.word("name of the case", key="case"))(lambda one: one.base.name)
+    case_name = declare.computed(declare.word("name of the case", key="case"))(lambda study: study.base.name)
     parameters: tuple[FittedParameter, ...] = declare.rows(FittedParameter, "fitted values", headline="each")
     pulses: tuple[tuple[MeasuredPulse, LaidPulse], ...]
     computed: tuple[float, ...]
@@ -254,7 +262,7 @@ class FitStudy(AskedResult):
     @declare.computed(declare.number(SHARE, "largest share", headline="largest RMS residual", in_document=False))
     def worst_share(self) -> float:
         """Root mean square residual over the peak, or the number, of what is farthest off."""
-        return max(one.share for one in self.solved.misfits)
+        return max(misfit.share for misfit in self.solved.misfits)
 
     @declare.computed(declare.rows(FittedNumber, "stated numbers", key="numbers"))
     def fitted_numbers(self) -> list[FittedNumber]:
@@ -268,7 +276,7 @@ class FitStudy(AskedResult):
     posterior: Posterior | None = None
     sampled = declare.computed(
         declare.part(SampledValues, "by the option bayes: the values by their posterior", key="posterior")
-    )(lambda one: None if one.posterior is None else SampledValues(one.posterior_values(), one.posterior))
+    )(lambda study: None if study.posterior is None else SampledValues(study.posterior_values(), study.posterior))
     checks: Checks | None = declare.part(
         Checks, "by the option check-on: predictions of what was kept out", default=None
     )
@@ -278,13 +286,16 @@ class FitStudy(AskedResult):
     def other_solutions(self) -> list[dict[str, float]]:
         """Other values that fit as well, by their paths."""
         return [
-            {one.name: one.field.si(float(at)) for one, at in zip(self.parameters, place, strict=True)}
+            {
+                parameter.name: parameter.field.si(float(at))
+                for parameter, at in zip(self.parameters, place, strict=True)
+            }
             for place in self.solved.others
         ]
 
-    runs = declare.computed(declare.count("runs that it took"))(lambda one: one.solved.runs)
+    runs = declare.computed(declare.count("runs that it took"))(lambda study: study.solved.runs)
     stopped = declare.computed(declare.word("whether the search was stopped before its end"))(
-        lambda one: one.solved.stopped
+        lambda study: study.solved.stopped
     )
 
     @property
@@ -296,13 +307,13 @@ class FitStudy(AskedResult):
     @property
     def numbers(self) -> list[MeasuredNumber]:
         """The stated numbers."""
-        return [one for one in self.solved.problem.measured if isinstance(one, MeasuredNumber)]
+        return [datum for datum in self.solved.problem.measured if isinstance(datum, MeasuredNumber)]
 
     def verdicts_of_measured(self) -> list[str]:
         """Return the verdict of the fitted run of each measured thing, in the order of the misfits."""
         experiments = self.solved.problem.experiments
         texts = self.verdicts.texts or ("",) * len(experiments)
-        return [text for one, text in zip(experiments, texts, strict=True) for _ in one.measured]
+        return [text for experiment, text in zip(experiments, texts, strict=True) for _ in experiment.measured]
 
     def posterior_values(self) -> list[PosteriorValue]:
         """Return median and 95 % interval of each value, SI; none where no posterior was sampled."""
@@ -310,8 +321,8 @@ class FitStudy(AskedResult):
             return []
         places = [self.posterior.quantiles(share) for share in (0.5, 0.025, 0.975)]
         return [
-            PosteriorValue(one, *(one.field.si(float(place[k])) for place in places))
-            for k, one in enumerate(self.parameters)
+            PosteriorValue(parameter, *(parameter.field.si(float(place[k])) for place in places))
+            for k, parameter in enumerate(self.parameters)
         ]
 
     def texts(self) -> dict[str, str]:
@@ -324,8 +335,12 @@ class FitStudy(AskedResult):
         if self.posterior is not None:
             draws = np.array(self.posterior.some(KEPT_DRAWS)).T
             rows = [
-                Column(one.field.path, [one.field.si(float(place)) for place in places], one.field.axis.si_unit or "1")
-                for one, places in zip(self.parameters, draws, strict=True)
+                Column(
+                    parameter.field.path,
+                    [parameter.field.si(float(place)) for place in places],
+                    parameter.field.axis.si_unit or "1",
+                )
+                for parameter, places in zip(self.parameters, draws, strict=True)
             ]
             tables["posterior.csv"] = csv_table(rows)
         if not self.pulses:

@@ -71,7 +71,10 @@ def _run(
     files: Sequence[Path] = (),
 ) -> int:
     targets = parse_targets([*request.to, *request.check_on], case)
-    paths = [*files, *(path for one in targets if not one.is_number for path in paths_of(parse_name(one.right)))]
+    paths = [
+        *files,
+        *(path for target in targets if not target.is_number for path in paths_of(parse_name(target.right))),
+    ]
     origin = measured.source_of(
         "fit", case.name, list(dict.fromkeys(paths)) if output.writes(usual) else [], output.stated_test()
     )

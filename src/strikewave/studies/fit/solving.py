@@ -100,7 +100,7 @@ def _weighted(problem: Problem, search: Search, place: Array, residuals: Array) 
     """
     used, misfits, excess = problem, problem.misfits(residuals), problem.excess_of(residuals)
     for _ in range(ROUNDS):
-        is_noise = excess == AS_STATED and not any(one.more_than_noise for one in misfits)
+        is_noise = excess == AS_STATED and not any(misfit.more_than_noise for misfit in misfits)
         if is_noise or len(misfits) == 1:
             break
         used = problem.weighted(misfits, excess)
@@ -120,7 +120,7 @@ def _moved(problem: Problem, search: Search, place: Array) -> Array | None:
     do: each such record is fitted again at `DEVIATIONS` standard deviations to either side, and the root mean square
     of both moves counts. Where a run takes seconds, slopes must do.
     """
-    pulses = [one for one in problem.measured if isinstance(one, MeasuredPulse) and one.scatter]
+    pulses = [datum for datum in problem.measured if isinstance(datum, MeasuredPulse) and datum.scatter]
     if not pulses or problem.slow:
         return None
     columns = []
@@ -229,7 +229,7 @@ def separating(solved: Solved) -> list[SeparatingNumber]:
 def _logarithms(case: Case, fields: Sequence[FreeField], names: Sequence[tuple[str, str]], at: Array) -> Array:
     """Return the logarithms of numbers of a case at a place; NaN where one is none or zero."""
     run = Simulation(case_at(case, fields, at))
-    found = [run.number(*one) for one in names]
+    found = [run.number(*name) for name in names]
     return np.log(np.abs([math.nan if value is None or value == 0.0 else value for value in found]))
 
 

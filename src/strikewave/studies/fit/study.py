@@ -218,7 +218,7 @@ def fitted_study(
         solved = dataclasses.replace(solved, stopped=True)
         parameters, separate = _parameters(solved), []
     found, fields = solved.estimate, problem.fields
-    aside = [change.partition("=")[0].strip() for one in targets for change in one.changes]
+    aside = [change.partition("=")[0].strip() for target in targets for change in target.changes]
     sensors = any("sensor" in one.left for one in targets) or any(
         pulse.part.partition(".")[0] in {sensor.name for sensor in case.sensor} for pulse in read.pulses
     )
@@ -247,27 +247,29 @@ def _digests(paths: Sequence[Path]) -> dict[str, str]:
 def _words(targets: Sequence[Target]) -> str:
     """Return what a case is fitted to, in words."""
     words = [
-        f"{one.left.replace('.', ' ').replace('_', ' ')} {one.right}" if one.is_number else Path(one.right).name
-        for one in targets
+        f"{target.left.replace('.', ' ').replace('_', ' ')} {target.right}"
+        if target.is_number
+        else Path(target.right).name
+        for target in targets
     ]
     return first_few(list(dict.fromkeys(words)), MOST_NAMED)
 
 
 def _laid(problem: Problem, runs: Sequence[Simulation]) -> list[tuple[MeasuredPulse, LaidPulse]]:
     return [
-        (one, one.laid(run))
+        (datum, datum.laid(run))
         for experiment, run in zip(problem.experiments, runs, strict=True)
-        for one in experiment.measured
-        if isinstance(one, MeasuredPulse)
+        for datum in experiment.measured
+        if isinstance(datum, MeasuredPulse)
     ]
 
 
 def _computed(problem: Problem, runs: Sequence[Simulation]) -> tuple[float, ...]:
     return tuple(
-        one.computed(run)
+        datum.computed(run)
         for experiment, run in zip(problem.experiments, runs, strict=True)
-        for one in experiment.measured
-        if isinstance(one, MeasuredNumber)
+        for datum in experiment.measured
+        if isinstance(datum, MeasuredNumber)
     )
 
 
@@ -315,16 +317,16 @@ def speed_notices(problem: Problem, runs: Sequence[Simulation]) -> Iterator[Noti
         if least is None:
             continue
         arrival, change = least
-        for one in experiment.measured:
-            if not isinstance(one, MeasuredPulse) or one.unit != "m/s^2":
+        for datum in experiment.measured:
+            if not isinstance(datum, MeasuredPulse) or datum.unit != "m/s^2":
                 continue
-            measured = abs(float(np.trapezoid(one.values, one.time)))
+            measured = abs(float(np.trapezoid(datum.values, datum.time)))
             if measured < READ_WELL * change:
                 height = getattr(run.case.machine, "height", None)
                 field = "the speed at which the machine arrives" if height is None else "machine.height"
                 stated = "" if height is None else f", from machine.height = {height.si:.4g}\xa0m"
                 message = (
-                    f"the velocity change of {one.called}, {measured:.3g}\xa0m/s, is below the {change:.3g}\xa0m/s "
+                    f"the velocity change of {datum.called}, {measured:.3g}\xa0m/s, is below the {change:.3g}\xa0m/s "
                     f"that even a blow without rebound gives at {arrival:.3g}\xa0m/s{stated}: no restitution and no "
                     f"pad explains it; correct {field}, or free it"
                 )

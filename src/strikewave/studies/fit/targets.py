@@ -199,7 +199,7 @@ class ReadTargets:
     @property
     def pulses(self) -> list[MeasuredPulse]:
         """The records."""
-        return [one for test in self.experiments for one in test.measured if isinstance(one, MeasuredPulse)]
+        return [datum for test in self.experiments for datum in test.measured if isinstance(datum, MeasuredPulse)]
 
 
 def read_targets(
@@ -227,16 +227,16 @@ def _read_setting(
                 raise InputError(option, "; ".join(changes), f"settings that leave {free.path} free: it is fitted")
     numbers, records = list[MeasuredNumber](), list[tuple[Target, ComparedCurve]]()
     notices, paths = list[Notice](), list[Path]()
-    for one in targets:
-        with stated_at(one.stated):
-            if one.is_number:
-                numbers.append(read_number(changed, one))
+    for target in targets:
+        with stated_at(target.stated):
+            if target.is_number:
+                numbers.append(read_number(changed, target))
                 _check_free(option, numbers[-1], fields)
                 continue
-            curves, left = read_shots(option, one.right, reading)
-        records += [(one, curve) for curve in curves]
+            curves, left = read_shots(option, target.right, reading)
+        records += [(target, curve) for curve in curves]
         notices += [*left, *(notice for curve in curves for notice in curve.notices)]
-        paths += paths_of(parse_name(one.right))
+        paths += paths_of(parse_name(target.right))
     if len(records) > MOST_RECORDS:
         raise InputError(option, f"{len(records)} records", f"at most {MOST_RECORDS}")
     quick = quick_case(changed, _blows(numbers, [_part(one.left)[1] for one, _ in records]))
@@ -269,7 +269,7 @@ def _part(left: str) -> tuple[str, int]:
 
 def _blows(numbers: Sequence[MeasuredNumber], blows: Sequence[int]) -> int:
     """Return after how many blows a run may end; 0 where all of them count."""
-    if any(not one.name.startswith("first.") for one in numbers if not one.of_field):
+    if any(not number.name.startswith("first.") for number in numbers if not number.of_field):
         return 0
     return max([*blows, 1])
 

@@ -19,7 +19,7 @@ from strikewave.base.compiling import compiling_shown
 from strikewave.base.declare import KEY, MAIN, NO_UNIT
 from strikewave.base.result import FAILED, RUN_BROKEN, Notice, Verdicts
 from strikewave.base.texts import percent
-from strikewave.cases.case import Case, dump_case
+from strikewave.cases.case import Case
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.studies.engine.case_evaluation import OF_NUMBER, KeptNumber, OfKept
 from strikewave.studies.engine.evaluation import Row
@@ -29,6 +29,7 @@ from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
 from strikewave.studies.engine.store import RunStore, store_in
 from strikewave.studies.search.evolution import DesignRuns, KnownNumber, known_numbers
 from strikewave.studies.search.goals import Goal, shares_of
+from strikewave.studies.search.machine import SearchStudy
 from strikewave.studies.search.plan import OPTUNA, DesignPlan, plan_of
 from strikewave.studies.search.ranking import (
     MARGIN,
@@ -45,7 +46,6 @@ from strikewave.studies.search.ranking import (
     ranking,
     sensitivities,
 )
-from strikewave.studies.study import Study
 from strikewave.studies.sweep.study import Vary, vary_texts
 
 Array = NDArray[np.float64]
@@ -101,7 +101,7 @@ class ChosenSetting:
 
 
 @declare.dataclass(eq=False)
-class DesignStudy(Study):
+class DesignStudy(SearchStudy):
     """A design; see `Result` for what it shares with others.
 
     Attributes
@@ -139,22 +139,18 @@ class DesignStudy(Study):
         return self.candidates[0] if self.candidates[0].meets else None
 
     @property
-    def broken(self) -> bool:
-        """Whether no setting meets all goals."""
-        return self.best is None
-
-    def case_of(self, place: int = 0) -> Case:
-        """Return the case of a candidate, without published numbers to compare with."""
-        name = f"{self.case.name or 'case'}-design"
-        title = f"Settings of a design, from: {self.title}"
-        return self.plan.case_of(self.candidates[place].row).model_copy(
-            update={"name": name, "title": title, "published": ()}
-        )
+    def asked_line(self) -> str:
+        """First line of the written case: the goals, and a mark of all that was asked."""
+        return self.plan.asked_line
 
     @property
-    def marked_text(self) -> str:
-        """The case at the best settings, and above it what was asked."""
-        return f"{self.plan.asked_line}{dump_case(self.case_of())}"
+    def written_as(self) -> tuple[str, str]:
+        """Name and title of the written case."""
+        return f"{self.case.name or 'case'}-design", f"Settings of a design, from: {self.title}"
+
+    def candidate_case(self, place: int) -> Case:
+        """Return the case of a candidate."""
+        return self.plan.case_of(self.candidates[place].row)
 
     def kept(self, name: str) -> KeptNumber:
         """Return a number with the units in which it is kept and shown."""
@@ -190,7 +186,7 @@ class DesignStudy(Study):
     analysis = declare.computed(declare.word("run, fast, wave, fem or impact"))(lambda study: study.plan.analysis)
     goals = declare.computed(declare.rows(Goal, "what must be met"))(lambda study: study.plan.goals)
     objectives = declare.computed(declare.word("objectives as typed"))(
-        lambda study: [one.typed for one in study.plan.objectives]
+        lambda study: [objective.typed for objective in study.plan.objectives]
     )
     seed = declare.computed(declare.count("of the search"))(lambda study: study.plan.seed)
     run_count = declare.computed(declare.count("how many runs", key="runs", headline="runs"))(
@@ -262,8 +258,8 @@ class DesignStudy(Study):
         """How the numbers of the aims move with each setting, and between which values of it all goals stay met."""
         wanted = dict.fromkeys(aim.number for aim in self.plan.aims)
         return [
-            NumberChange(self.kept(name), one.path, name, one.changes[name], *self._room(one))
-            for one in self.sensitivities
+            NumberChange(self.kept(name), sensitivity.path, name, sensitivity.changes[name], *self._room(sensitivity))
+            for sensitivity in self.sensitivities
             for name in wanted
         ]
 
@@ -299,7 +295,9 @@ class DesignStudy(Study):
     @property
     def named_units(self) -> Mapping[str, str]:
         """SI units of settings and numbers."""
-        settings = {one.path: one.axis.si_unit or NO_UNIT for one in self.plan.variables if not one.words}
+        settings = {
+            variable.path: variable.axis.si_unit or NO_UNIT for variable in self.plan.variables if not variable.words
+        }
         return {**settings, **{name: self.kept(name).si for name in self.plan.evaluation.names}}
 
     @property
@@ -352,9 +350,9 @@ class DesignStudy(Study):
 
     def _columns(self, runs: list[int]) -> list[Column]:
         columns = list[Column]()
-        for one in self.plan.variables:
-            values = [self.plan.setting(self.rows[run])[one.path] for run in runs]
-            columns.append(one.column(values, len(columns) < MOST_SETTINGS))
+        for variable in self.plan.variables:
+            values = [self.plan.setting(self.rows[run])[variable.path] for run in runs]
+            columns.append(variable.column(values, len(columns) < MOST_SETTINGS))
         for k, name in enumerate(self.plan.evaluation.names):
             columns.append(self.kept(name).column(self.numbers[runs, k], k < MOST_NUMBERS))
         margins = np.where(np.isfinite(self.margins[runs]), self.margins[runs], np.nan)
@@ -376,8 +374,8 @@ def conflict_words(study: DesignStudy) -> str:
     if lacking:
         return f"no run has {' or '.join(lacking)}"
     words = []
-    for one in conflict.reaches:
-        words.append(f'"{one.goal.typed}" {_reach_words(study, one, conflict.goals)}')
+    for reach in conflict.reaches:
+        words.append(f'"{reach.goal.typed}" {_reach_words(study, reach, conflict.goals)}')
     which = " and ".join(f'"{goal.typed}"' for goal in conflict.goals)
     head = f"{which} exclude each other" if len(conflict.goals) > 1 else f"{which} cannot be reached alone"
     return f"{head}: {'; '.join(words)}"

@@ -123,7 +123,7 @@ def _ranked_section(study: DesignStudy) -> Section:
 
 
 def _front_section(study: DesignStudy) -> Section:
-    names = [one.number for one in study.plan.objectives]
+    names = [objective.number for objective in study.plan.objectives]
     places = sorted({round(k * (len(study.front) - 1) / (MOST_FRONT - 1)) for k in range(MOST_FRONT)})
     rows: list[list[Cell]] = [
         [study.plan.at(study.rows[run]), *(study.value_words(name, study.value(run, name)) for name in names)]
@@ -181,8 +181,12 @@ def design_picture(study: DesignStudy) -> Figure:
 
 def drawn_numbers(study: DesignStudy) -> list[str]:
     """Return the names of the two numbers that runs are drawn over: of goals that exclude each other, or the first."""
-    first = [one.goal.number for one in study.conflict.reaches] if study.conflict is not None else []
-    names = [*first, *(one.number for one in study.plan.objectives), *(one.number for one in study.plan.goals)]
+    first = [reach.goal.number for reach in study.conflict.reaches] if study.conflict is not None else []
+    names = [
+        *first,
+        *(objective.number for objective in study.plan.objectives),
+        *(goal.number for goal in study.plan.goals),
+    ]
     return list(dict.fromkeys(names))[:2]
 
 
@@ -211,7 +215,7 @@ def _extent(study: DesignStudy, values: Array, name: str) -> tuple[float, float]
     known = values[np.isfinite(values)]
     if not known.size:
         return 0.0, 0.0
-    ends = list(np.percentile(known, DRAWN)) + [float(values[one.run]) for one in study.candidates]
+    ends = list(np.percentile(known, DRAWN)) + [float(values[candidate.run]) for candidate in study.candidates]
     goal = study.plan.goal_of(name)
     if goal is not None:
         ends += [limit / study.kept(name).scale for limit in (goal.low, goal.high) if math.isfinite(limit)]
@@ -224,8 +228,8 @@ def _settings(axes: Any, study: DesignStudy) -> None:
     """Draw runs over the first two settings; over their order where there is one alone."""
     variables = study.plan.variables[:2]
     columns = [
-        study.settings[:, k] if one.words else np.asarray(one.axis.shown(study.settings[:, k]))
-        for k, one in enumerate(variables)
+        study.settings[:, k] if variable.words else np.asarray(variable.axis.shown(study.settings[:, k]))
+        for k, variable in enumerate(variables)
     ]
     order = np.arange(1.0, len(study.rows) + 1.0)
     x, y = columns if len(columns) == 2 else (order, columns[0])
@@ -252,13 +256,13 @@ def _dots(axes: Any, study: DesignStudy, x: Array, y: Array, legend: bool = Fals
     dots = [axes.plot(x[~met], y[~met], ".", color=GREY, markersize=4, alpha=0.5, label=label("a goal is missed"))[0]]
     if met.any():
         dots += axes.plot(x[met], y[met], ".", color=BLUE, markersize=5, alpha=0.7, label=label("all goals met"))
-    for one in dots:
-        one.set_rasterized(True)
+    for dot in dots:
+        dot.set_rasterized(True)
     mark_runs(axes, x, y, study.verdicts, size=5.0)
     if study.front:
         places = list(study.front)
         axes.plot(x[places], y[places], "o", color=RED, markersize=4, fillstyle="none", label=label("Pareto-optimal"))
-    runs = [one.run for one in study.candidates]
+    runs = [candidate.run for candidate in study.candidates]
     axes.plot(x[runs], y[runs], "D", color=ORANGE, markersize=6, label=label("ranked"), zorder=4)
     for place, run in enumerate(runs, 1):
         if math.isfinite(x[run]) and math.isfinite(y[run]):
@@ -273,8 +277,8 @@ def _margins(axes: Any, study: DesignStudy, count: int) -> None:
     shares = 100.0 * first.shares[:count]
     colours = [BLUE if share >= 0.0 else RED for share in shares]
     axes.barh(places, np.nan_to_num(shares), height=0.5, color=colours, alpha=0.75)
-    for one in study.candidates[1:]:
-        axes.plot(100.0 * one.shares[:count], places, "D", color=ORANGE, markersize=3.5, alpha=0.8)
+    for candidate in study.candidates[1:]:
+        axes.plot(100.0 * candidate.shares[:count], places, "D", color=ORANGE, markersize=3.5, alpha=0.8)
     if first.verified is not None:
         axes.plot(100.0 * first.verified[:count], places, "|", color="black", markersize=14)
     axes.set_yticks(places, [goal.typed for goal in goals], fontsize=8)
@@ -368,7 +372,7 @@ class DesignCommand(StudyCommand[DesignStudy]):
     def show(self, result: DesignStudy) -> None:
         """Print ranked settings, goals, sensitivities, and what excludes what."""
         heads, rows = shown_table(result)
-        objectives = [result.kept(one.number).label for one in result.plan.objectives]
+        objectives = [result.kept(objective.number).label for objective in result.plan.objectives]
         numbers = [result.kept(name).label for name in result.plan.evaluation.names]
         more = [*heads[3 : len(result.plan.variables) + 1], *(set(numbers) - set(objectives)), "of goal"]
         print_face(result, "reaches", "Goals that exclude each other")

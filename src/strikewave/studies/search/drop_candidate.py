@@ -144,7 +144,7 @@ class DropCandidate(MachineCandidate):
 
     judged = declare.computed(
         declare.word("of the specification", key="verdict", label="verdict", column=MORE, order=1)
-    )(lambda one: one.verdict.verdict)
+    )(lambda candidate: candidate.verdict.verdict)
     margin = declare.computed(
         declare.number(
             Quantity(NO_UNIT, "%", decimals=0, digits=0),
@@ -152,7 +152,7 @@ class DropCandidate(MachineCandidate):
             column=MORE,
             order=1,
         )
-    )(lambda one: one.verdict.least_margin(one.goal.limits))
+    )(lambda candidate: candidate.verdict.least_margin(candidate.goal.limits))
 
     @declare.computed(
         declare.number(
@@ -172,10 +172,10 @@ class DropCandidate(MachineCandidate):
     programmer: Programmer = declare.part(Programmer, "its programmer", inline=True)
 
     height = declare.computed(declare.number(LENGTH, "drop height", column=MAIN, headline="drop height"))(
-        lambda one: float(one.case.values()["machine.height"].si)
+        lambda candidate: float(candidate.case.values()["machine.height"].si)
     )
     table_mass = declare.computed(declare.number(MASS, "mass of the table with its load", label="table", column=MORE))(
-        lambda one: float(one.case.values()["object.mass"].si)
+        lambda candidate: float(candidate.case.values()["object.mass"].si)
     )
 
     diameter: float | None = declare.number(LENGTH, "of the pad; null of a programmer without one", column=MAIN)
@@ -195,7 +195,7 @@ class DropCandidate(MachineCandidate):
 
     restitution = declare.computed(
         declare.number(REBOUND, "its coefficient of restitution in the full run", column=MAIN)
-    )(lambda one: one.reading.blow.restitution)
+    )(lambda candidate: candidate.reading.blow.restitution)
 
     @declare.computed(declare.named(StatedChoice, "what was chosen"))
     def settings(self) -> dict[str, StatedChoice]:
@@ -228,7 +228,9 @@ class DropCandidate(MachineCandidate):
 
     verdict: ShockVerdict
 
-    clauses = declare.computed(declare.rows(Clause, "clauses of the specification"))(lambda one: one.verdict.clauses)
+    clauses = declare.computed(declare.rows(Clause, "clauses of the specification"))(
+        lambda candidate: candidate.verdict.clauses
+    )
 
     limits: tuple[Limit, ...] = declare.rows(Limit, "its limits")
     estimate: FirstEstimate = declare.part(FirstEstimate, "closed form with which the search began")
@@ -253,7 +255,7 @@ class DropCandidate(MachineCandidate):
     @property
     def not_passed(self) -> list[str]:
         """Clauses of the specification that are not passed, in words."""
-        failed = [one.clause for one in self.verdict.clauses if one.verdict not in (PASS, "not-judged")]
+        failed = [clause.clause for clause in self.verdict.clauses if clause.verdict not in (PASS, "not-judged")]
         return [f"{', '.join(failed)} not passed"] if failed else []
 
     @property

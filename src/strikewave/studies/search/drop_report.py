@@ -93,7 +93,7 @@ def picture(study: DropStudy) -> Figure:
 
 def _designs(axes: Any, study: DropStudy) -> None:
     """Draw drop height and share of the pulse in which it rises, of each design; filled where it meets the goal."""
-    names = dict.fromkeys(one.programmer.name for one in study.candidates)
+    names = dict.fromkeys(candidate.programmer.name for candidate in study.candidates)
     kinds = {plain(name, 30): [one for one in study.candidates if one.programmer.name == name] for name in names}
     draw_kinds(axes, kinds, _places, 6.0)
     axes.plot([], [], "o", color=GREY, fillstyle="none", markersize=6, label="does not meet it")
@@ -108,7 +108,7 @@ def _places(candidates: Sequence[DropCandidate]) -> Places:
     """Return drop heights as shown, and rise times over widths in %."""
     metre, _ = axis_unit(*LENGTH.units)
     return (
-        [one.height / metre for one in candidates],
+        [candidate.height / metre for candidate in candidates],
         [100.0 * one.reading.blow.rise / one.reading.width for one in candidates],
     )
 
@@ -170,7 +170,9 @@ def _ranking(study: DropStudy) -> Section:
 def _without(study: DropStudy) -> list[Section]:
     """List what does not meet the goal, and why; nothing where there is none."""
     rows: list[list[Cell]] = [
-        [f"{one.place}", one.programmer.name, one.obstacles] for one in study.candidates[:MOST_ROWS] if not one.meets
+        [f"{candidate.place}", candidate.programmer.name, candidate.obstacles]
+        for candidate in study.candidates[:MOST_ROWS]
+        if not candidate.meets
     ]
     rows += [["", "no result", why] for why in study.failed]
     if not rows:

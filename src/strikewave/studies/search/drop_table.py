@@ -410,9 +410,9 @@ class DropStudy(MachineSearch):
 
     def candidate_columns(self, designs: Sequence[DropCandidate]) -> list[Column]:
         """Return the columns of designs, with verdicts as they are written."""
-        judged = [tag_of(one.judged) for one in designs]
+        judged = [tag_of(design.judged) for design in designs]
         columns = columns_of(DropCandidate, designs)
-        return [one._replace(values=judged) if one.name == "verdict" else one for one in columns]
+        return [column._replace(values=judged) if column.name == "verdict" else column for column in columns]
 
     def first_sentences(self, which: str, settings: str) -> list[str]:
         """Return the sentences on the first design: its programmer, the verdict, and its height without rebound."""
@@ -532,7 +532,7 @@ def _check_height(designs: Sequence[DropDesign], goal: DropGoal) -> None:
 
 def _notices(study: DropStudy) -> Iterator[Notice]:
     """Yield the warnings on programmers that lose nothing, on those of an assumed law, and on the first candidate."""
-    lossless = [one for one in study.candidates if one.lossless]
+    lossless = [candidate for candidate in study.candidates if candidate.lossless]
     if lossless:
         highest = study.heights[-1]
         names = ", ".join(dict.fromkeys(one.programmer.name for one in lossless))
@@ -612,8 +612,8 @@ def drop_table(
     goal = DropGoal(specification, specification.pulse_limits(), si_value(stroke, "m", "stroke"))
     choice = DropChoices(
         tuple(read_programmer(word, field="programmers") for word in programmers),
-        tuple(si_value(one, "m", "diameters") for one in diameters),
-        tuple(si_value(one, "kg", "masses") for one in masses),
+        tuple(si_value(diameter, "m", "diameters") for diameter in diameters),
+        tuple(si_value(mass, "kg", "masses") for mass in masses),
     )
     chosen = load_case(DROP_TABLE) if case is None else case
     with store_in(store) as finished:

@@ -112,10 +112,10 @@ class DesignRuns:
             finished = carry_out(self.plan.job, new, self._store, self._pool, self._told)
             numbers, failures, _ = self._store.table(names, finished.keys)
             verdicts = self._store.verdicts(finished.keys).texts
-            for row, found, failure, verdict in zip(new, numbers, failures, verdicts, strict=True):
+            for row, number, failure, verdict in zip(new, numbers, failures, verdicts, strict=True):
                 self._places[row] = len(self.rows)
                 self.rows.append(row)
-                self._numbers.append(found)
+                self._numbers.append(number)
                 self.failures.append(failure)
                 self.verdicts.append(verdict)
         return np.array([self._numbers[self._places[row]] for row in rows])

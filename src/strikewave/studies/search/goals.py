@@ -332,7 +332,7 @@ def yield_of(case: Case, name: str) -> float | None:
     place, _, what = rest.rpartition(".")
     if kind == "tap" and what == "peak_stress":
         layers = [tap.layer for tap in case.tap if tap.name == place]
-        return _strength(next((one.material for one in case.stack.layer if one.name in layers), None))
+        return _strength(next((layer.material for layer in case.stack.layer if layer.name in layers), None))
     if name.startswith(f"{VON_MISES} ") and case.mesh is not None:
         part = next((one for one in case.mesh.part if one.name == name.partition(" ")[2]), None)
         own: Any = getattr(getattr(part, "solid", None), "yield_strength", None)

@@ -1,8 +1,9 @@
-"""The search for settings of a machine: each design that is tried ends by Broyden's method at a run, which is judged.
+"""The search for settings of a machine: each design that is tried ends at a full run, by which it is judged.
 
-A design is a choice of what has no slope, such as a number of strikers or a programmer, with closed forms of two or
-three settings; full runs correct their logarithms. Rotary machines and drop tables differ in their designs, in what a
-run is held against, and by what candidates are ordered.
+A design is a choice that has no slope, such as a number of strikers or a programmer, with closed forms of two or three
+settings; full runs correct their logarithms by Broyden's method. Rotary machines and drop tables differ in their
+designs, in the goal that a run is compared with, and in the order of candidates. `SearchStudy` is the result that they
+share with the search over any settings of a case (`strikewave.studies.search.design`).
 """
 
 from __future__ import annotations
@@ -42,8 +43,7 @@ from strikewave.studies.study import Study
 Array = NDArray[np.float64]
 
 CLOSE = 0.002
-"""Miss at which a search ends: a 25th of what a goal of 5 % allows, so that rounding the values does not lose it
-again."""
+"""Miss at which a search ends: a 25th of the 5 % that a goal allows, so that rounding the values does not lose it."""
 MOST_RUNS = 12
 """Most runs of a search. Of 36 searches from li-ma-2019 (two goals), 32 came `CLOSE` in three to five runs; the others
 came no nearer in twelve."""
@@ -51,15 +51,13 @@ LONGEST_STEP = 0.6
 """Longest step of the logarithm of a setting from one run to the next, a factor of 1.8: the slopes hold near a run
 only, and estimates were off by 1.6 at most (measured, li-ma-2019)."""
 WORST_CONDITION = 1e4
-"""Condition number of the slopes beyond which the first ones are taken again: the step would be that of rounding."""
+"""Condition number of the slopes beyond which the first ones return: rounding alone would decide the step."""
 SHORTEST_STEP = 1e-5
 """Step of the logarithms below which a search stands still: rounding changes a setting by more."""
 LEAST_SQUARE = 1e-12
-"""Least square of a step that Broyden's correction is divided by: a step that the bounds cut to nothing tells no
-slope."""
+"""Least divisor of Broyden's correction: a step that the bounds cut to nothing tells no slope."""
 DIGITS = 4
-"""Significant digits of a chosen value: rounding then changes it by less than `CLOSE`, and no part is made more
-exactly."""
+"""Significant digits of a chosen value: rounding changes it by less than `CLOSE`, and no part is made more exactly."""
 UNITS = {
     "m": "mm", "s": "ms", "kg": "kg", "N": "N", "N/m": "kN/m", "N s/m": "N s/m", "rad/s": "rpm",
 }  # fmt: skip
@@ -69,18 +67,18 @@ STIFF = 1e6
 MOST_REASONS = 5
 """Reasons that an error lists where nothing can be run: more would not be read."""
 SAMPLES = 2000
-"""Samples of the duration of the ideal pulse at which a run is read: a peak lies 3e-7 above them at most."""
+"""Samples a duration of the ideal pulse: a peak lies 3e-7 above them at most."""
 BESIDE = (0.5, 1.0)
-"""Durations before and after the pulse that are read where a specification has no band."""
+"""Durations read before and after the pulse where a specification has no band: chosen, to show baseline and rebound."""
 ROOM = 0.75
-"""Durations that are read beyond those: as far as a band is moved over a record to find its place."""
+"""Durations read beyond those: as far as a band is moved over a record to find its place."""
 PEAK = Quantity("m/s^2", "g", "peak")
 STIFFNESS = Quantity("N/m", "MN/m", digits=3)
 OWN_UNIT = "its unit"
 
 
 def chosen(path: str, value: float, note: str) -> Value:
-    """Return a value of a case that was chosen here, rounded to `DIGITS`.
+    """Return a chosen value of a case, rounded to `DIGITS`.
 
     Examples
     --------
@@ -99,9 +97,9 @@ def chosen(path: str, value: float, note: str) -> Value:
 
 
 def refuse_changes(changes: Iterable[str], chosen_here: Mapping[str, tuple[str, str]]) -> None:
-    """Refuse a change (``path=value``) of a field that is chosen here: the search would replace it, with no warning.
+    """Refuse a change (``path=value``) of a field in ``chosen_here``, which the search would replace with no warning.
 
-    ``chosen_here`` has for each such field how it is chosen, and what to do instead.
+    Its values say how the field is chosen, and what to do instead.
     """
     for change in changes:
         path, _, value = (part.strip() for part in change.partition("="))
@@ -111,13 +109,13 @@ def refuse_changes(changes: Iterable[str], chosen_here: Mapping[str, tuple[str, 
 
 
 def beside(limits: PulseLimits) -> tuple[float, float]:
-    """Return the durations before and after the pulse that its judge looks at."""
+    """Return the durations before and after the pulse that its specification judges."""
     before, after = BESIDE if limits.band is None else (limits.band.before, limits.band.after)
     return max(before, limits.window[0]), max(after, limits.window[1])
 
 
 def shock_about(run: MachineRun, touch: float, limits: PulseLimits) -> Shock:
-    """Return the rigid-body acceleration about a first touch, s; its zero is that of a sensor, as in `Moments`."""
+    """Return the rigid-body acceleration about a first touch (s), with the zero of a sensor, as in `Moments`."""
     duration, (before, after) = limits.pulse.duration, beside(limits)
     step = duration / SAMPLES
     first = -math.ceil((before + 1.0 + ROOM) * duration / step)
@@ -131,7 +129,7 @@ def shock_about(run: MachineRun, touch: float, limits: PulseLimits) -> Shock:
 
 
 def peak_and_width(shock: Shock, level: float) -> tuple[float, float]:
-    """Return the peak of a shock, and its width at a share of it, s; as its judge takes them."""
+    """Return the peak of a shock, and its width at a share of the peak, s, as judging takes them."""
     _, peak = refine_peak(shock.values, shock.peak_index)
     first, last = (crossing(shock.values, shock.peak_index, level * peak, side) for side in (-1, 1))
     return peak, shock.step * (last - first)
@@ -139,7 +137,7 @@ def peak_and_width(shock: Shock, level: float) -> tuple[float, float]:
 
 @declare.dataclass
 class Limit:
-    """A value beside its limit; one that does not decide is only warned of."""
+    """A value with its limit; one that does not decide only warns."""
 
     name: str = declare.word("what is limited")
 
@@ -155,7 +153,7 @@ class Limit:
     unit: str = declare.word("SI unit of both")
     decides: bool = declare.word("whether it decides, or is only warned of", default=True)
 
-    kept = declare.computed(declare.word("whether it is kept"))(lambda one: bool(one.value <= one.limit))
+    kept = declare.computed(declare.word("whether it is kept"))(lambda limit: bool(limit.value <= limit.limit))
 
     @property
     def given_units(self) -> declare.GivenUnits:
@@ -164,9 +162,9 @@ class Limit:
 
 
 def limit_columns(limits: Sequence[Limit]) -> list[Column]:
-    """Return the columns of limits of a candidate, each in its own unit."""
-    result = [Tag("kept", "good") if one.kept else Tag("broken", "bad") if one.decides else Tag("warned", "warned")
-              for one in limits]  # fmt: skip
+    """Return the columns of the limits of a candidate, each in its own unit."""
+    broken = {True: Tag("broken", "bad"), False: Tag("warned", "warned")}
+    result = [Tag("kept", "good") if limit.kept else broken[limit.decides] for limit in limits]
     return [*columns_of(Limit, limits), Column("result", result, words=True)]
 
 
@@ -180,24 +178,24 @@ class ChosenValue:
 
 @declare.dataclass(eq=False)
 class MachineCandidate(ABC):
-    """A design at the settings where its search ended: its case, and by its full run whether it meets the goal.
+    """A design at the settings where its search ended, judged by its full run.
 
     Attributes
     ----------
     case : Case
-        Its case.
-    goal : MachineGoal
-        Goal that it is compared with.
+        Case at these settings.
+    goal : BlowGoal or DropGoal
+        Goal that the full run is compared with.
     chosen : tuple of str
-        Paths of what was chosen.
+        Paths of the chosen values.
     limits : tuple of Limit
-        Its values that have a limit.
+        Values that have a limit.
     runs : int
-        Runs that it took.
+        Runs of the search.
     halt : str
-        Why the search ended before the goal; empty where it came close.
+        Reason why the search ended before the goal; empty where it came close.
     run_verdict : str
-        Outcome of the checks of its full run: the text of `strikewave.base.result.Verdict`.
+        Outcome of the checks of the full run: the text of `strikewave.base.result.Verdict`.
     """
 
     within: ClassVar[float]
@@ -205,7 +203,7 @@ class MachineCandidate(ABC):
 
     case: Case
     place: int = declare.count("in the ranking, from 1", label="#", column=KEY, tables="ranking")
-    goal: MachineGoal
+    goal: Any
     chosen: tuple[str, ...]
     limits: tuple[Limit, ...]
     runs: int
@@ -218,13 +216,13 @@ class MachineCandidate(ABC):
         )
     )
     def meets(self) -> bool:
-        """Whether nothing is off by more than `within`, its blows pass, every limit is kept, and its run sound."""
+        """True if no part misses by more than `within`, its blows pass, and it keeps all limits and checks."""
         kept = self.largest_miss <= self.within and self.passes and not self.broken
         return kept and status_of(self.run_verdict) != RUN_BROKEN
 
     @declare.computed(declare.word("what keeps it from that, in words"))
     def obstacles(self) -> str:
-        """What keeps it from the goal, in one line."""
+        """Reasons why it does not meet the goal, in one line."""
         reasons = [
             f"{name} off by {percent(miss, 1, '+')}"
             for name, miss in self.relative_misses.items()
@@ -239,64 +237,45 @@ class MachineCandidate(ABC):
     @property
     @abstractmethod
     def relative_misses(self) -> Mapping[str, float]:
-        """By how much of itself each part of the goal is missed."""
+        """Relative miss of each part of the goal."""
 
     @property
     @abstractmethod
     def passes(self) -> bool:
-        """Whether all blows are as they shall be, and the specification passes them, where there is one."""
+        """True if all blows are as wanted, and the specification, if any, passes them."""
 
     @property
     @abstractmethod
     def not_passed(self) -> list[str]:
-        """Clauses of the specification that are not passed, in words."""
+        """Clauses of the specification that do not pass, in words."""
 
     @property
     @abstractmethod
     def rank(self) -> tuple[Any, ...]:
-        """What candidates are ordered by."""
+        """Key by which candidates are sorted."""
 
     @property
     def odd_blows(self) -> list[str]:
-        """Blows that are not as they shall be, in words."""
+        """Blows that are not as wanted, in words."""
         return []
 
     def limit_words(self, limit: Limit) -> str:
-        """Say that a limit is not kept."""
+        """Return the sentence on a broken limit."""
         return f"{limit.words} above its limit"
 
     @property
     def broken(self) -> tuple[Limit, ...]:
-        """Limits that decide and are not kept."""
+        """Broken limits that decide."""
         return tuple(limit for limit in self.limits if limit.decides and not limit.kept)
 
     @property
     def largest_miss(self) -> float:
-        """Largest of the misses, infinite where one has no number."""
+        """Largest of the misses; infinite where one is no number."""
         return max((abs(miss) if math.isfinite(miss) else math.inf) for miss in self.relative_misses.values())
 
 
 RUN_CHECKS = "what the checks of its full run came to: passed, or broken with the checks that failed"
 """Meaning of `MachineCandidate.run_verdict`."""
-
-
-class MachineGoal(Protocol):
-    """What is asked of a machine."""
-
-    @property
-    def words(self) -> str:
-        """It in words."""
-
-    @property
-    def name(self) -> str:
-        """Name of the case and of the folder."""
-
-
-class MachineChoice(Protocol):
-    """What may be chosen of a machine."""
-
-    def asked(self, case: Case, goal: Any) -> str:
-        """Return all that is asked, but for the case, as a text."""
 
 
 Candidate = TypeVar("Candidate", bound=MachineCandidate)
@@ -305,7 +284,7 @@ Candidate_co = TypeVar("Candidate_co", bound=MachineCandidate, covariant=True)
 
 @dataclass(frozen=True)
 class SearchEnd:
-    """Where a search ended: settings, runs, why before the goal (empty where it came close)."""
+    """End of a search: settings, runs, and the reason why it ended before the goal (empty where it came close)."""
 
     settings: tuple[float, ...]
     runs: int
@@ -321,19 +300,19 @@ def search_end(
 ) -> SearchEnd:
     """Return the settings whose run comes nearest to a goal, by Broyden's method on their logarithms.
 
-    Each run gives its misses and corrects the slopes. A run that cannot be made halves the step.
+    Each run corrects the slopes; a run that fails halves the step.
 
     Parameters
     ----------
     off : callable
-        Returns the logarithms of results over the goal at settings; raises `StrikewaveError` or `ValueError` where
-        there are none.
+        Returns the logarithms of results over the goal; raises `StrikewaveError` or `ValueError` where a run
+        fails.
     start, bounds : ndarray
         First settings, the least and the largest.
     slopes : ndarray
         First guess of the slopes of the logarithms of results over those of settings.
     at_bound : callable
-        Says which setting stands at its bound, of logarithms of settings and of the bounds; empty where none does.
+        Returns the sentence on a setting at its bound, from the logarithms of settings and bounds; empty for none.
 
     Examples
     --------
@@ -348,13 +327,13 @@ def search_end(
     for runs in range(1, MOST_RUNS + 1):
         try:
             missed = off(np.exp(x))
-            if not np.all(np.isfinite(missed)):
+            if not np.all(np.isfinite(missed)):  # a failed pulse is treated as a failed run
                 raise ValueError("a pulse has no width at that share of its peak")
         except (StrikewaveError, ValueError) as error:
             failure = error.lines[0] if isinstance(error, InputErrors) else str(error)
             if best is None:
                 raise StrikewaveError(failure) from None
-            x = 0.5 * (x + best[0])
+            x = 0.5 * (x + best[0])  # the best run was possible, so a place nearer to it may be
             continue
         if best is not None:
             moved = x - best[0]
@@ -362,9 +341,10 @@ def search_end(
         if best is None or np.abs(missed).max() < np.abs(best[1]).max():
             best = x, missed
         if np.abs(best[1]).max() < CLOSE:
-            return SearchEnd(tuple(np.exp(best[0]).tolist()), runs + 1, "")
+            return SearchEnd(tuple(np.exp(best[0]).tolist()), runs + 1, "")  # 1: the full run that judges it
         if not np.linalg.cond(slopes) < WORST_CONDITION:
             slopes = first_slopes.copy()
+        # from the best run, not the last: a step that made it worse is not followed
         step = np.clip(-np.linalg.solve(slopes, best[1]), -LONGEST_STEP, LONGEST_STEP)
         following = np.clip(best[0] + step, low, high)
         if np.abs(following - x).max() < SHORTEST_STEP:
@@ -376,17 +356,17 @@ def search_end(
 
 
 class MachineDesign(Question[Any], Protocol[Candidate_co]):
-    """What is tried for a goal: a question that is answered by where its search ends, and what a full run shows there.
+    """A design that is tried for a goal: its answer is the end of its search, and the full run there.
 
-    The full run has the rounded values and the own tolerance of the case, as the case file will have them.
+    The full run has the rounded values and the tolerance of the case, as the written case has them.
     """
 
     @property
     def called(self) -> str:
-        """What it is called where it gives no result."""
+        """Its name in a sentence on a failure."""
 
     def candidate(self, answer: Any) -> Candidate_co:
-        """Return what was found with all that it is judged by."""
+        """Return the candidate of an answer."""
 
 
 Tried = list[tuple[MachineDesign[Candidate], Candidate | Failure]]
@@ -395,7 +375,7 @@ Tried = list[tuple[MachineDesign[Candidate], Candidate | Failure]]
 def tried_designs(
     designs: Sequence[MachineDesign[Candidate]], store: RunStore, pool: Pool, advance: Advance | None
 ) -> Tried[Candidate]:
-    """Return designs with what their searches end at, or why that is nothing."""
+    """Return each design with the candidate of its search, or with its failure."""
     return [
         (design, answer if isinstance(answer, Failure) else design.candidate(answer))
         for design, answer in zip(designs, answers(designs, store, pool, advance), strict=True)
@@ -403,13 +383,7 @@ def tried_designs(
 
 
 def ranked(tried: Tried[Candidate]) -> tuple[tuple[Candidate, ...], tuple[str, ...], Verdicts]:
-    """Return the candidates in their order, why designs gave none, and the verdicts of their runs: the first's decides.
-
-    Raises
-    ------
-    InputErrors
-        If there is none: with the reasons.
-    """
+    """Return the sorted candidates, the failures in words, and the verdicts of the runs, of which the first decides."""
     reasons = [end.reason for _, end in tried if isinstance(end, Failure)]
     candidates = sorted((end for _, end in tried if not isinstance(end, Failure)), key=lambda end: end.rank)
     if not candidates:
@@ -420,28 +394,64 @@ def ranked(tried: Tried[Candidate]) -> tuple[tuple[Candidate, ...], tuple[str, .
     return tuple(replace(end, place=place) for place, end in enumerate(candidates, 1)), tuple(failed), verdicts
 
 
-def asked_line(case: Case, goal: MachineGoal, choice: MachineChoice) -> str:
-    """Return the first line of the written case: what was asked, and a mark of everything that it was asked of."""
+def asked_line(case: Case, goal: Any, choice: Any) -> str:
+    """Return the first line of the written case: the goal, and a mark of all that was asked."""
     mark = hashlib.sha256(f"{choice.asked(case, goal)} {dump_case(case)}".encode()).hexdigest()[:8]
     return f"# strikewave settings: {goal.words}, from {case.name or 'case'} ({mark})\n"
 
 
+class SearchStudy(Study):
+    """Ranked settings of a case, the best first; see `Result` for the members that all results share."""
+
+    candidates: tuple[Any, ...]
+
+    @property
+    @abstractmethod
+    def asked_line(self) -> str:
+        """First line of the written case: the question, and a mark of all that was asked."""
+
+    @property
+    @abstractmethod
+    def written_as(self) -> tuple[str, str]:
+        """Name and title of the written case."""
+
+    @property
+    def broken(self) -> bool:
+        """True if no candidate meets the goal."""
+        return not self.candidates[0].meets
+
+    @property
+    def marked_text(self) -> str:
+        """The case of the first candidate, below the question."""
+        return self.asked_line + dump_case(self.case_of())
+
+    @abstractmethod
+    def candidate_case(self, place: int) -> Case:
+        """Return the case of a candidate."""
+
+    def case_of(self, place: int = 0) -> Case:
+        """Return the case of a candidate under its own name, without published numbers to compare with."""
+        name, title = self.written_as
+        update = {"name": f"{name}-{place + 1}" if place else name, "title": title, "published": ()}
+        return self.candidate_case(place).model_copy(update=update)
+
+
 @declare.dataclass(eq=False)
-class MachineSearch(Study):
-    """Ranked settings of a machine for a goal; see `Result` for what it shares with others.
+class MachineSearch(SearchStudy):
+    """Ranked settings of a machine for a goal; see `Result` for the members that all results share.
 
     Attributes
     ----------
     case : Case
-        Case that gives all that was not chosen.
-    goal : MachineGoal
+        Case that gives all values that were not chosen.
+    goal : BlowGoal or DropGoal
         Goal of the search.
-    choice : MachineChoice
+    choice : SettingsChoices or DropChoices
         Settings that could be chosen.
     candidates : tuple of MachineCandidate
         The best first.
     failed : tuple of str
-        Why designs gave no result.
+        Reasons why designs gave no result.
     """
 
     main_rows: ClassVar[str] = "candidates"
@@ -463,34 +473,33 @@ class MachineSearch(Study):
 
     @property
     def meeting(self) -> int:
-        """How many candidates meet the goal."""
+        """Number of candidates that meet the goal."""
         return sum(candidate.meets for candidate in self.candidates)
 
     @property
-    def broken(self) -> bool:
-        """Whether no candidate meets the goal."""
-        return not self.candidates[0].meets
-
-    @property
-    def marked_text(self) -> str:
-        """The case of the first candidate, and above it what was asked."""
-        return asked_line(self.case, self.goal, self.choice) + dump_case(self.case_of())
+    def asked_line(self) -> str:
+        """First line of the written case: the goal, and a mark of all that was asked."""
+        return asked_line(self.case, self.goal, self.choice)
 
     @cached_property
     def source(self) -> Source:
-        """That case under the name of the goal."""
+        """The written case under the name of the goal."""
         return Source("case", self.name, self.marked_text, asked=self.asked)
 
-    def case_of(self, place: int = 0) -> Case:
-        """Return the case of a candidate, under a name of its own and without published numbers to compare with."""
-        name = f"{self.name}-{place + 1}" if place else self.name
-        update = {"name": name, "title": self.title, "published": ()}
-        return self.candidates[place].case.model_copy(update=update)
+    def candidate_case(self, place: int) -> Case:
+        """Return the case of a candidate."""
+        case: Case = self.candidates[place].case
+        return case
 
     @property
     def name(self) -> str:
-        """Name of the case and of its folder."""
+        """Name of the goal, for the case and its folder."""
         return str(self.goal.name)
+
+    @property
+    def written_as(self) -> tuple[str, str]:
+        """Name and title of the written case: those of the goal."""
+        return self.name, self.title
 
     @property
     def title(self) -> str:
@@ -503,30 +512,31 @@ class MachineSearch(Study):
         return {**super().texts(), **others}
 
     def not_met(self) -> Iterator[Notice]:
-        """Yield the warning that no candidate meets the goal, where none does."""
+        """Yield the warning where no candidate meets the goal."""
         first = self.candidates[0]
-        if not first.meets:
+        if self.broken:
             message = f"the nearest {self.noun} misses the goal: {first.obstacles}"
             yield Notice("not-met", message, first.largest_miss, first.within)
 
     @property
     def words(self) -> str:
-        """What was found, in words."""
+        """Outcome of the search in sentences."""
         first, met = self.candidates[0], self.meeting
         values = first.case.values()
         settings = ", ".join(f"{path} = {values[path].typed}" for path in first.chosen)
-        sentences = [
-            f"{met or 'None'} of {len(self.candidates)} {self.noun}s that were run in full "
-            f"{'gives' if met == 1 else 'give'} {self.goal_words}.",
-            *self.first_sentences("The first" if met else "The nearest", settings),
-        ]
-        if not met:
-            sentences.append(f"It misses the goal: {first.obstacles}.")
-        return " ".join([*sentences, *([self.verdicts.sentence] if self.verdicts.words else [])])
+        return " ".join(
+            [
+                f"{met or 'None'} of {len(self.candidates)} {self.noun}s that were run in full "
+                f"{'gives' if met == 1 else 'give'} {self.goal_words}.",
+                *self.first_sentences("The first" if met else "The nearest", settings),
+                *([] if met else [f"It misses the goal: {first.obstacles}."]),
+                *([self.verdicts.sentence] if self.verdicts.words else []),
+            ]
+        )
 
     @property
     def goal_words(self) -> str:
-        """What candidates give that meet the goal, in words."""
+        """The goal, and the conditions of meeting it, in words."""
         return str(self.goal.words)
 
     def first_sentences(self, which: str, settings: str) -> list[str]:

@@ -156,12 +156,15 @@ class DesignPlan:
     @cached_property
     def bounds(self) -> list[tuple[float, float]]:
         """Ends of the places of each variable: from 0 to 1 in a range, else the first and last of its values."""
-        return [(0.0, 1.0) if one.is_range else (0.0, float(len(one.axis.values) - 1)) for one in self.variables]
+        return [
+            (0.0, 1.0) if variable.is_range else (0.0, float(len(variable.axis.values) - 1))
+            for variable in self.variables
+        ]
 
     @property
     def whole(self) -> list[bool]:
         """Which places are whole numbers."""
-        return [not one.is_range for one in self.variables]
+        return [not variable.is_range for variable in self.variables]
 
     def row_at(self, place: Sequence[float] | Array) -> Row:
         """Return the row of a place: values as they would be typed, of a list the one at that number."""
@@ -186,11 +189,11 @@ class DesignPlan:
     def place_of(self, row: Row) -> Array:
         """Return the place of a row."""
         places = []
-        for one, value in zip(self.variables, row, strict=True):
-            values = one.axis.values
-            if not one.is_range:
+        for variable, value in zip(self.variables, row, strict=True):
+            values = variable.axis.values
+            if not variable.is_range:
                 places.append(float(values.index(value)))
-            elif one.axis.log:
+            elif variable.axis.log:
                 places.append(math.log(value / values[0]) / math.log(values[-1] / values[0]))
             else:
                 places.append((value - values[0]) / (values[-1] - values[0]))
@@ -241,14 +244,14 @@ class DesignPlan:
     @property
     def words(self) -> str:
         """What is asked, in words."""
-        over = first_few([one.path for one in self.variables], 3)
+        over = first_few([variable.path for variable in self.variables], 3)
         return f"{'; '.join(aim.typed for aim in self.aims)}; over {over} ({self.analysis})"
 
     @cached_property
     def asked_line(self) -> str:
         """The first line of the written case: what was asked, and a mark of everything that it was asked of."""
         asked = repr((self.aims, self.runs, self.seed, self.robust, self.analysis, self.search))
-        asked += repr([(one.axis, one.words) for one in self.variables]) + dump_case(self.case)
+        asked += repr([(variable.axis, variable.words) for variable in self.variables]) + dump_case(self.case)
         key = hashlib.sha256(asked.encode()).hexdigest()[:12]
         return f"# strikewave design: {self.words}; plan {key}\n"
 

@@ -104,12 +104,12 @@ class DesignRun:
     row: Row
     numbers: Array
 
-    number = declare.computed(declare.count("number of the run, from 1", key="run"))(lambda one: one.run + 1)
+    number = declare.computed(declare.count("number of the run, from 1", key="run"))(lambda run: run.run + 1)
     settings = declare.computed(declare.word("its settings by their paths, SI or words"))(
-        lambda one: one.plan.setting(one.row)
+        lambda run: run.plan.setting(run.row)
     )
     by_name = declare.computed(declare.word("its numbers by their names, SI", key="numbers"))(
-        lambda one: dict(zip(one.plan.evaluation.names, one.numbers.tolist(), strict=True))
+        lambda run: dict(zip(run.plan.evaluation.names, run.numbers.tolist(), strict=True))
     )
 
 
@@ -140,9 +140,11 @@ class DesignCandidate(DesignRun):
     shares: Array
     verified: Array | None
 
-    margins = declare.computed(declare.number(MARGIN, "margin of each goal"))(lambda one: one.by_goal(one.shares))
+    margins = declare.computed(declare.number(MARGIN, "margin of each goal"))(
+        lambda candidate: candidate.by_goal(candidate.shares)
+    )
     verified_margins = declare.computed(declare.number(MARGIN, "the same by a full run, where that is another one"))(
-        lambda one: None if one.verified is None else one.by_goal(one.verified)
+        lambda candidate: None if candidate.verified is None else candidate.by_goal(candidate.verified)
     )
 
     failure: str = declare.word("why that run failed; empty where it did not")
@@ -261,7 +263,7 @@ class Sensitivity:
             "change of each number, SI, for a hundredth of the range of the setting",
             key="changes_per_hundredth_of_range",
         )
-    )(lambda one: dict(zip(one.names, one.moved.tolist(), strict=True)))
+    )(lambda sensitivity: dict(zip(sensitivity.names, sensitivity.moved.tolist(), strict=True)))
     room: tuple[float, float] = declare.word(
         "how far it may move down and up until a goal is missed, SI, where the numbers go on as they do here"
     )
@@ -271,7 +273,7 @@ def sensitivities(runs: DesignRuns, best: int) -> tuple[Sensitivity, ...]:
     """Return the sensitivities of all settings that have a range, by runs on either side of the best one."""
     plan, row = runs.plan, runs.rows[best]
     place, names, found = plan.place_of(row), plan.evaluation.names, list[Sensitivity]()
-    ranges = [k for k, one in enumerate(plan.variables) if one.is_range]
+    ranges = [k for k, variable in enumerate(plan.variables) if variable.is_range]
     pairs = []
     for k in ranges:
         ends = []
@@ -280,7 +282,7 @@ def sensitivities(runs: DesignRuns, best: int) -> tuple[Sensitivity, ...]:
             moved[k] = min(max(moved[k] + way, 0.0), 1.0)
             ends.append(plan.row_at(moved))
         pairs.append(ends)
-    numbers = runs.of([one for ends in pairs for one in ends])
+    numbers = runs.of([end for ends in pairs for end in ends])
     at_best = runs.of([row])[0]
     for number, (k, ends) in enumerate(zip(ranges, pairs, strict=True)):
         apart = plan.place_of(ends[1])[k] - plan.place_of(ends[0])[k]
@@ -319,7 +321,9 @@ def front(runs: DesignRuns, objectives: Sequence[Objective]) -> list[int]:
     """
     plan, names = runs.plan, runs.plan.evaluation.names
     least = shares_of(plan.goals, names, runs.numbers).min(axis=1, initial=math.inf)
-    values = np.column_stack([one.sign * runs.numbers[:, names.index(one.number)] for one in objectives])
+    values = np.column_stack(
+        [objective.sign * runs.numbers[:, names.index(objective.number)] for objective in objectives]
+    )
     able = _sound(runs, np.flatnonzero((least >= 0.0) & np.isfinite(values).all(axis=1)))
     kept = [run for run in able if not _beaten(values[run], values[able])]
     return sorted(map(int, kept), key=lambda run: float(values[run, 0]))
@@ -365,7 +369,7 @@ class Reach(OfKept):
     goal: Goal
 
     without = declare.computed(declare.word("goal that is given up, as typed", label="without the goal", column=KEY))(
-        lambda one: one.goal.typed
+        lambda reach: reach.goal.typed
     )
     value: float = declare.number(
         OF_NUMBER, "its number at best; none where the others were not met", label="it comes to", column=KEY
@@ -379,7 +383,7 @@ class Reach(OfKept):
     run: DesignRun = declare.part(DesignRun, "where", inline=True)
 
     at = declare.computed(declare.word("where", label="at", column=MORE, in_document=False))(
-        lambda one: one.run.plan.at(one.run.row)
+        lambda reach: reach.run.plan.at(reach.run.row)
     )
 
 
@@ -396,7 +400,7 @@ class Conflict:
     goals: tuple[Goal, ...]
 
     typed = declare.computed(declare.word("the fewest goals that exclude each other", key="goals"))(
-        lambda one: [goal.typed for goal in one.goals]
+        lambda conflict: [goal.typed for goal in conflict.goals]
     )
     reaches: tuple[Reach, ...] = declare.rows(Reach, "what each comes to under the others", key="reachable")
 
@@ -474,20 +478,20 @@ def _distributions(plan: DesignPlan) -> dict[str, Any]:
     from optuna.distributions import CategoricalDistribution, FloatDistribution, IntDistribution
 
     found: dict[str, Any] = {}
-    for one, (low, high) in zip(plan.variables, plan.bounds, strict=True):
-        if one.is_range:
-            found[one.path] = FloatDistribution(low, high)
-        elif one.words:
-            found[one.path] = CategoricalDistribution(range(int(high) + 1))
+    for variable, (low, high) in zip(plan.variables, plan.bounds, strict=True):
+        if variable.is_range:
+            found[variable.path] = FloatDistribution(low, high)
+        elif variable.words:
+            found[variable.path] = CategoricalDistribution(range(int(high) + 1))
         else:
-            found[one.path] = IntDistribution(int(low), int(high))
+            found[variable.path] = IntDistribution(int(low), int(high))
     return found
 
 
 def _judged(runs: DesignRuns, numbers: Array) -> tuple[list[float] | None, dict[str, float]]:
     """Return the objectives of a run, all to be small, if it has them all, and by how much it misses each goal."""
     plan, names = runs.plan, runs.plan.evaluation.names
-    values = [one.sign * float(numbers[names.index(one.number)]) for one in plan.objectives]
+    values = [objective.sign * float(numbers[names.index(objective.number)]) for objective in plan.objectives]
     missed = np.nan_to_num(-shares_of(plan.goals, names, numbers[None])[0], nan=FAR)
     return values if np.isfinite(values).all() else None, {str(k): float(share) for k, share in enumerate(missed)}
 
@@ -523,7 +527,7 @@ def ranking(runs: DesignRuns) -> Merit:
     if plan.search == OPTUNA:
         trade_off_search(runs, salt)
         return weighted_merit(runs, plan.objectives, front(runs, plan.objectives), WEIGHTS[1])
-    merits = [objective_merit(one, plan.goals, names) for one in plan.objectives]
+    merits = [objective_merit(objective, plan.goals, names) for objective in plan.objectives]
     for number, merit in enumerate(merits):
         search(runs, merit, salt=salt + number)
     if len(merits) == 1:
@@ -542,7 +546,7 @@ def weighted_merit(runs: DesignRuns, objectives: tuple[Objective, ...], ends: li
     The first has the weight, the others share the rest (Tchebycheff's norm, which reaches every point of a front).
     """
     names, goals = runs.plan.evaluation.names, runs.plan.goals
-    places = [names.index(one.number) for one in objectives]
+    places = [names.index(objective.number) for objective in objectives]
     signs = np.array([one.sign for one in objectives])
     known = runs.numbers[ends][:, places] * signs
     low, extent = known.min(axis=0), np.ptp(known, axis=0)

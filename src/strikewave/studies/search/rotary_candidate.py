@@ -288,7 +288,7 @@ class SettingsCandidate(MachineCandidate):
     goal: BlowGoal
 
     strikers = declare.computed(declare.count("how many strikers", column=MAIN, tables="ranking", headline="strikers"))(
-        lambda one: round(one.case.values()["machine.strikers"].si)
+        lambda candidate: round(candidate.case.values()["machine.strikers"].si)
     )
 
     speed = _of_case("machine.speed", Quantity("rad/s", "rpm", "speed"), column=MAIN, headline="speed")
@@ -334,7 +334,7 @@ class SettingsCandidate(MachineCandidate):
     verdicts: tuple[ShockVerdict, ...]
     judged_or_none = declare.computed(
         declare.word("of the specification on all blows that struck", key="verdict", optional=True)
-    )(lambda one: one.judged or None)
+    )(lambda candidate: candidate.judged or None)
 
     @declare.computed(
         declare.rows(Clause, "clauses of the specification, each by the blow that it judges worst", optional=True)
@@ -348,7 +348,7 @@ class SettingsCandidate(MachineCandidate):
     @property
     def judged(self) -> str:
         """Verdict of the specification on all blows that struck; empty without one."""
-        return together(one.verdict for one in self.verdicts) if self.verdicts else ""
+        return together(verdict.verdict for verdict in self.verdicts) if self.verdicts else ""
 
     @property
     def relative_misses(self) -> dict[str, float]:
@@ -368,7 +368,7 @@ class SettingsCandidate(MachineCandidate):
     @property
     def not_passed(self) -> list[str]:
         """Clauses of the specification that are not passed, in words."""
-        failed = [one for one in self.clauses or () if one.verdict in (FAIL, CANNOT_TELL)]
+        failed = [clause for clause in self.clauses or () if clause.verdict in (FAIL, CANNOT_TELL)]
         return [f"{one.clause} of blow {one.blow} not passed" for one in failed]
 
     @property

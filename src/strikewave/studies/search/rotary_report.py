@@ -125,7 +125,7 @@ class SearchCommand(StudyCommand[MachineSearch]):
 def leading(candidates: Sequence[Candidate], most: int, kind: Callable[[Candidate], object]) -> list[Candidate]:
     """Return the first of the ranking, and the first of each other kind."""
     first = list({kind(one): one for one in reversed(candidates)}.values())
-    return [one for k, one in enumerate(candidates) if k < most or one in first]
+    return [candidate for k, candidate in enumerate(candidates) if k < most or candidate in first]
 
 
 def picture(study: SettingsStudy) -> Figure:
@@ -155,7 +155,7 @@ def draw_kinds(
 
 def mark_candidates(axes: Any, candidates: Sequence[MachineCandidate], places: Places) -> None:
     """Mark candidates whose runs failed a check."""
-    mark_runs(axes, *places, Verdicts(one.run_verdict for one in candidates))
+    mark_runs(axes, *places, Verdicts(candidate.run_verdict for candidate in candidates))
 
 
 def _misses(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
@@ -163,7 +163,7 @@ def _misses(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
     places = list(range(1, len(candidates) + 1))
     axes.axhspan(-100.0 * WITHIN, 100.0 * WITHIN, color="#EEEEEE", zorder=0, label=f"within {percent(WITHIN, 0)}")
     axes.axhline(0.0, color="#333333", linewidth=0.9)
-    worst = [100.0 * (one.observation.peak.worst / one.goal.peak - 1.0) for one in candidates]
+    worst = [100.0 * (candidate.observation.peak.worst / candidate.goal.peak - 1.0) for candidate in candidates]
     typical = [100.0 * one.observation.misses["peak"] for one in candidates]
     axes.vlines(places, typical, worst, color=BLUE, linewidth=1.0, label="to the worst peak")
     for name, colour, marker in QUANTITIES:
@@ -185,7 +185,7 @@ def _misses(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
 
 def _scatter(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
     """Draw the scatter of the peaks against the largest force of the stop; filled where the goal is met."""
-    counts = sorted({one.strikers for one in candidates})
+    counts = sorted({candidate.strikers for candidate in candidates})
     kinds = {f"{n} striker{'s' if n > 1 else ''}": [one for one in candidates if one.strikers == n] for n in counts}
     draw_kinds(axes, kinds, _places, 5.0)
     axes.plot(*_places(candidates[:1]), "o", color="#333333", markersize=11, fillstyle="none", label="first")
@@ -207,7 +207,7 @@ def _places(candidates: Sequence[SettingsCandidate]) -> Places:
     """Return forces as shown and scatters in %."""
     newton, _ = axis_unit(*FORCE.units)
     return (
-        [max(one.observation.supply.stop_force, 1.0) / newton for one in candidates],
+        [max(candidate.observation.supply.stop_force, 1.0) / newton for candidate in candidates],
         [float(np.fmax(100.0 * one.observation.peak.variation, LEAST)) for one in candidates],
     )
 
