@@ -325,14 +325,7 @@ class TriedChoice:
 
 
 def read_tries(case: Case, word: str) -> list[str]:
-    """Return the changes that are tried, ``path=choice`` each; ``law`` is short for ``contact.law``.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> read_tries(load_case("li-ma-2019"), "law=palmgren,johnson")
-    ['contact.law=palmgren', 'contact.law=johnson']
-    """
+    """Return the changes that are tried, ``path=choice`` each; ``law`` is short for ``contact.law``."""
     path, _, rest = (part.strip() for part in word.partition("="))
     known = {**case.entries(), **case.values()}
     if "." not in path:

@@ -67,11 +67,6 @@ def each_or_none(function: Callable[[Item], Result], items: list[Item]) -> list[
     """Return a result for each item, in their order; None where it could not be computed.
 
     Processes must be able to import the function: it is one of a module, a method, or a partial of such.
-
-    Examples
-    --------
-    >>> each_or_none(abs, [-1, 2])
-    [1, 2]
     """
     kept = _kept.get()
     return _made(function, items) if kept is None else kept.each_or_none(function, items)

@@ -193,13 +193,7 @@ class ReadFit(NamedTuple):
 
 
 def is_fit_file(name: str) -> bool:
-    """Tell whether a name is that of a file of a whole fit: one with a case, or with what only a fit has.
-
-    Examples
-    --------
-    >>> is_fit_file("li-ma-2019"), is_fit_file("nowhere.toml")
-    (False, False)
-    """
+    """Tell whether a name is that of a file of a whole fit: one with a case, or with what only a fit has."""
     if name in bundled_cases() or not name.lower().endswith(".toml") or not os.path.isfile(name):
         return False
     try:

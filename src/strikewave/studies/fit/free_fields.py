@@ -79,14 +79,7 @@ class FreeField:
         return (math.log(si / self.low) if self.log else si - self.low) / self.width
 
     def si(self, place: float) -> float:
-        """Return the value at a place.
-
-        Examples
-        --------
-        >>> field = FreeField("x", Value(si=1.0, typed=1.0), Range("", 0.0), 0.1, 10.0, True)
-        >>> round(field.si(0.5), 12), field.place(10.0)
-        (1.0, 1.0)
-        """
+        """Return the value at a place."""
         value = self.low * math.exp(place * self.width) if self.log else self.low + place * self.width
         return min(max(value, self.low), self.high)
 
@@ -108,14 +101,7 @@ class FreeField:
 
 
 def free_fields(case: Case, words: Sequence[str]) -> tuple[FreeField, ...]:
-    """Return the fields that are free, each ``path`` or ``path=low..high``; those marked fitted where none are named.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> [field.path for field in free_fields(load_case("li-ma-2019"), [])]
-    ['machine.engagement', 'object.frame_stiffness']
-    """
+    """Return the fields that are free, each ``path`` or ``path=low..high``; those marked fitted where none are named."""
     named = list(words) or case.fitted_fields()
     if not named:
         example = "such as --free contact.restitution"
@@ -217,15 +203,7 @@ OF_TRANSIT = re.compile(r"stack\.layer\.(.+)\.(length|density|modulus)")
 
 
 def smooth_case(case: Case, paths: Sequence[str]) -> Case:
-    """Return a case whose run follows these fields smoothly, where there is one: a linear bar by the spectral solver.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> bar = load_case("li-ma-2019-fig13-bar")
-    >>> smooth_case(bar, ["stack.layer.upper.length"]).solver.method, smooth_case(bar, ["load.peak"]).solver.method
-    ('spectral', 'auto')
-    """
+    """Return a case whose run follows these fields smoothly, where there is one: a linear bar by the spectral solver."""
     if case.command != "wave" or case.solver.method != "auto" or not any(map(OF_TRANSIT.fullmatch, paths)):
         return case
     from strikewave.analyses.wave.build import build_load
@@ -238,13 +216,6 @@ def stairs(case: Case, paths: Sequence[str]) -> list[float]:
     """Return by how much each field moves, as a share, until the run of a case feels it; 0 where it does smoothly.
 
     With a step that is stated, that is one step of the transit of its layer; else what the chosen one misses of it.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> bar = load_case("li-ma-2019-fig13-bar", ["solver.method=delay lines", "solver.step=50 ns"])
-    >>> [round(share, 4) for share in stairs(bar, ["stack.layer.upper.length", "load.peak"])]
-    [0.0104, 0.0]
     """
     found = [OF_TRANSIT.fullmatch(path) for path in paths]
     waves = _waves(case) if any(found) else None

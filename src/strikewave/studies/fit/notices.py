@@ -42,14 +42,7 @@ def posterior_notices(posterior: Posterior) -> list[Notice]:
 
 
 def held_notices(case: Case) -> list[Notice]:
-    """Return which values of an earlier fit are held, where the fields are those that the case marks as fitted.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> held_notices(load_case("li-ma-2019", ["machine.engagement=6 mm"]))[0].code
-    'held'
-    """
+    """Return which values of an earlier fit are held, where the fields are those that the case marks as fitted."""
     values = case.values()
     paths = dict.fromkeys(path for fit in case.fit for path in fit.fields if path in values)
     held = [path for path in paths if values[path].provenance != "fitted"]

@@ -111,15 +111,7 @@ def widened(found: Estimate) -> Array:
 
 
 def adjustment(found: Estimate) -> Array:
-    """Return A, with which misfit(best + A (place - best)) has the covariance V of `widened`: A'HA = 1/V, H = J'J.
-
-    Examples
-    --------
-    >>> slopes, none = np.array([[1.0, 0.0], [0.0, 2.0]]), np.zeros((2, 0))
-    >>> covariance, reach = 4.0 * np.linalg.inv(slopes.T @ slopes), np.full(2, NORMAL)
-    >>> adjustment(Estimate(np.ones(2), np.zeros(2), slopes, covariance, none, reach)).round(12).tolist()
-    [[0.5, 0.0], [0.0, 0.5]]
-    """
+    """Return A, with which misfit(best + A (place - best)) has the covariance V of `widened`: A'HA = 1/V, H = J'J."""
     size = found.place.size
     lost = found.undetermined @ found.undetermined.T
     values, vectors = np.linalg.eigh(np.eye(size) - lost)
@@ -148,19 +140,7 @@ def _log_likelihood(residuals: Residuals, best: Array, misfit: float, adjusted: 
 def sample(
     residuals: Residuals, found: Estimate, advance: Callable[[int, float], None] | None = None, seed: int = SEED
 ) -> Posterior | None:
-    """Sample the posterior until chains are long enough; Ctrl-C keeps what there is, None where that is nothing.
-
-    Parameters
-    ----------
-    residuals : callable
-        Takes a place of the unit cube.
-    found : Estimate
-        Estimate of the fit.
-    advance : callable, optional
-        Called with the number of runs so far, and the misfit of the fit.
-    seed : int, optional
-        Random seed of the chains.
-    """
+    """Sample the posterior until chains are long enough; Ctrl-C keeps what there is, None where that is nothing."""
     import emcee
 
     likelihood, size, runs = log_likelihood(residuals, found), found.place.size, 0

@@ -53,14 +53,7 @@ class FastRun(Simulation):
 
 
 def runs_fast(case: Case) -> bool:
-    """Tell whether the fast run is that of this case: a machine with a drive, and an object that is no stack.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> runs_fast(load_case("li-ma-2019")), runs_fast(load_case("jesd22-b111-b"))
-    (True, False)
-    """
+    """Tell whether the fast run is that of this case: a machine with a drive, and an object that is no stack."""
     return case.command == "run" and case.launched() is None and not case.stack.layer
 
 

@@ -304,13 +304,6 @@ def speed_notices(problem: Problem, runs: Sequence[Simulation]) -> Iterator[Noti
 
     Two bodies that are free and stay together leave the object with ``v M/(M + m)`` of the speed v at which they meet,
     M the mass of the striker or base and m that of the object; whatever is given back adds to it.
-
-    Parameters
-    ----------
-    problem : Problem
-        Problem of the fit.
-    runs : sequence of Simulation
-        Runs of each experiment, at the fitted values.
     """
     for experiment, run in zip(problem.experiments, runs, strict=True):
         least = _least_change(run) if run.case.command == "run" and run.case.launched() else None
@@ -357,19 +350,7 @@ class FittedTo(NamedTuple):
 
 
 def fitted_case(case: Case, fields: Sequence[FreeField], found: Estimate, to: FittedTo) -> Case:
-    """Return a case with fitted values, and how well they are known; what is not determined is assumed.
-
-    Parameters
-    ----------
-    case : Case
-        Case that was fitted.
-    fields : sequence of FreeField
-        The free fields.
-    found : Estimate
-        Where they ended.
-    to : FittedTo
-        Data that they were fitted to.
-    """
+    """Return a case with fitted values, and how well they are known; what is not determined is assumed."""
     values, errors = dict[str, Value](), dict[str, str | float]()
     determined = [k for k, error in enumerate(found.errors) if np.isfinite(error) and error > 0.0]
     for k, (field, place) in enumerate(zip(fields, found.place, strict=True)):

@@ -94,16 +94,7 @@ def target_words(words: Sequence[str]) -> list[str]:
 
 
 def parse_target(word: str, case: Case) -> Target:
-    """Take a target apart; a file that is called so is a record.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> parse_target("sensor=shot.csv#2; machine.speed=500 rpm", load_case("li-ma-2019"))
-    Target(left='sensor', right='shot.csv#2', changes=('machine.speed=500 rpm',), is_number=False, scatter=0.0)
-    >>> parse_target("shot.csv +- 2 %", load_case("li-ma-2019")).scatter
-    0.02
-    """
+    """Take a target apart; a file that is called so is a record."""
     first, *rest = (part.strip() for part in word.split(";")) if not os.path.lexists(word) else (word,)
     for change in rest:
         if not _SETTING.fullmatch(change):
@@ -139,15 +130,7 @@ def published_targets(case: Case) -> list[Target]:
 
 
 def read_number(case: Case, target: Target) -> MeasuredNumber:
-    """Return a number with its standard uncertainty; without one, half its last digit, 1 % at least, 10 % at most.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> case = load_case("li-ma-2019")
-    >>> round(read_number(case, Target("first.width", "200 us +- 4 us", is_number=True)).uncertainty * 1e6, 9)
-    4.0
-    """
+    """Return a number with its standard uncertainty; without one, half its last digit, 1 % at least, 10 % at most."""
     name, sensor, allowed, of_field = _named(case, target)
     typed, *uncertain = PLUS_MINUS.split(target.right, maxsplit=1)
     option = f"--to {target.left}"

@@ -414,19 +414,7 @@ def _reach_words(study: DesignStudy, reach: Reach, stated: tuple[Goal, ...]) -> 
 def make_design(
     plan: DesignPlan, store: RunStore, pool: Pool | None = None, advance: Advance | None = None
 ) -> DesignStudy:
-    """Search for settings, rank and verify them; where none meets all goals, find out which exclude each other.
-
-    Parameters
-    ----------
-    plan : DesignPlan
-        Plan of the design.
-    store : RunStore
-        Finished runs.
-    pool : Pool, optional
-        Who runs the others; this process where it is left out.
-    advance : callable, optional
-        Called as runs come back.
-    """
+    """Search for settings, rank and verify them; where none meets all goals, find out which exclude each other."""
     with ProcessPool(1) if pool is None else pool as open_pool:
         runs = DesignRuns(plan, store, open_pool, advance)
         conflict = None if goals_met(runs) else conflict_of(runs)

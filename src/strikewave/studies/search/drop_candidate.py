@@ -50,15 +50,7 @@ class DropGoal:
 
     @property
     def words(self) -> str:
-        """It in words.
-
-        Examples
-        --------
-        >>> from strikewave.specifications.reading import load_specification
-        >>> specification = load_specification("jesd22-b110:B")
-        >>> DropGoal(specification, specification.pulse_limits(), 2.0).words
-        'a half-sine of 1500 g and 0.5 ms by jesd22-b110:B'
-        """
+        """It in words."""
         peak, duration = amount(PEAK, self.pulse.peak), amount(WIDTH, self.pulse.duration)
         return f"a half-sine of {peak} and {duration} by {self.specification.asked}".replace("\xa0", " ")
 

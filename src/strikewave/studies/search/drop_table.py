@@ -177,13 +177,7 @@ class DropDesign:
 
     @cached_property
     def template(self) -> Case:
-        """The case of the machine with the programmer, of which size and height are put in.
-
-        Raises
-        ------
-        InputErrors
-            If the programmer has a property that no case may have.
-        """
+        """The case of the machine with the programmer, of which size and height are put in."""
         document, limits = document_of(self.case), self.goal.limits
         for table in ("fit", "published", "compare"):
             document.pop(table, None)
@@ -259,13 +253,7 @@ class DropDesign:
         return f"the {size} stands at the {ends[0]} that is sought" if ends else ""
 
     def run(self, settings: Array) -> FoundPulse:
-        """Run the case at settings, and return what a sensor on its table reads.
-
-        Raises
-        ------
-        StrikewaveError, ValueError
-            If it does not fit together, cannot be followed, or the table is not struck.
-        """
+        """Run the case at settings, and return what a sensor on its table reads."""
         case = self.case_at(settings)
         run = run_machine(build_machine(case), case.solver.tolerance.si)
         train = blows(run)
@@ -474,17 +462,7 @@ def design_drop_table(
     pool: Pool | None = None,
     advance: Advance | None = None,
 ) -> DropStudy:
-    """Return designs of a drop table for a specification, ranked; see `drop_table`.
-
-    Parameters
-    ----------
-    case : Case
-        Case that gives all that is not chosen.
-    goal, choice
-        What the pulse shall be, and what may be chosen.
-    store, pool, advance
-        Searches that were finished; who makes the others, this process without one; what is called as they come back.
-    """
+    """Return designs of a drop table for a specification, ranked; see `drop_table`."""
     choice = choice or DropChoices()
     check_drop(case, goal, choice)
     note = f"chosen by strikewave settings for {goal.words}"

@@ -192,17 +192,6 @@ def search(runs: DesignRuns, merit: Merit, enough: float = -np.inf, salt: int = 
     runs, Gaussian processes say where.
 
     Source: ``storn-price-1997``.
-
-    Parameters
-    ----------
-    runs : DesignRuns
-        Finished runs; new runs are added.
-    merit : callable
-        Merit to be made small.
-    enough : float, optional
-        Merit at which it ends.
-    salt : int, optional
-        Tells the random numbers of several searches apart.
     """
     if runs.plan.by_surrogate:
         surrogate_search(runs, merit, enough, salt)
@@ -259,19 +248,7 @@ def _first_generation(runs: DesignRuns, merit: Merit, salt: int) -> Array:
 
 
 def refine(runs: DesignRuns, merit: Merit, enough: float, most: int) -> None:
-    """Go on from the best run while a better one is found, or until so many runs are made.
-
-    Parameters
-    ----------
-    runs : DesignRuns
-        Finished runs; new runs are added.
-    merit : callable
-        Merit to be made small.
-    enough : float
-        Merit at which it ends.
-    most : int
-        Number of runs, with those before, that are not exceeded.
-    """
+    """Go on from the best run while a better one is found, or until so many runs are made."""
     plan = runs.plan
     free = [k for k, whole in enumerate(plan.whole) if not whole]
     width = WIDEST

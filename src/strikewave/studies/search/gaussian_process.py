@@ -28,13 +28,7 @@ NUGGET = 1e-8
 
 
 def correlations(one: Array, other: Array, lengths: Array) -> Array:
-    """Return the correlations of places, shapes (m, d) and (n, d), as (m, n).
-
-    Examples
-    --------
-    >>> correlations(np.zeros((1, 1)), np.array([[0.0], [1.0]]), np.ones(1)).round(3)
-    array([[1.   , 0.524]])
-    """
+    """Return the correlations of places, shapes (m, d) and (n, d), as (m, n)."""
     apart = (one[:, None, :] - other[None, :, :]) / lengths
     r = np.sqrt(5.0 * np.sum(apart**2, axis=2))
     return np.asarray((1.0 + r + r**2 / 3.0) * np.exp(-r))
@@ -110,15 +104,7 @@ class GaussianProcess:
 
 
 def fitted_process(places: Array, values: Array) -> GaussianProcess:
-    """Return the process of the most likely lengths.
-
-    Examples
-    --------
-    >>> places = np.linspace(0.0, 1.0, 7)[:, None]
-    >>> process = fitted_process(places, np.sin(3.0 * places[:, 0]))
-    >>> bool(abs(process.at(np.array([[0.42]]))[0][0] - np.sin(1.26)) < 1e-3)
-    True
-    """
+    """Return the process of the most likely lengths."""
     from scipy.optimize import minimize
 
     size = places.shape[1]

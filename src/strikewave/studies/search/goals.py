@@ -93,11 +93,6 @@ class Goal:
 
         It is what clauses of specifications have as theirs. A run without the number has none: NaN. That of a check
         that passes is infinite.
-
-        Examples
-        --------
-        >>> Goal("cv < 4 %", "cv", -math.inf, 0.04).share(np.array([0.01, 0.04, 0.06])).round(9).tolist()
-        [0.75, 0.0, -0.5]
         """
         margins = np.asarray(np.minimum(values - self.low, self.high - values) / self.scale)
         return np.where(margins > 0.0, math.inf, margins) if self.is_check else margins
@@ -115,17 +110,7 @@ Aim = Goal | Objective
 
 
 def read_aim(case: Case, analysis: str, text: str, field: str = "goals") -> Aim:
-    """Read a goal or an objective.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> case = load_case("li-ma-2019")
-    >>> read_aim(case, "run", "first.width = 200 us +- 10 %").high
-    0.00022
-    >>> read_aim(case, "fast", "cv smallest")
-    Objective(typed='cv smallest', number='cv', sign=1.0)
-    """
+    """Read a goal or an objective."""
     typed = " ".join(text.split())
     if found := _PASSES.fullmatch(typed):
         _needs_history(case, analysis, typed, field)
@@ -142,14 +127,7 @@ def read_aim(case: Case, analysis: str, text: str, field: str = "goals") -> Aim:
 
 
 def checks_of(case: Case, analysis: str) -> tuple[Goal, ...]:
-    """Return the checks of a run that a setting must pass beside the goals: that no pad is pressed solid.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> [one.typed for one in checks_of(load_case("iec-60068-2-27-rubber"), "run")]
-    ['check cushion-solid: pressed < 100 %']
-    """
+    """Return the checks of a run that a setting must pass beside the goals: that no pad is pressed solid."""
     if analysis != "run" or case.contact is None or case.contact.law != CUSHION:
         return ()
     limit = f"{100.0 * LARGEST_STRAIN:g} %"

@@ -78,13 +78,7 @@ OWN_UNIT = "its unit"
 
 
 def chosen(path: str, value: float, note: str) -> Value:
-    """Return a chosen value of a case, rounded to `DIGITS`.
-
-    Examples
-    --------
-    >>> chosen("machine.engagement", 0.00512345678, "by hand").typed
-    '5.123 mm'
-    """
+    """Return a chosen value of a case, rounded to `DIGITS`."""
     allowed = FORM.range_at(path.split("."))
     assert allowed is not None
     unit = "MN/m" if allowed.unit == "N/m" and value >= STIFF else UNITS.get(allowed.unit, "")

@@ -339,17 +339,7 @@ class DesignRequest(NamedTuple):
 
 
 def load_design(path: str | Path, changes: Sequence[str] = (), **options: int | None) -> DesignRequest:
-    """Read a file of a design.
-
-    Parameters
-    ----------
-    path : str or Path
-        The file; its case lies beside it, or is a built-in one.
-    changes : sequence of str, optional
-        Changes of the case, after those of the file.
-    **options
-        ``runs``, ``seed`` and ``robust``, which take the place of those of the file where they are not None.
-    """
+    """Read a file of a design."""
     path = Path(path)
     file = read_study(path, FORM, ALLOWED)
     place = case_place(file.case, path.parent)

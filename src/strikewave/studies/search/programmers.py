@@ -95,15 +95,7 @@ class Programmer:
         return self.given.get("restitution", "1")
 
     def contact_table(self, diameter: float | None, slowest: Any) -> dict[str, Any]:
-        """Return the table [contact] of a case with it; its size is put in by the search.
-
-        Parameters
-        ----------
-        diameter : float or None
-            Diameter of a pad, m.
-        slowest : any
-            ``slowest_approach`` of the case.
-        """
+        """Return the table [contact] of a case with it; its size is put in by the search."""
         size = {"value": f"{(diameter or 0.0) * 1e3:.10g} mm", "provenance": "assumed", "note": "one of those tried"}
         if self.table is not None:
             pad = {key: value for key, value in self.table["cushion"].items() if key != "area"}
@@ -145,18 +137,7 @@ def pad_of_case(case: Case) -> Programmer | None:
 
 
 def read_programmer(word: str, own: bool = False, field: str = "--programmer") -> Programmer:
-    """Read a programmer: a name, then what is given of it.
-
-    Examples
-    --------
-    >>> read_programmer("natural rubber 65 IRHD, restitution=0.8").law
-    'elastomer'
-    >>> read_programmer("felt, exponent=2.5")
-    Traceback (most recent call last):
-        ...
-    strikewave.base.errors.InputError: --programmer: got "felt, exponent=2.5"; allowed: stress, retardation besides; \
-such as "felt, stress=20 MPa, exponent=2.5, retardation=20 us"
-    """
+    """Read a programmer: a name, then what is given of it."""
     name, *parts = (part.strip() for part in word.split(","))
     known = [LINEAR, *(law for law in cushion_laws() if law not in (LINEAR, "crush")), *cushion_materials()]
     if name not in known:
@@ -199,12 +180,6 @@ def power_estimate(peak: float, width: float, level: float, exponent: float, res
     and d = v W/(2 J). With loss the same velocity change (1 + e) v takes 2/(1 + e) of that speed.
 
     For n = 1 this is v = A T/pi and d = A (T/pi)^2 of a half-sine of the duration T.
-
-    Examples
-    --------
-    >>> speed, depth = power_estimate(14709.975, 0.5e-3, 0.0, 1.0, 1.0)
-    >>> round(speed, 4), round(depth * 1e3, 4)
-    (2.3412, 0.3726)
     """
     p = exponent + 1.0
     whole = float(beta(1.0 / p, 0.5)) / p

@@ -442,13 +442,6 @@ def trade_off_search(runs: DesignRuns, salt: int) -> None:
     """Search for the front of all objectives; what is run is added to the runs.
 
     Source: ``ozaki-2022``.
-
-    Parameters
-    ----------
-    runs : DesignRuns
-        Finished runs, from which the search begins.
-    salt : int
-        Tells the random numbers of several searches apart.
     """
     import optuna
 

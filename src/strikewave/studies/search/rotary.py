@@ -305,13 +305,7 @@ class RotaryDesign:
         return self.case.with_values(self.changes(settings))
 
     def run(self, case: Case, tolerance: float) -> BlowsRun:
-        """Run a case, and return its blows.
-
-        Raises
-        ------
-        StrikewaveError, ValueError
-            If it does not fit together, cannot be followed, or no striker touches the object.
-        """
+        """Run a case, and return its blows."""
         run = run_machine(build_machine(case), tolerance)
         train = blows(run)
         observation = observe_blows(run, train, self.goal)
@@ -550,16 +544,7 @@ def least_width(case: Case, goal: BlowGoal, choice: SettingsChoices) -> float:
 
 
 def check_changes(changes: Sequence[str], vary: str) -> None:
-    """Refuse a change (``path=value``) of a field that is chosen here.
-
-    Examples
-    --------
-    >>> check_changes(["machine.speed=700 rpm"], "frame")
-    Traceback (most recent call last):
-        ...
-    strikewave.base.errors.InputError: machine.speed: got "700 rpm"; allowed: no --set of it: it is chosen, with the \
-strikers by --interval; leave it out, or ask for another --interval
-    """
+    """Refuse a change (``path=value``) of a field that is chosen here."""
     chosen_here = {
         "machine.speed": (", with the strikers by --interval", "leave it out, or ask for another --interval"),
         "machine.engagement": (", by --peak", "leave it out, or ask for another --peak"),
@@ -665,17 +650,7 @@ def design_settings(
     pool: Pool | None = None,
     advance: Advance | None = None,
 ) -> SettingsStudy:
-    """Return settings of a machine for blows of a peak and a width at an interval, ranked; see `settings`.
-
-    Parameters
-    ----------
-    case : Case
-        Case that gives all that is not chosen.
-    goal, choice
-        What the blows shall be, and what may be chosen.
-    store, pool, advance
-        Searches that were finished; who makes the others, this process without one; what is called as they come back.
-    """
+    """Return settings of a machine for blows of a peak and a width at an interval, ranked; see `settings`."""
     choice = choice or SettingsChoices()
     check_goal(case, goal, choice)
     numbers, left_out = sensible_strikers(case, goal, choice)

@@ -80,14 +80,7 @@ class BlowGoal:
 
     @property
     def words(self) -> str:
-        """It in words.
-
-        Examples
-        --------
-        >>> from strikewave.base.constants import Material, material
-        >>> BlowGoal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")).words
-        'blows of 4000 g and 200 us every 20 ms'
-        """
+        """It in words."""
         pulse = f"{self.peak / STANDARD_GRAVITY:.6g} g and {self.width * 1e6:.6g} us"
         by = "" if self.specification is None else f", by {self.specification.asked}"
         return f"blows of {pulse} every {self.interval * 1e3:.6g} ms{by}"
@@ -99,14 +92,7 @@ class BlowGoal:
 
     @property
     def name(self) -> str:
-        """Name of the case and of the folder.
-
-        Examples
-        --------
-        >>> from strikewave.base.constants import Material, material
-        >>> BlowGoal(0.02, 4000 * 9.80665, 200e-6, material("45 steel")).name
-        'settings-20ms-4000g-200us'
-        """
+        """Name of the case and of the folder."""
         peak, width = f"{self.peak / STANDARD_GRAVITY:.6g}g", f"{self.width * 1e6:.6g}us"
         return f"settings-{self.interval * 1e3:.6g}ms-{peak}-{width}"
 

@@ -27,14 +27,7 @@ ROUNDING = 1e-12
 
 
 def turntable_speed(strikers: int, interval: float) -> float:
-    """Return the speed at which N strikers pass at an interval T (s), w = 2 pi/(N T), rad/s. Source: Li & Ma 2019.
-
-    Examples
-    --------
-    >>> import math
-    >>> round(turntable_speed(4, 0.020) * 30.0 / math.pi, 6)
-    750.0
-    """
+    """Return the speed at which N strikers pass at an interval T (s), w = 2 pi/(N T), rad/s. Source: Li & Ma 2019."""
     return 2.0 * math.pi / (strikers * interval)
 
 
@@ -42,23 +35,12 @@ def pulse_velocity_change(peak: float, width: float) -> float:
     """Return the velocity change of a half-sine, (2/pi) A w/0.9362, m/s.
 
     ``peak`` A (m/s^2), ``width`` w (s) at 10 % of the peak, which is 1 - (2/pi) asin 0.1 of the whole duration.
-
-    Examples
-    --------
-    >>> round(pulse_velocity_change(40709.86, 200e-6), 3)
-    5.536
     """
     return 2.0 / math.pi * peak * width / HALF_SINE_WIDTH
 
 
 def approach_speed(velocity_change: float, restitution: float) -> float:
-    """Return the speed at which a wall strikes an object at rest for a velocity change, v = dv/(1 + e), m/s.
-
-    Examples
-    --------
-    >>> approach_speed(5.1, 0.7)
-    3.0
-    """
+    """Return the speed at which a wall strikes an object at rest for a velocity change, v = dv/(1 + e), m/s."""
     return velocity_change / (1.0 + restitution)
 
 
@@ -66,11 +48,6 @@ def approach_at(engagement: float, speed: float, radius: float) -> float:
     """Return the speed at which noses meet a face at rest, v = w sqrt(2 R q - q^2), m/s.
 
     ``engagement`` q and ``radius`` R (m), turntable's ``speed`` w (rad/s). Source: docs/machines.md.
-
-    Examples
-    --------
-    >>> round(approach_at(5.5e-3, 76.445, 0.2), 3)
-    3.561
     """
     return speed * math.sqrt(engagement * (2.0 * radius - engagement))
 
@@ -79,11 +56,6 @@ def engagement(approach: float, speed: float, radius: float) -> float:
     """Return the engagement at which noses meet the face at a speed, q = R - sqrt(R^2 - (v/w)^2), m.
 
     The inverse of `approach_at`. ``approach`` v (m/s), turntable's ``speed`` w (rad/s), ``radius`` R (m).
-
-    Examples
-    --------
-    >>> round(engagement(3.0, 75.0, 0.2) * 1e3, 3)
-    4.041
     """
     reach = approach / speed
     if reach > radius:
@@ -95,11 +67,6 @@ def largest_engagement(strikers: int, radius: float, stroke: float) -> float:
     """Return the largest engagement that a machine allows, m: half a pitch before the apex, and what the stroke clears.
 
     q = min(R (1 - cos(min(pi/2, pi/N))), s/1.25).
-
-    Examples
-    --------
-    >>> round(largest_engagement(4, 0.2, 0.02) * 1e3, 6)
-    16.0
     """
     return min(radius * (1.0 - math.cos(min(0.5 * math.pi, math.pi / strikers))), stroke / CLEARANCE)
 
@@ -108,11 +75,6 @@ def width_stiffness(width: float, mass: float, in_series: float = math.inf) -> f
     """Return the stiffness that gives a mass a half-sine of a width, N/m; infinite where the other spring is too soft.
 
     k = m (0.9362 pi/w)^2, w at 10 % of the peak; with another spring k2 in series 1/(1/k - 1/k2).
-
-    Examples
-    --------
-    >>> round(width_stiffness(200e-6, 0.459) / 1e6, 1)
-    99.3
     """
     k = mass * (math.pi * HALF_SINE_WIDTH / width) ** 2
     return k / (1.0 - k / in_series) if k < in_series else math.inf
@@ -122,11 +84,6 @@ def engagement_sensitivity(engagement: float, radius: float) -> float:
     """Return the relative change of the approach speed with the engagement, (R - q)/(2 R q - q^2), 1/m.
 
     Peaks follow it: what a misplaced object costs.
-
-    Examples
-    --------
-    >>> round(engagement_sensitivity(5e-3, 0.2) * 1e-4, 4)
-    0.0099
     """
     return (radius - engagement) / (engagement * (2.0 * radius - engagement))
 
@@ -136,11 +93,6 @@ def passage_time(engagement: float, speed: float, radius: float) -> float:
 
     An object that is back sooner is hit by the same nose again. ``engagement`` q and ``radius`` R (m), ``speed`` w
     (rad/s).
-
-    Examples
-    --------
-    >>> round(passage_time(0.2, 10.0, 0.2) * 10.0 / math.pi, 9)
-    1.0
     """
     return 2.0 * math.acos(1.0 - engagement / radius) / speed
 
@@ -167,13 +119,6 @@ def return_arc(support: Support, mass: float, speed: float, weight: float = 0.0)
     m x'' + c x' + k x + F = 0 with x(0) = 0, x'(0) = u and F = preload - weight (N): with y = x + F/k,
     D = c/2m and L = sqrt(D^2 - k/m) it is y = (F/k) (cosh Lt + (D/L) sinh Lt) e^-Dt + (u/L) e^-Dt sinh Lt, L imaginary
     below critical damping. Without damper it returns after (2/W) atan(u m W/F), W = sqrt(k/m). ``mass`` in kg.
-
-    Examples
-    --------
-    >>> import math
-    >>> arc = return_arc(Support(1.0, 1.0, 0.0), 1.0, 1.0)
-    >>> round(arc.time / math.pi, 6), round(arc.speed, 6), round(arc.largest_displacement, 6)
-    (0.5, 1.0, 0.414214)
     """
     force, k = support.preload - weight, support.spring
     if not force > 0.0:
@@ -210,11 +155,6 @@ def settling_time(support: Support, mass: float, speed: float, restitution: floa
 
     It leaves at ``speed`` u (m/s), comes back, leaves again at e times the speed of the return, and so on, until that
     is below 1 % of u. How long it is on the stop is left out; the full run has it.
-
-    Examples
-    --------
-    >>> round(settling_time(Support(40e3, 400.0, 20.0), 0.459, 5.0, 0.5) * 1e3, 2)
-    15.53
     """
     time, leaving = 0.0, speed
     for _ in range(MOST_BOUNCES):
@@ -233,12 +173,6 @@ def support_for(
     With F = P m u W and c = 2 Z m W, W = sqrt(k/m), the product of W and the time of return depends on
     ``preload_ratio`` P and ``damping_ratio`` Z alone. ``speed`` u (m/s) is that after the blow, ``weight`` (N) is added
     to the preload.
-
-    Examples
-    --------
-    >>> import math
-    >>> print(*(round(x, 9) for x in support_for(math.pi / 2, 1.0, 1.0, 1.0, 0.0)))
-    1.0 1.0 0.0
     """
     unit = return_arc(Support(1.0, preload_ratio, 2.0 * damping_ratio), 1.0, 1.0)
     w = unit.time / time
@@ -246,13 +180,7 @@ def support_for(
 
 
 def cleared_way(share: float) -> float:
-    """Return the way of the cycloidal feed after a share u of its time, over the stroke: u - sin(2 pi u)/(2 pi).
-
-    Examples
-    --------
-    >>> cleared_way(0.5)
-    0.5
-    """
+    """Return the way of the cycloidal feed after a share u of its time, over the stroke: u - sin(2 pi u)/(2 pi)."""
     u = min(max(share, 0.0), 1.0)
     return u - math.sin(2.0 * math.pi * u) / (2.0 * math.pi)
 
@@ -261,11 +189,6 @@ def feed_time(available: float, engagement: float, stroke: float) -> float:
     """Return the longest time of a stroke whose last (or first) ``available`` seconds clear the strikers, s.
 
     In that time the carriage makes 1.25 times the engagement of its stroke (m).
-
-    Examples
-    --------
-    >>> round(feed_time(0.015, 5.5e-3, 20e-3) * 1e3, 2)
-    35.7
     """
     wanted = CLEARANCE * engagement / stroke
     if wanted > 1.0 + ROUNDING or available <= 0.0:
@@ -278,12 +201,6 @@ def disc_stress(disc: Material, speed: float, radius: float) -> float:
 
     Radial and hoop stress are equal there. ``speed`` w (rad/s), ``radius`` R (m). Range: thin, elastic, no bore (a
     small one doubles the stress at its edge), no masses on the rim. Source: Timoshenko & Goodier 1970.
-
-    Examples
-    --------
-    >>> from strikewave.base.constants import material
-    >>> round(disc_stress(material("45 steel"), 78.54, 0.2) / 1e6, 2)
-    0.8
     """
     return (3.0 + disc.poissons_ratio) / 8.0 * disc.density * (speed * radius) ** 2
 
@@ -292,11 +209,5 @@ def rim_speed_at_yield(disc: Material, strength: float) -> float:
     """Return the rim speed at which a uniform solid disc first yields, sqrt(8 s_y/((3 + nu) rho)), m/s.
 
     Source: as `disc_stress`; the two equal stresses at the centre reach the yield strength s_y (Pa) by von Mises too.
-
-    Examples
-    --------
-    >>> from strikewave.base.constants import material
-    >>> round(rim_speed_at_yield(material("45 steel"), 355e6))
-    331
     """
     return math.sqrt(8.0 * strength / ((3.0 + disc.poissons_ratio) * disc.density))
