@@ -20,8 +20,7 @@ from strikewave.studies.engine.case_evaluation import CaseEvaluation
 from strikewave.studies.engine.evaluation import RunOutcome
 from strikewave.studies.engine.store import INDEX, RunStore
 from strikewave.studies.map.cells import judged_cell
-from strikewave.studies.search.drop_candidate import DropGoal
-from strikewave.studies.search.drop_table import DropChoices, design_drop_table
+from strikewave.studies.search.drop_table import DropChoices, DropGoal, design_drop_table
 from strikewave.studies.search.programmers import read_programmer
 from strikewave.studies.simulation import Simulation
 

@@ -88,7 +88,7 @@ def test_a_file_asks_what_the_command_line_asks(whole, strikewave, monkeypatch):
         asked.append((case, request))
         raise InputError("stop", "here", "no run")
 
-    monkeypatch.setattr("strikewave.studies.fit.screen.requested", ask)
+    monkeypatch.setattr("strikewave.studies.fit.report.requested", ask)
     record = str(whole.parent / "shots" / "a.csv")
     for words in ([str(whole)], [word.format(record) for word in TYPED]):
         assert strikewave("fit", *words, "--json")[0] == 2

@@ -11,7 +11,7 @@ from strikewave import load_case
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
-from strikewave.studies.fit import estimation, screen, study
+from strikewave.studies.fit import estimation, report, study
 from strikewave.studies.fit.checking import TriedChoice
 from strikewave.studies.fit.covariance import Estimate
 from strikewave.studies.fit.estimation import KeptResults, ProfileEnds, _read, _text
@@ -237,23 +237,23 @@ def test_a_posterior_is_asked_for_in_the_file_or_beside_it(monkeypatch, tmp_path
     path = tmp_path / "a.toml"
     path.write_text("")
     read = SimpleNamespace(path=path, request=FitRequest(bayes=stated), case=CASE)
-    monkeypatch.setattr(screen, "load_fit", lambda path, changes: read)
-    monkeypatch.setattr(screen, "_run", lambda case, request, *words: request.bayes)
+    monkeypatch.setattr(report, "load_fit", lambda path, changes: read)
+    monkeypatch.setattr(report, "_run", lambda case, request, *words: request.bayes)
     output = SimpleNamespace(tested=lambda case: case)
-    assert screen.run_fit_file(str(path), (), output, None, None, asked) == sampled
+    assert report.run_fit_file(str(path), (), output, None, None, asked) == sampled
 
 
 def test_records_are_named_as_sources_and_numbers_are_not(monkeypatch, tmp_path):
     kept = []
     (tmp_path / "a.csv").write_text("")
     monkeypatch.setattr(
-        screen.measured, "source_of", lambda name, case, paths, test: kept.append(paths) or SimpleNamespace(text="")
+        report.measured, "source_of", lambda name, case, paths, test: kept.append(paths) or SimpleNamespace(text="")
     )
-    monkeypatch.setattr(screen, "run_and_write", lambda command, output, usual, text: usual)
+    monkeypatch.setattr(report, "run_and_write", lambda command, output, usual, text: usual)
     output = SimpleNamespace(writes=lambda usual: True, stated_test=lambda: None)
     request = FitRequest((f"{tmp_path}/a.csv", "first.width=1 ms"), check_on=(f"{tmp_path}/a.csv",))
     running = SimpleNamespace(store=None, fresh=False)
-    assert screen._run(CASE, request, output, "usual", None, running, [tmp_path / "b"]) == "usual"
+    assert report._run(CASE, request, output, "usual", None, running, [tmp_path / "b"]) == "usual"
     assert kept == [[tmp_path / "b", tmp_path / "a.csv"]]
 
 

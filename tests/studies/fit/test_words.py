@@ -10,15 +10,22 @@ from strikewave.base.quantities import Value
 from strikewave.base.result import Verdicts
 from strikewave.reporting.faces import columns_of
 from strikewave.reporting.numbers import ShownUnits, showing
-from strikewave.studies.fit import report, screen
+from strikewave.studies.fit import report
 from strikewave.studies.fit.checking import Checks, PredictedFigure, TriedChoice
 from strikewave.studies.fit.covariance import Excess
 from strikewave.studies.fit.free_fields import free_fields
-from strikewave.studies.fit.notices import fit_notices, held_notices, posterior_notices
 from strikewave.studies.fit.posterior import Posterior
 from strikewave.studies.fit.problem import Misfit
 from strikewave.studies.fit.report import check_words, correlation_table, fit_words, residual_rows
-from strikewave.studies.fit.result import FittedParameter, MisfitOfRun, combination_words, separating_words
+from strikewave.studies.fit.result import (
+    FittedParameter,
+    MisfitOfRun,
+    combination_words,
+    fit_notices,
+    held_notices,
+    posterior_notices,
+    separating_words,
+)
 from strikewave.studies.fit.solving import SeparatingNumber
 
 from .closed_runs import CASE, FORCE, HEIGHT, LOSS, number
@@ -326,13 +333,13 @@ def test_a_report_has_a_correlation_of_two_values_and_says_of_which_records_pict
 @pytest.mark.parametrize(("count", "told"), [(20, 0), (21, 1)])
 def test_the_screen_lists_twenty_residuals_and_the_correlation_of_several_values(monkeypatch, count, told):
     printed, said = {}, []
-    monkeypatch.setattr(screen, "print_rows", lambda title, columns: printed.update({title: columns[0].values}))
-    monkeypatch.setattr(screen, "report_table", lambda table: printed.update({table.caption: table.rows}))
-    monkeypatch.setattr(screen, "tell", said.append)
+    monkeypatch.setattr(report, "print_rows", lambda title, columns: printed.update({title: columns[0].values}))
+    monkeypatch.setattr(report, "report_table", lambda table: printed.update({table.caption: table.rows}))
+    monkeypatch.setattr(report, "tell", said.append)
     study = study_of((FORCE,))
     study.solved.misfits = [misfit(str(k), float(k), 0.1) for k in range(count)]
     study.verdicts_of_measured = lambda: [""] * count
-    command = screen.FitCommand(CASE, None, None, None, place=None, fresh=False)
+    command = report.FitCommand(CASE, None, None, None, place=None, fresh=False)
     command.show(study)
     assert list(printed) == ["Fitted values", "Residuals"]
     assert list(printed["Residuals"]) == [str(k) for k in range(count)][::-1][:20]
@@ -361,13 +368,13 @@ def test_the_bar_of_a_fit_is_full_after_sixty_runs_a_value_and_five_thousand_of_
     def asked(case, request, advance, pool, store):
         advance(30, 12.3456)
         advance(10**6, 1.0)
-        return screen.FitRequest()  # any dataclass with an origin would do
+        return report.FitRequest()  # any dataclass with an origin would do
 
-    monkeypatch.setattr(screen, "progress_bar", lambda title: Bar())
-    monkeypatch.setattr(screen, "requested", asked)
-    monkeypatch.setattr(screen.dataclasses, "replace", lambda study, **more: study)
+    monkeypatch.setattr(report, "progress_bar", lambda title: Bar())
+    monkeypatch.setattr(report, "requested", asked)
+    monkeypatch.setattr(report.dataclasses, "replace", lambda study, **more: study)
     request = SimpleNamespace(free=free, bayes=bayes)
-    screen.FitCommand(CASE, request, None, None, place=None, fresh=False).solved(None)
+    report.FitCommand(CASE, request, None, None, place=None, fresh=False).solved(None)
     assert reported[0] == (pytest.approx(30.0 / whole), "30 runs, sum of squares 12.35")
     assert reported[1][0] == 0.99
 

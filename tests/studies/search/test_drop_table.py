@@ -16,8 +16,7 @@ from strikewave.signal.pulse import measure_pulse
 from strikewave.specifications.reading import load_specification
 from strikewave.studies.engine.pools import GivenPool
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.search.drop_candidate import DropGoal
-from strikewave.studies.search.drop_table import DropChoices, DropDesign, design_drop_table
+from strikewave.studies.search.drop_table import DropChoices, DropDesign, DropGoal, design_drop_table
 from strikewave.studies.search.programmers import power_estimate, read_programmer
 
 ROWS = ("H", "G", "B", "F", "A", "E", "D", "C")

@@ -79,7 +79,7 @@ def command(
     from strikewave.analyses.compare.sources import SourceOptions
     from strikewave.cases.case import load_case
     from strikewave.studies.fit.fit_file import is_fit_file
-    from strikewave.studies.fit.screen import run_fit, run_fit_file
+    from strikewave.studies.fit.report import run_fit, run_fit_file
     from strikewave.studies.fit.study import fit_pool
     from strikewave.studies.fit.targets import FitRequest
 

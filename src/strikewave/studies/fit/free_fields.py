@@ -101,7 +101,7 @@ class FreeField:
 
 
 def free_fields(case: Case, words: Sequence[str]) -> tuple[FreeField, ...]:
-    """Return the fields that are free, each ``path`` or ``path=low..high``; those marked fitted where none are named."""
+    """Return the free fields, each ``path`` or ``path=low..high``; those marked as fitted where none is named."""
     named = list(words) or case.fitted_fields()
     if not named:
         example = "such as --free contact.restitution"
@@ -203,7 +203,7 @@ OF_TRANSIT = re.compile(r"stack\.layer\.(.+)\.(length|density|modulus)")
 
 
 def smooth_case(case: Case, paths: Sequence[str]) -> Case:
-    """Return a case whose run follows these fields smoothly, where there is one: a linear bar by the spectral solver."""
+    """Return a case whose run follows these fields smoothly: a linear bar is solved by its spectrum."""
     if case.command != "wave" or case.solver.method != "auto" or not any(map(OF_TRANSIT.fullmatch, paths)):
         return case
     from strikewave.analyses.wave.build import build_load

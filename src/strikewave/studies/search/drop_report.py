@@ -20,8 +20,7 @@ from strikewave.reporting.numbers import axis_unit, headed
 from strikewave.reporting.parts import Cell, Section, Table, Tag
 from strikewave.reporting.style import GREY, legend_below, new_figure, plain, quiet, titled
 from strikewave.reporting.terminal import print_rows, table, tell
-from strikewave.studies.search.drop_candidate import WITHIN, DropCandidate
-from strikewave.studies.search.drop_table import DropStudy, design_drop_table
+from strikewave.studies.search.drop_table import WITHIN, DropCandidate, DropStudy, design_drop_table
 from strikewave.studies.search.machine import MachineSearch, limit_columns
 from strikewave.studies.search.rotary_report import (
     MOST_REASONS,

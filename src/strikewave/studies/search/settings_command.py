@@ -214,9 +214,8 @@ def _drop_table(
     """Design a drop table, and return the exit code."""
     from strikewave.specifications.reading import load_specification
     from strikewave.studies.engine.runner import pool_of
-    from strikewave.studies.search.drop_candidate import DropGoal
     from strikewave.studies.search.drop_report import DropCommand
-    from strikewave.studies.search.drop_table import STROKE, check_drop, check_drop_changes
+    from strikewave.studies.search.drop_table import STROKE, DropGoal, check_drop, check_drop_changes
 
     specification = load_specification(spec)
     goal, choice = DropGoal(specification, specification.pulse_limits(), drop.stroke or STROKE), drop.choices()
