@@ -58,6 +58,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.studies.search.design import design as design
     from strikewave.studies.search.drop_table import DropStudy as DropStudy
     from strikewave.studies.search.drop_table import drop_table as drop_table
+    from strikewave.studies.search.plan import SearchMethod as SearchMethod
+    from strikewave.studies.search.rotary import SettingsChoices as SettingsChoices
     from strikewave.studies.search.rotary import SettingsStudy as SettingsStudy
     from strikewave.studies.search.rotary import settings as settings
     from strikewave.studies.sweep.study import SweepStudy as SweepStudy
@@ -78,6 +80,8 @@ _HOMES = {
     "RecordResult": "analyses.record.result",
     "Result": "base.result",
     "ScatterStudy": "studies.scatter.study",
+    "SearchMethod": "studies.search.plan",
+    "SettingsChoices": "studies.search.rotary",
     "SettingsStudy": "studies.search.rotary",
     "SpectrumResult": "analyses.record.spectrum",
     "Solution": "analyses.machine.result",

@@ -346,7 +346,11 @@ def test_studies_of_elements_take_their_steps_on_a_device(monkeypatch):
                 case, ["fem.duration=1 us"], keep=["energy_error"], workers=Workers(executor=pool, device=device)
             ),
             lambda device: design(
-                case, ["fem.duration=1 us, 1.2 us"], ["energy_error < 5 %"], runs=16, executor=pool, device=device
+                case,
+                ["fem.duration=1 us, 1.2 us"],
+                ["energy_error < 5 %"],
+                runs=16,
+                workers=Workers(executor=pool, device=device),
             ),
         ):
             calls.clear()

@@ -146,7 +146,7 @@ def a_comparison():
 
 
 def settings_of_a_machine():
-    return strikewave.settings("40 ms", "4000 g", "200 us", strikers=[4], striker_masses=["0.2 kg"])
+    return strikewave.settings("40 ms", "4000 g", "200 us", choices=strikewave.SettingsChoices([4], ["0.2 kg"]))
 
 
 def a_reproduction():

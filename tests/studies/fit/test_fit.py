@@ -12,6 +12,7 @@ from strikewave.base.errors import InputError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.cases.case import dump_case, parse_case
 from strikewave.signal.interpolation import resampled
+from strikewave.studies.engine.runner import Workers
 from strikewave.studies.fit.estimation import Search
 from strikewave.studies.fit.free_fields import free_fields
 from strikewave.studies.fit.problem import FastRun, Problem, more_than_noise
@@ -540,7 +541,7 @@ def test_an_executor_changes_no_bit_of_a_fit(pickling):
     """All that it runs besides the steps of the search is sent as processes are sent it."""
     case = load_case("jesd22-b111-b", ["contact.reference_force=700 kN"])
     words = case, ["first.rigid_peak=1500 g +- 1 %", "first.width=1 ms +- 5 %"], ["contact.reference_force"]
-    (own,), (shared,) = (fit(*words, executor=one).parameters for one in (None, pickling))
+    (own,), (shared,) = (fit(*words, workers=Workers(executor=one)).parameters for one in (None, pickling))
     assert pickling.asked > 2
     assert (own.value, own.standard_error, own.low, own.high) == (
         shared.value,

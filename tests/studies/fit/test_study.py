@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,7 @@ from strikewave import load_case
 from strikewave.analyses.compare.sources import SourceOptions
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Value
+from strikewave.studies.engine.runner import Workers
 from strikewave.studies.fit import estimation, report, study
 from strikewave.studies.fit.checking import TriedChoice
 from strikewave.studies.fit.covariance import Estimate
@@ -99,10 +101,10 @@ def test_how_records_are_read_is_handed_on(monkeypatch):
     assert study.fit(CASE, reading=reading).reading is reading
 
 
-@pytest.mark.parametrize("asked", [("executor", None, None), (None, 0, None), (None, None, "tcp://a"), (None,) * 3])
-def test_a_pool_is_made_where_one_is_asked_for(monkeypatch, asked):
-    monkeypatch.setattr(study, "pool_of", lambda *words: words)
-    assert study.fit_pool(*asked) == (None if asked == (None,) * 3 else asked)
+@pytest.mark.parametrize("workers", [1, Workers(executor=ThreadPoolExecutor(1)), None])
+def test_a_pool_is_made_where_one_is_asked_for(monkeypatch, workers):
+    monkeypatch.setattr(study, "requested", lambda case, request, progress, pool: pool)
+    assert (study.fit(CASE, workers=workers) is None) == (workers is None)
 
 
 @dataclasses.dataclass(frozen=True)

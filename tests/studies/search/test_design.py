@@ -13,6 +13,7 @@ import strikewave
 from strikewave import load_case
 from strikewave.base.errors import InputError, InputErrors
 from strikewave.studies.engine.pools import ProcessPool
+from strikewave.studies.engine.runner import Workers
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.search.design import design
 from strikewave.studies.search.design_report import design_picture, design_report, design_words
@@ -174,7 +175,7 @@ def test_a_stopped_design_goes_on_and_any_number_of_workers_gives_the_same(tmp_p
     asked = {"analysis": "impact", "runs": 48}
     goals = ["approach_speed = 4 m/s +- 1 %"]
     with ThreadPoolExecutor(2) as executor:
-        first = design(BALL, HEIGHT, goals, executor=executor, store=tmp_path / "s", **asked)
+        first = design(BALL, HEIGHT, goals, workers=Workers(executor=executor), store=tmp_path / "s", **asked)
 
     class Refusing:
         """An executor that must not be asked."""
@@ -184,7 +185,7 @@ def test_a_stopped_design_goes_on_and_any_number_of_workers_gives_the_same(tmp_p
             future.set_exception(AssertionError("a finished run is made again"))
             return future
 
-    again = design(BALL, HEIGHT, goals, executor=Refusing(), store=tmp_path / "s", **asked)
+    again = design(BALL, HEIGHT, goals, workers=Workers(executor=Refusing()), store=tmp_path / "s", **asked)
     alone = design(BALL, HEIGHT, goals, **asked)
     for other in (again, alone):
         assert other.rows == first.rows

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
 import typer
@@ -12,6 +13,37 @@ from strikewave.reporting.options import Changes, LowPassOptions, Running, case_
 from strikewave.reporting.output_options import StudyOutput
 
 STATES_ALL = "the file of a whole fit states them: beside it there are only --set, of its case, and --bayes"
+
+
+@dataclass(frozen=True)
+class CheckOptions:
+    """Options by which a fit is judged: choices that are compared, measurements kept out, and the posterior."""
+
+    tries: Annotated[
+        str,
+        typer.Option(
+            "--try",
+            metavar="PATH=CHOICE,...",
+            help="Choices that are fitted each, such as law=palmgren,johnson; the best at predicting is kept.",
+            show_default=False,
+        ),
+    ] = ""
+    check_on: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--check-on",
+            metavar="RECORD|NUMBER=VALUE",
+            help="Record or number, as of --to, that is kept out and predicted; may be repeated; none by default.",
+            show_default=False,
+        ),
+    ] = None
+    bayes: Annotated[
+        bool,
+        typer.Option(
+            "--bayes",
+            help="Also sample the posterior, bounds being flat priors; needs pip install 'strikewave[bayes]'.",
+        ),
+    ] = False
 
 
 def command(
@@ -38,31 +70,7 @@ def command(
             show_default=False,
         ),
     ] = None,
-    tries: Annotated[
-        str,
-        typer.Option(
-            "--try",
-            metavar="PATH=CHOICE,...",
-            help="Choices that are fitted each, such as law=palmgren,johnson; the best at predicting is kept.",
-            show_default=False,
-        ),
-    ] = "",
-    check_on: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--check-on",
-            metavar="RECORD|NUMBER=VALUE",
-            help="Record or number, as of --to, that is kept out and predicted; may be repeated; none by default.",
-            show_default=False,
-        ),
-    ] = None,
-    bayes: Annotated[
-        bool,
-        typer.Option(
-            "--bayes",
-            help="Also sample the posterior, bounds being flat priors; needs pip install 'strikewave[bayes]'.",
-        ),
-    ] = False,
+    checks: CheckOptions,
     changes: Changes = None,
     measurement: measured.MeasurementOptions,
     filtering: LowPassOptions,
@@ -78,14 +86,16 @@ def command(
     """
     from strikewave.analyses.compare.sources import SourceOptions
     from strikewave.cases.case import load_case
+    from strikewave.studies.engine.runner import Workers
     from strikewave.studies.fit.fit_file import is_fit_file
     from strikewave.studies.fit.report import run_fit, run_fit_file
-    from strikewave.studies.fit.study import fit_pool
     from strikewave.studies.fit.targets import FitRequest
 
     reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band=False)
-    asked = FitRequest(tuple(to or ()), tuple(free or ()), tries, tuple(check_on or ()), reading, bayes)
-    pool = fit_pool(None, running.workers, running.cluster)
+    bayes = checks.bayes
+    asked = FitRequest(tuple(to or ()), tuple(free or ()), checks.tries, tuple(checks.check_on or ()), reading, bayes)
+    by_threads = running.workers is None and running.cluster is None
+    pool = None if by_threads else Workers(running.workers, cluster=running.cluster).pool()
     if is_fit_file(case):
         if asked != FitRequest(reading=SourceOptions(band=False), bayes=bayes):
             raise InputError("CASE", case, "a case, where records, fields or their reading are typed", STATES_ALL)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -21,7 +20,7 @@ from strikewave.base.texts import first_few
 from strikewave.cases.case import NONE, Case, FitTable
 from strikewave.reporting.measured_files import digests_of
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import pool_of
+from strikewave.studies.engine.runner import Workers, as_workers
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.fit.checking import TriedChoice, check, read_tries, tried
 from strikewave.studies.fit.covariance import Estimate
@@ -67,9 +66,7 @@ def fit(
     check_on: Sequence[str] = (),
     reading: SourceOptions | None = None,
     bayes: bool = False,
-    workers: int | None = None,
-    executor: Executor | None = None,
-    cluster: str | None = None,
+    workers: int | Workers | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> FitStudy:
     """Fit values of a case to measurements.
@@ -91,13 +88,9 @@ def fit(
         How records are read.
     bayes : bool, optional
         Also sample the posterior; needs emcee, ``pip install 'strikewave[bayes]'``.
-    workers : int, optional
-        Processes; threads of this one where it is left out. With several, call it below
-        ``if __name__ == "__main__":``.
-    executor : Executor, optional
-        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
-    cluster : str, optional
-        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    workers : int or Workers, optional
+        Processes, or who runs instead, such as ``strikewave.Workers(cluster="tcp://host:8786")``; threads of this
+        process where it is left out.
     progress : callable, optional
         Called with the number of runs, and the smallest sum of squares so far.
 
@@ -120,19 +113,15 @@ def fit(
     >>> round(study.parameters[0].standard_error / study.parameters[0].value, 2)
     0.02
     """
+    # without workers the searches share threads of their own (`estimation.each_or_none`)
+    pool = None if workers is None else as_workers(workers).pool()
     if isinstance(case, Case):
         request = FitRequest(tuple(to), tuple(free), tries, tuple(check_on), reading or SourceOptions(), bayes)
-        return requested(case, request, progress, fit_pool(executor, workers, cluster))
+        return requested(case, request, progress, pool)
     if to or free or tries or check_on or bayes or reading is not None:
         raise InputError("case", str(case), "the path of a file alone: it states all else", "or a case: load_case(...)")
     read = load_fit(case)
-    return requested(read.case, read.request, progress, fit_pool(executor, workers, cluster))
-
-
-def fit_pool(executor: Executor | None, workers: int | None, cluster: str | None) -> Pool | None:
-    """Return the pool that a fit was asked to run on; None for threads of this process."""
-    asked = executor is not None or workers is not None or cluster is not None
-    return pool_of(executor, workers, cluster) if asked else None
+    return requested(read.case, read.request, progress, pool)
 
 
 def requested(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
@@ -25,12 +24,12 @@ from strikewave.studies.engine.case_evaluation import OF_NUMBER, KeptNumber, OfK
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.plan import StudyVariable
 from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
+from strikewave.studies.engine.runner import Advance, Workers, as_workers, share_reporter
 from strikewave.studies.engine.store import RunStore, store_in
 from strikewave.studies.search.evolution import DesignRuns, KnownNumber, known_numbers
 from strikewave.studies.search.goals import Goal, shares_of
 from strikewave.studies.search.machine import SearchStudy
-from strikewave.studies.search.plan import OPTUNA, DesignPlan, plan_of
+from strikewave.studies.search.plan import OPTUNA, DesignPlan, SearchMethod, plan_of
 from strikewave.studies.search.ranking import (
     MARGIN,
     Conflict,
@@ -464,13 +463,9 @@ def design(
     *,
     analysis: str = "",
     runs: int | None = None,
-    seed: int = 1,
     robust: int = 0,
-    search: str = "",
-    workers: int = 1,
-    executor: Executor | None = None,
-    cluster: str | None = None,
-    device: str | None = None,
+    search: str | SearchMethod = "",
+    workers: int | Workers = 1,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> DesignStudy:
@@ -492,21 +487,12 @@ def design(
         ``run``, ``fast``, ``wave``, ``fem`` or ``impact``; that of the case where it is left out.
     runs : int, optional
         Most runs of a search; 600 where it is left out, 40 by surrogate.
-    seed : int, optional
-        Random seed of the search and of draws.
     robust : int, optional
         Draws within the tolerances of the case for each ranked setting; none where it is left out.
-    search : str, optional
-        ``evolution``, or ``surrogate`` for few runs; that of elements where it is left out. ``optuna``, of two
-        objectives or more, searches for their whole front at once; needs ``pip install 'strikewave[optuna]'``.
-    workers : int, optional
-        Processes. With more than one, call it below ``if __name__ == "__main__":``.
-    executor : Executor, optional
-        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
-    cluster : str, optional
-        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
-    device : str, optional
-        ``cuda`` or ``cuda-mixed``: the steps of elements are taken on the GPU, which the processes share.
+    search : str or SearchMethod, optional
+        Name of a method, see `SearchMethod`, or one with its random seed.
+    workers : int or Workers, optional
+        Processes, or who runs instead, such as ``strikewave.Workers(4, device="cuda")``.
     store : path, optional
         Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
@@ -532,6 +518,8 @@ def design(
     >>> study.best.meets, study.conflict
     (True, None)
     """
-    plan = plan_of(case, vary_texts(vary), goals, analysis, runs, seed, robust, search).on(device, cluster)
+    made_by = as_workers(workers, elements=True)
+    method = search if isinstance(search, SearchMethod) else SearchMethod(search)
+    plan = plan_of(case, vary_texts(vary), goals, analysis, runs, method.seed, robust, method.name).on(made_by)
     with store_in(store) as finished:
-        return make_design(plan, finished, pool_of(executor, workers, cluster), share_reporter(progress))
+        return make_design(plan, finished, made_by.pool(), share_reporter(progress))

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from strikewave.reporting.options import Changes, Cluster, ElementDevice, Fresh, KeptRuns, Processes
+from strikewave.reporting.options import Changes, RunningElements
 from strikewave.reporting.output_options import StudyOutput
 
 
@@ -40,14 +40,7 @@ def command(
             show_default=False,
         ),
     ] = None,
-    workers: Processes = 2,
-    cluster: Cluster = None,
-    device: ElementDevice = None,
-    store: KeptRuns = None,
-    fresh: Fresh = False,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say how many runs there are and how long they take, and search nothing.")
-    ] = False,
+    running: RunningElements,
     changes: Changes = None,
     output: StudyOutput,
 ) -> int:  # fmt: skip
@@ -58,14 +51,15 @@ def command(
     goals exclude each other and by how much, and the exit code is 3. A design that is stopped is continued by the same
     command. With --json, no files are written unless --out is given.
     """
-    from strikewave.studies.engine.runner import pool_of
+    from strikewave.studies.engine.runner import Workers
     from strikewave.studies.search.design_report import DesignCommand, show_estimate
     from strikewave.studies.search.plan import load_design
 
     request = load_design(file, changes or (), runs=runs, seed=seed, robust=robust)
-    plan = request.plan(output.tested(request.case)).on(device, cluster)
-    count = min(workers, os.cpu_count() or 1)
-    if dry_run:
+    count = min(running.workers, os.cpu_count() or 1)
+    workers = Workers(count, cluster=running.cluster, device=running.device)
+    plan = request.plan(output.tested(request.case)).on(workers)
+    if running.dry_run:
         return show_estimate(plan, count, output)
-    searching = DesignCommand(plan.case, plan, pool_of(None, count, cluster), place=store, fresh=fresh)
+    searching = DesignCommand(plan.case, plan, workers.pool(), place=running.store, fresh=running.fresh)
     return searching.run(request.changes, output)

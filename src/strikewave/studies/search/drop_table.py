@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -40,7 +39,7 @@ from strikewave.specifications.judging import PASS, Clause, PulseLimits, Shock, 
 from strikewave.specifications.reading import Specification, load_specification
 from strikewave.studies.engine.evaluation import case_text
 from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
+from strikewave.studies.engine.runner import Advance, Workers, as_workers, share_reporter
 from strikewave.studies.engine.store import RunStore, given_or_temporary, store_in
 from strikewave.studies.search import DROP_TABLE
 from strikewave.studies.search.machine import (
@@ -792,9 +791,7 @@ def drop_table(
     diameters: Sequence[str | float] = (),
     masses: Sequence[str | float] = (),
     stroke: str | float = STROKE,
-    workers: int | None = None,
-    executor: Executor | None = None,
-    cluster: str | None = None,
+    workers: int | Workers | None = None,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> DropStudy:
@@ -814,13 +811,9 @@ def drop_table(
         Diameters of pads, and masses of the table with its load.
     stroke : str or float, optional
         Largest drop height.
-    workers : int, optional
-        Processes; threads of this one where it is left out. With several, call it below
-        ``if __name__ == "__main__":``.
-    executor : Executor, optional
-        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
-    cluster : str, optional
-        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    workers : int or Workers, optional
+        Processes, or who runs instead, such as ``strikewave.Workers(cluster="tcp://host:8786")``; threads of this
+        process where it is left out.
     store : path, optional
         Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
@@ -852,6 +845,4 @@ def drop_table(
     )
     chosen = load_case(DROP_TABLE) if case is None else case
     with store_in(store) as finished:
-        return design_drop_table(
-            chosen, goal, choice, finished, pool_of(executor, workers, cluster), share_reporter(progress)
-        )
+        return design_drop_table(chosen, goal, choice, finished, as_workers(workers).pool(), share_reporter(progress))

@@ -26,6 +26,7 @@ from strikewave.studies.axes import case_at
 from strikewave.studies.engine.case_evaluation import KeptNumber, checked_analysis, checked_device, numbers_of
 from strikewave.studies.engine.evaluation import Job, Row
 from strikewave.studies.engine.plan import EXAMPLE, AxisVariation, StudyVariable, read_variable, typed_value, varied
+from strikewave.studies.engine.runner import Workers
 from strikewave.studies.search.goals import (
     EXAMPLES,
     Aim,
@@ -77,6 +78,30 @@ ALLOWED = "a TOML file with the case, goals and [vary]"
 
 
 @dataclass(frozen=True)
+class SearchMethod:
+    """How `strikewave.design` searches.
+
+    Attributes
+    ----------
+    name : str
+        ``evolution``, or ``surrogate`` for few runs; empty for that of the analysis, which is by surrogate for
+        elements. ``optuna``, of two objectives or more, searches for their whole front at once; needs
+        ``pip install 'strikewave[optuna]'``.
+    seed : int
+        Random seed of the search and of draws: equal seeds give equal settings, bit for bit.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> strikewave.SearchMethod(seed=3)
+    SearchMethod(name='', seed=3)
+    """
+
+    name: str = ""
+    seed: int = 1
+
+
+@dataclass(frozen=True)
 class DesignPlan:
     """What a design is of.
 
@@ -115,9 +140,9 @@ class DesignPlan:
     search: str = EVOLUTION
     device: str | None = None
 
-    def on(self, device: str | None, cluster: str | None) -> DesignPlan:
-        """Return the plan with the steps of elements taken on a device, here or on a cluster; None: the processor."""
-        return replace(self, device=checked_device(self.analysis, device, cluster))
+    def on(self, workers: Workers) -> DesignPlan:
+        """Return the plan with the steps of elements taken on the device of the workers."""
+        return replace(self, device=checked_device(self.analysis, workers.device, workers.cluster))
 
     @property
     def by_surrogate(self) -> bool:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -41,7 +40,7 @@ from strikewave.specifications.judging import ShockVerdict, judge_shock
 from strikewave.specifications.reading import Specification
 from strikewave.studies.engine.evaluation import case_text
 from strikewave.studies.engine.pools import Pool, ProcessPool
-from strikewave.studies.engine.runner import Advance, pool_of, share_reporter
+from strikewave.studies.engine.runner import Advance, Workers, as_workers, share_reporter
 from strikewave.studies.engine.store import RunStore, given_or_temporary, store_in
 from strikewave.studies.search import DISC, REFERENCE, STIFFNESS
 from strikewave.studies.search.machine import (
@@ -144,17 +143,41 @@ SOURCES = ("li-ma-2019", "timoshenko-goodier-1970", "schwager-poschel-2007")
 
 @dataclass(frozen=True)
 class SettingsChoices:
-    """What may be chosen: numbers of strikers, masses of one (empty: several about the case), what sets the width."""
+    """Settings that `strikewave.settings` may choose, and the material assumed for the turntable.
 
-    strikers: tuple[int, ...] = ()
-    masses: tuple[float, ...] = ()
-    vary: str = "frame"
+    Attributes
+    ----------
+    strikers : sequence of int
+        Numbers of strikers to try; empty for several about that of the case.
+    masses : sequence of str or float
+        Masses of one striker to try; empty for half, once and twice that of the case.
+    vary : str
+        Stiffness that sets the pulse width: of the ``frame``, or of the striker's ``mount``.
+    disc : str
+        Material assumed for the turntable.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> strikewave.SettingsChoices(strikers=[4], masses=["0.2 kg"]).in_kg
+    (0.2,)
+    """
+
+    strikers: Sequence[int] = ()
+    masses: Sequence[str | float] = ()
+    vary: str = STIFFNESS
+    disc: str = DISC
+
+    @property
+    def in_kg(self) -> tuple[float, ...]:
+        """Masses of one striker to try, kg."""
+        return tuple(si_value(mass, "kg", "masses") for mass in self.masses)
 
     def asked(self, case: Case, goal: BlowGoal) -> str:
         """Return all that is asked, but for the case, as a text."""
         limits: tuple[object, ...] = (goal.interval, goal.peak, goal.width, goal.disc.name, goal.stop_limit)
         limits += () if goal.specification is None else (goal.specification.asked, goal.specification.text)
-        return f"{limits} {dataclasses.astuple(self)}"
+        return f"{limits} {(tuple(self.strikers), self.in_kg, self.vary)}"
 
 
 class BlowsRun(NamedTuple):
@@ -516,7 +539,7 @@ def _check_strikers(case: Case, choice: SettingsChoices) -> None:
     own = [number for number, row in rows.items() if row.mass is not None]
     if choice.masses and own:
         allowed = f"none: striker {own[0]} has a mass of its own"
-        raise InputError("--striker-mass", f"{choice.masses[0]:g} kg", allowed, "remove the masses of [[striker.each]]")
+        raise InputError("--striker-mass", f"{choice.in_kg[0]:g} kg", allowed, "remove the masses of [[striker.each]]")
 
 
 def least_width(case: Case, goal: BlowGoal, choice: SettingsChoices) -> float:
@@ -533,7 +556,7 @@ def least_width(case: Case, goal: BlowGoal, choice: SettingsChoices) -> float:
     if any(row.nose_radius or row.contact_length for row in rig.striker.each):
         return 0.0
     mass, own = rig.object.mass.si, [row.mass.si for row in rig.striker.each if row.mass is not None]
-    lightest = min([*choice.masses, *own], default=min(MASS_SHARES) * rig.striker.mass.si)
+    lightest = min([*choice.in_kg, *own], default=min(MASS_SHARES) * rig.striker.mass.si)
     force = mass * goal.peak
     contact = face_contact(rig.striker, rig.contact, material(rig.object.material))
     compliance = indentation_under(contact, force) / force
@@ -655,7 +678,7 @@ def design_settings(
     check_goal(case, goal, choice)
     numbers, left_out = sensible_strikers(case, goal, choice)
     note = f"chosen by strikewave settings for {goal.words}"
-    masses: tuple[float | None, ...] = choice.masses or (None,)
+    masses: tuple[float | None, ...] = choice.in_kg or (None,)
     first = [
         RotaryDesign(case, goal, number, support, mass, choice.vary, note)
         for number in numbers
@@ -719,14 +742,9 @@ def settings(
     case: Case | None = None,
     *,
     spec: str | None = None,
-    strikers: Sequence[int] = (),
-    striker_masses: Sequence[str | float] = (),
-    vary: str = STIFFNESS,
-    disc: str = DISC,
+    choices: SettingsChoices | None = None,
     stop_limit: str | float | None = None,
-    workers: int | None = None,
-    executor: Executor | None = None,
-    cluster: str | None = None,
+    workers: int | Workers | None = None,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> SettingsStudy:
@@ -743,23 +761,13 @@ def settings(
         Gives what is not chosen: geometry, materials, stop; li-ma-2019 by default.
     spec : str, optional
         Specification of a half-sine, which has peak and width and judges every blow.
-    strikers : sequence of int, optional
-        Numbers of strikers to try; several about that of the case by default.
-    striker_masses : sequence of str or float, optional
-        Masses of one striker to try; half, once and twice that of the case by default.
-    vary : str, optional
-        Stiffness that sets the width: of the ``frame``, or of the striker's ``mount``.
-    disc : str, optional
-        Material assumed for the turntable.
+    choices : SettingsChoices, optional
+        Settings that may be chosen, and the material assumed for the turntable.
     stop_limit : str or float, optional
         Largest allowed force of the object's stop; no limit by default.
-    workers : int, optional
-        Processes; threads of this one where it is left out. With several, call it below
-        ``if __name__ == "__main__":``.
-    executor : Executor, optional
-        Who runs instead: any executor of `concurrent.futures`, or one that acts as these do.
-    cluster : str, optional
-        Address of a Dask scheduler that shares the runs among machines, such as ``tcp://host:8786``.
+    workers : int or Workers, optional
+        Processes, or who runs instead, such as ``strikewave.Workers(cluster="tcp://host:8786")``; threads of this
+        process where it is left out.
     store : path, optional
         Folder that keeps finished runs: what it holds is not run again.
     progress : callable, optional
@@ -787,22 +795,13 @@ def settings(
     strikewave.base.errors.InputError: --width: got "5000 us"; allowed: at most 2000 us, a tenth of the interval; \
 longer pulses run into the next blow
     """
-
-    def read(value: str | float | None, si: str, name: str) -> float | None:
-        return None if value is None else si_value(value, si, name)
-
-    goal = blow_goal(
-        read(interval, "s", "interval"),
-        read(peak, "m/s^2", "peak"),
-        read(width, "s", "width"),
-        material(disc, "disc"),
-        read(stop_limit, "N", "stop_limit"),
-        spec,
-    )
-    masses = tuple(si_value(mass, "kg", "striker_masses") for mass in striker_masses)
-    choice = SettingsChoices(tuple(strikers), masses, vary)
-    chosen = load_case(REFERENCE) if case is None else case
+    choice = choices or SettingsChoices()
+    wanted: dict[str, float | None] = {
+        name: None if value is None else si_value(value, unit, name)
+        for name, value, unit in (("interval", interval, "s"), ("peak", peak, "m/s^2"), ("width", width, "s"))
+    }
+    limit = None if stop_limit is None else si_value(stop_limit, "N", "stop_limit")
+    goal = blow_goal(**wanted, disc=material(choice.disc, "disc"), stop_limit=limit, spec=spec)
+    base = load_case(REFERENCE) if case is None else case
     with store_in(store) as finished:
-        return design_settings(
-            chosen, goal, choice, finished, pool_of(executor, workers, cluster), share_reporter(progress)
-        )
+        return design_settings(base, goal, choice, finished, as_workers(workers).pool(), share_reporter(progress))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
@@ -16,7 +16,6 @@ from strikewave.reporting.output_options import StudyOutput
 from strikewave.studies.search import DISC, DROP_TABLE, REFERENCE, STIFFNESS
 
 if TYPE_CHECKING:
-    from strikewave.cases.case import Case
     from strikewave.studies.search.drop_table import DropChoices
 
 
@@ -80,6 +79,75 @@ class DropOptions:
         return DropChoices(programmers, sizes, masses)
 
 
+@dataclass(frozen=True)
+class BlowOptions:
+    """Wanted blows of the rotary machine, SI."""
+
+    interval: Annotated[
+        float | None,
+        quantity("--interval", si="s", bare=False, help='Time between blows, such as "20 ms"; needed without --spec.'),
+    ] = None
+    peak: Annotated[
+        float | None,
+        quantity(
+            "--peak",
+            si="m/s^2",
+            bare=False,
+            help='Rigid-body peak acceleration, such as "4000 g"; needed without --spec.',
+        ),
+    ] = None
+    width: Annotated[
+        float | None,
+        quantity(
+            "--width",
+            si="s",
+            bare=False,
+            help='Pulse width at 10 % of the peak, such as "200 us"; needed without --spec.',
+        ),
+    ] = None
+    blows: Annotated[
+        int | None,
+        typer.Option(
+            "--blows", metavar="COUNT", help="Number of blows; that of the case by default.", show_default=False
+        ),
+    ] = None
+    stop_limit: Annotated[
+        float | None,
+        quantity(
+            "--stop-limit", si="N", bare=False, help="Largest allowed force of the object's stop; no limit by default."
+        ),
+    ] = None
+
+
+@dataclass(frozen=True)
+class RotaryOptions:
+    """Values that are tried of the rotary machine."""
+
+    strikers: Annotated[
+        list[int] | None,
+        typer.Option(
+            "--strikers",
+            metavar="COUNT",
+            help="Number of strikers on the turntable; 1, 2, 3, 4, 6, 8 and 12 by default; may be repeated.",
+            show_default=False,
+        ),
+    ] = None
+    striker_mass: Annotated[
+        list[float] | None,
+        quantity(
+            "--striker-mass",
+            si="kg",
+            bare=False,
+            help="Mass of one striker; half, once and twice that of the case by default; may be repeated.",
+        ),
+    ] = None
+    vary: Annotated[
+        Literal["frame", "mount"],
+        typer.Option("--vary", help="Stiffness that sets the pulse width: of the frame, or of the striker's mount."),
+    ] = STIFFNESS
+    disc: Annotated[str, typer.Option("--disc", metavar="MATERIAL", help="Material assumed for the turntable.")] = DISC
+
+
 def command(
     *,
     spec: Annotated[
@@ -90,34 +158,6 @@ def command(
             help="Specification to design to, see strikewave spec list; none by default.",
             show_default=False,
             autocompletion=complete_specification,
-        ),
-    ] = None,
-    interval: Annotated[
-        float | None,
-        quantity("--interval", si="s", bare=False, help='Time between blows, such as "20 ms"; needed without --spec.'),
-    ] = None,
-    peak: Annotated[
-        float | None,
-        quantity(
-            "--peak",
-            si="m/s^2",
-            bare=False,
-            help='Rigid-body peak acceleration, such as "4000 g"; needed without --spec.',
-        ),
-    ] = None,
-    width: Annotated[
-        float | None,
-        quantity(
-            "--width",
-            si="s",
-            bare=False,
-            help='Pulse width at 10 % of the peak, such as "200 us"; needed without --spec.',
-        ),
-    ] = None,
-    blows: Annotated[
-        int | None,
-        typer.Option(
-            "--blows", metavar="COUNT", help="Number of blows; that of the case by default.", show_default=False
         ),
     ] = None,
     source: Annotated[
@@ -131,35 +171,8 @@ def command(
         ),
     ] = None,
     changes: Changes = None,
-    strikers: Annotated[
-        list[int] | None,
-        typer.Option(
-            "--strikers",
-            metavar="COUNT",
-            help="Number of strikers on the turntable; 1, 2, 3, 4, 6, 8 and 12 by default; may be repeated.",
-            show_default=False,
-        ),
-    ] = None,
-    striker_mass: Annotated[
-        list[float] | None,
-        quantity(
-            "--striker-mass",
-            si="kg",
-            bare=False,
-            help="Mass of one striker; half, once and twice that of the case by default; may be repeated.",
-        ),
-    ] = None,
-    vary: Annotated[
-        Literal["frame", "mount"],
-        typer.Option("--vary", help="Stiffness that sets the pulse width: of the frame, or of the striker's mount."),
-    ] = STIFFNESS,
-    disc: Annotated[str, typer.Option("--disc", metavar="MATERIAL", help="Material assumed for the turntable.")] = DISC,
-    stop_limit: Annotated[
-        float | None,
-        quantity(
-            "--stop-limit", si="N", bare=False, help="Largest allowed force of the object's stop; no limit by default."
-        ),
-    ] = None,
+    wanted: BlowOptions,
+    rotary: RotaryOptions,
     drop: DropOptions,
     running: Running,
     output: StudyOutput,
@@ -174,30 +187,52 @@ def command(
     keeps all limits.
     """
     from strikewave.cases.case import load_case
-    from strikewave.studies.engine.runner import pool_of
+    from strikewave.specifications.reading import load_specification
+    from strikewave.studies.engine.runner import Workers
+    from strikewave.studies.search import drop_table as drops
     from strikewave.studies.search.rotary import SettingsChoices, check_changes, check_goal, is_rotary
     from strikewave.studies.search.rotary_candidate import blow_goal
+
+    place, typed = source or (REFERENCE if spec is None else DROP_TABLE), changes or ()
+    workers = Workers(running.workers, cluster=running.cluster)
+    if spec is not None:
+        _refuse({"--peak": wanted.peak, "--width": wanted.width}, "none with --spec, which states it")
+        case = load_case(place, typed)
+        if not is_rotary(case):
+            from strikewave.studies.search.drop_report import DropCommand
+
+            options = {
+                "--interval": wanted.interval,
+                "--blows": wanted.blows,
+                "--strikers": rotary.strikers,
+                "--striker-mass": rotary.striker_mass,
+                "--stop-limit": wanted.stop_limit,
+            }
+            _refuse(options, "none of a drop table: it is of a rotary machine (--from)")
+            case, specification, drop_choice = output.tested(case), load_specification(spec), drop.choices()
+            drop_goal = drops.DropGoal(specification, specification.pulse_limits(), drop.stroke or drops.STROKE)
+            drops.check_drop(case, drop_goal, drop_choice)
+            drops.check_drop_changes(typed, case, drop_choice)
+            usual = source is None and not (changes or drop.given())
+            return DropCommand(
+                case, (drop_goal, drop_choice), workers.pool(), usual, place=running.store, fresh=running.fresh
+            ).run((), output)
     from strikewave.studies.search.rotary_report import SearchCommand
 
-    place = source or (REFERENCE if spec is None else DROP_TABLE)
-    if spec is not None:
-        _refuse({"--peak": peak, "--width": width}, "none with --spec, which states it")
-        case = load_case(place, changes or ())
-        if not is_rotary(case):
-            rotary = {"--interval": interval, "--blows": blows, "--strikers": strikers, "--striker-mass": striker_mass}
-            _refuse(rotary | {"--stop-limit": stop_limit}, "none of a drop table: it is of a rotary machine (--from)")
-            return _drop_table(output.tested(case), spec, drop, running, output, changes or (), plain=source is None)
     _refuse(drop.given(), "none of a rotary machine: it is of a drop table, with --spec")
-    plain = not (changes or strikers or striker_mass or stop_limit or spec) and blows is None
-    plain = plain and (place, vary, disc) == (REFERENCE, STIFFNESS, DISC)
-    goal = blow_goal(interval, peak, width, material(disc, "--disc"), stop_limit, spec)
-    choice = SettingsChoices(tuple(dict.fromkeys(strikers or ())), tuple(dict.fromkeys(striker_mass or ())), vary)
-    check_changes(changes or (), vary)
-    case = load_case(place, [*(changes or ()), *([] if blows is None else [f"feed.blows={blows}"])])
+    usual = not (changes or spec or rotary.strikers or rotary.striker_mass or wanted.stop_limit)
+    usual = usual and wanted.blows is None and (place, rotary.vary, rotary.disc) == (REFERENCE, STIFFNESS, DISC)
+    goal = blow_goal(
+        wanted.interval, wanted.peak, wanted.width, material(rotary.disc, "--disc"), wanted.stop_limit, spec
+    )
+    strikers, masses = tuple(dict.fromkeys(rotary.strikers or ())), tuple(dict.fromkeys(rotary.striker_mass or ()))
+    choice = SettingsChoices(strikers, masses, rotary.vary, rotary.disc)
+    check_changes(typed, rotary.vary)
+    case = load_case(place, [*typed, *([] if wanted.blows is None else [f"feed.blows={wanted.blows}"])])
     check_goal(case, goal, choice)
-    pool = pool_of(None, running.workers, running.cluster)
-    asked = output.tested(case), (goal, choice), pool, plain
-    return SearchCommand(*asked, place=running.store, fresh=running.fresh).run((), output)
+    return SearchCommand(
+        output.tested(case), (goal, choice), workers.pool(), usual, place=running.store, fresh=running.fresh
+    ).run((), output)
 
 
 def _refuse(options: Mapping[str, object], allowed: str) -> None:
@@ -206,22 +241,3 @@ def _refuse(options: Mapping[str, object], allowed: str) -> None:
         if value:
             first = value[0] if isinstance(value, list) else value
             raise InputError(option, getattr(first, "word", first), allowed, "leave it out")
-
-
-def _drop_table(
-    case: Case, spec: str, drop: DropOptions, running: Running, output: StudyOutput, changes: Sequence[str], plain: bool
-) -> int:
-    """Design a drop table, and return the exit code."""
-    from strikewave.specifications.reading import load_specification
-    from strikewave.studies.engine.runner import pool_of
-    from strikewave.studies.search.drop_report import DropCommand
-    from strikewave.studies.search.drop_table import STROKE, DropGoal, check_drop, check_drop_changes
-
-    specification = load_specification(spec)
-    goal, choice = DropGoal(specification, specification.pulse_limits(), drop.stroke or STROKE), drop.choices()
-    check_drop(case, goal, choice)
-    check_drop_changes(changes, case, choice)
-    pool = pool_of(None, running.workers, running.cluster)
-    plain = plain and not (changes or drop.given())
-    asked = case, (goal, choice), pool, plain
-    return DropCommand(*asked, place=running.store, fresh=running.fresh).run((), output)
