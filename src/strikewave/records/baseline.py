@@ -36,33 +36,17 @@ WHITE = 8  # widths of white noise that stand for it then
 
 
 class LocalBaseline(NamedTuple):
-    """Where a record stands under a blow.
+    """Where a record stands under a blow."""
 
-    Attributes
-    ----------
-    level : float
-        At the middle of the blow.
-    slope : float
-        Rise a sample before it; 0 where none is significant.
-    wander : float
-        Standard deviation of the mean over a width about the baseline; NaN where too little lies before to know it.
-    ripple : float
-        Standard deviation of the mean over a fifth of a width about that over the width around it.
-    widths : int
-        Widths over which the baseline was taken.
-    width : int
-        Samples of a width.
-    alike : float
-        Correlation of what the baseline misses in a width and in the next.
-    """
-
-    level: float
-    slope: float = 0.0
+    level: float  # at the middle of the blow
+    slope: float = 0.0  # rise a sample before it; 0 where none is significant
+    # Standard deviation of the mean over a width about the baseline; NaN where too little lies before to know it
     wander: float = math.nan
+    # Standard deviation of the mean over a fifth of a width about that over the width around it
     ripple: float = math.nan
-    widths: int = 0
-    width: int = 0
-    alike: float = 0.0
+    widths: int = 0  # widths over which the baseline was taken
+    width: int = 0  # samples of a width
+    alike: float = 0.0  # correlation of what the baseline misses in a width and in the next
 
     def area_wander(self, samples: float) -> float:
         """Return the standard deviation of the sum over so many samples about the baseline.
@@ -93,13 +77,6 @@ def baseline_before(values: Array, first: int, width: int, earliest: int = 0) ->
         Where the blow stands out, and over how many samples.
     earliest : int, optional
         Where the blow before it ends.
-
-    Examples
-    --------
-    >>> noise = np.random.default_rng(1).normal(size=4000)
-    >>> drifting = baseline_before(5.0 + 0.02 * np.arange(4000) + noise, 3000, 50)
-    >>> round(drifting.level, 0), round(drifting.slope, 3), drifting.wander < 0.3
-    (66.0, 0.02, True)
     """
     end = first - width
     begin = max(end - MOST * width, earliest + 2 * width if earliest else 0)
@@ -129,21 +106,7 @@ def baseline_before(values: Array, first: int, width: int, earliest: int = 0) ->
 
 
 def noise_before(values: Array, first: int, width: int, earliest: int = 0, white: float = 0.0) -> Array:
-    """Return the noise before a blow, about its straight line; where too little lies there, white noise.
-
-    Parameters
-    ----------
-    values, first, width, earliest
-        As of `baseline_before`.
-    white : float, optional
-        Standard deviation of a sample.
-
-    Examples
-    --------
-    >>> noise = noise_before(0.1 * np.arange(2000.0), 1000, 20)
-    >>> noise.size, bool(np.abs(noise).max() < 1e-9)
-    (800, True)
-    """
+    """Return the noise before a blow, about its straight line; where too little lies there, white noise."""
     end = first - width
     begin = max(end - LOOK_BACK * width, earliest + 2 * width if earliest else 0)
     if end - begin < FEWEST_OF_NOISE * width:

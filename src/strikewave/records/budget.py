@@ -90,18 +90,10 @@ class InputQuantity:
 
 
 class Propagated(NamedTuple):
-    """What the law of propagation gives.
+    """What the law of propagation gives."""
 
-    Attributes
-    ----------
-    estimate : ndarray
-        The quantities at the estimates of the inputs.
-    contributions : ndarray
-        Inputs x quantities: sensitivity coefficient times standard uncertainty, with its sign.
-    """
-
-    estimate: Array
-    contributions: Array
+    estimate: Array  # the quantities at the estimates of the inputs
+    contributions: Array  # inputs x quantities: sensitivity coefficient times standard uncertainty, with its sign
 
     @property
     def standard(self) -> Array:
@@ -110,26 +102,16 @@ class Propagated(NamedTuple):
 
 
 class Simulated(NamedTuple):
-    """What Monte Carlo gives, a number a quantity.
+    """What Monte Carlo gives, a number a quantity."""
 
-    Attributes
-    ----------
-    mean, standard : ndarray
-        Mean and standard deviation of the trials.
-    low, high : ndarray
-        Ends of the probabilistically symmetric coverage interval of 95 %.
-    trials : int
-        How many there were.
-    stable : bool
-        True if all four are known to the tolerance, where they are numbers.
-    """
-
+    # Mean and standard deviation of the trials
     mean: Array
     standard: Array
+    # Ends of the probabilistically symmetric coverage interval of 95 %
     low: Array
     high: Array
-    trials: int
-    stable: bool
+    trials: int  # how many there were
+    stable: bool  # True if all four are known to the tolerance, where they are numbers
 
     def validates(self, propagated: Propagated) -> NDArray[np.bool_]:
         """Tell of which quantities both intervals agree within `TOLERANCE` (JCGM 101, 8.1)."""
@@ -189,12 +171,6 @@ def monte_carlo(
         batches), in standard uncertainties.
     most : int, optional
         Trials after which it ends in any case.
-
-    Examples
-    --------
-    >>> found = monte_carlo(lambda x: np.sum(x, axis=1, keepdims=True), [InputQuantity("x", 1.0)] * 4)
-    >>> found.low.round(1).tolist(), found.standard.round(1).tolist(), found.high.round(1).tolist(), found.stable
-    ([-3.9], [2.0], [3.9], True)
     """
     generator = np.random.default_rng(seed)
     batches: list[Array] = []
@@ -399,13 +375,7 @@ class Budget:
 
 
 def of_share(share: float) -> Budget:
-    """Return the budget of one expanded uncertainty of the acceleration, k = 2, for the whole channel.
-
-    Examples
-    --------
-    >>> of_share(0.05).contributions[0].input.standard, of_share(0.05).share
-    (0.025, 0.05)
-    """
+    """Return the budget of one expanded uncertainty of the acceleration, k = 2, for the whole channel."""
     typed = f"{100.0 * share:g} %, k = {COVERAGE:g}"
     name = f"{100.0 * share:g} % of the acceleration, as stated"
     return Budget((Contribution("acceleration", name, share / COVERAGE, NORMAL, typed=typed),))
@@ -417,23 +387,12 @@ def sampling(step: float) -> Contribution:
 
 
 class BlowStretch(NamedTuple):
-    """A stretch of a record, baseline taken off, the blow upwards.
+    """A stretch of a record, baseline taken off, the blow upwards."""
 
-    Attributes
-    ----------
-    values : ndarray
-        Samples.
-    step : float
-        Time between them, s.
-    peak : float
-        Peak of which added amounts are a share.
-    begin, end : float
-        Places of the feet of the blow, in samples.
-    """
-
-    values: Array
-    step: float
-    peak: float
+    values: Array  # samples
+    step: float  # time between them, s
+    peak: float  # peak of which added amounts are a share
+    # Places of the feet of the blow, in samples
     begin: float
     end: float
 

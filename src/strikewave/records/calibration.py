@@ -136,13 +136,7 @@ class Calibration:
 
 
 def known_unit(text: str) -> tuple[str, float] | None:
-    """Return the SI unit of a unit as files write it, and the factor to it; None for an unknown one.
-
-    Examples
-    --------
-    >>> known_unit("G"), known_unit("m/s²"), known_unit("1000 g"), known_unit("ε"), known_unit("bananas")
-    (('m/s^2', 9.80665), ('m/s^2', 1.0), ('m/s^2', 9806.65), ('1', 1.0), None)
-    """
+    """Return the SI unit of a unit as files write it, and the factor to it; None for an unknown one."""
     plain = text.strip().strip("[]()").strip()
     number, unit = split_number(plain[:LONGEST_UNIT]) or (0.0, "")
     if unit and number > 0.0:  # a unit with a number before it, such as 1000 g
@@ -200,15 +194,7 @@ def ambiguous(unit: str) -> str:
 def calibrated(
     channel: Channel, calibration: Calibration, field: str = "calibration"
 ) -> tuple[Channel, list[HealthNotice]]:
-    """Return a channel in SI; its unit stays empty where the unit of the file is not known.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> channel, findings = calibrated(Channel("board", np.array([1.0])), Calibration(unit="kN"))
-    >>> channel.values.tolist(), channel.unit, findings
-    ([1000.0], 'N', [])
-    """
+    """Return a channel in SI; its unit stays empty where the unit of the file is not known."""
     scale = calibration.scale(channel.unit, field)
     findings = _overruled(calibration.unit, channel.unit)
     if not scale.unit:
@@ -284,13 +270,7 @@ def calibrations_beside(path: str | Path) -> dict[str, dict[str, Any]]:
 
 
 def laid_over(*layers: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
-    """Lay tables over each other, channel by channel; a later ``all`` goes over an earlier channel.
-
-    Examples
-    --------
-    >>> laid_over({"frame": {"unit": "g"}}, {"all": {"unit": "V"}})
-    {'frame': {'unit': 'V'}, 'all': {'unit': 'V'}}
-    """
+    """Lay tables over each other, channel by channel; a later ``all`` goes over an earlier channel."""
     merged: dict[str, dict[str, Any]] = {}
     for layer in layers:
         for key in merged:
@@ -348,11 +328,6 @@ def calibration_of(stated: Mapping[str, Mapping[str, Any]], name: str, number: i
     """Return the calibration of a channel: its own table, by name or by number, over the one for all.
 
     Where both its name and its number stand, the later goes over the earlier.
-
-    Examples
-    --------
-    >>> calibration_of({"all": {"unit": "V"}, "2": {"unit": "g"}}, "frame", 2).unit
-    'g'
     """
     merged = dict(stated.get("all", {}))
     for key, table in stated.items():

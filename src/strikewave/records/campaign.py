@@ -394,14 +394,6 @@ def statistic(values: ArrayLike, files: ArrayLike | None = None) -> Statistic:
     Notes
     -----
     Source: ``vangel-1996``.
-
-    Examples
-    --------
-    >>> found = statistic([1.0, 2.0, 3.0])
-    >>> [round(float(value), 4) for value in (found.mean, found.cv, found.low, found.high)]
-    [2.0, 0.5, -0.4841, 4.4841]
-    >>> statistic([1.0, 1.0, 2.0, 2.0, 3.0, 3.0], files=[0, 0, 1, 1, 2, 2]).high == statistic([1.0, 2.0, 3.0]).high
-    True
     """
     sample = np.asarray(values, dtype=float)
     means = _file_means(np.zeros(sample.size) if files is None else np.asarray(files), sample)[1]
@@ -442,11 +434,6 @@ def trend(places: ArrayLike, values: ArrayLike) -> Trend:
     an end of a campaign bends that; for normal values without any it is hardly less certain (efficiency 0.95).
 
     Source: ``sen-1968``.
-
-    Examples
-    --------
-    >>> trend([0, 1, 2, 3, 4], [1.0, 2.0, 3.0, 4.0, 50.0]).slope
-    1.0
     """
     x, y = _file_means(np.asarray(places), np.asarray(values, dtype=float))
     slope, low, high = median_line(x, y, CONFIDENCE)

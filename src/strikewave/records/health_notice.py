@@ -114,71 +114,34 @@ def by_effect(
 
 
 class Fault(NamedTuple):
-    """What a check finds, in numbers; its row of the table words it.
+    """What a check finds, in numbers; its row of the table words it."""
 
-    Attributes
-    ----------
-    value : float
-        The number that raised it, SI.
-    details : mapping
-        Other values that the message takes.
-    severity : str
-        That of the row, or of the effects, where it is empty.
-    harms : tuple of str
-        Figures beside those of the row and of the effects.
-    start, end : float
-        Where in time, s; NaN where it is the whole record.
-    effects : mapping or None
-        By how much of itself it may falsify each figure: then it is suspect where it harms one, and else good.
-    signed : bool
-        True if the sign of the effects is known.
-    doubt : mapping or None
-        Uncertainty of the effects, by figure.
-    message : str
-        In place of that of the row.
-    """
-
-    value: float
-    details: Mapping[str, Any] = {}
-    severity: str = ""
-    harms: tuple[str, ...] = ()
+    value: float  # the number that raised it, SI
+    details: Mapping[str, Any] = {}  # other values that the message takes
+    severity: str = ""  # that of the row, or of the effects, where it is empty
+    harms: tuple[str, ...] = ()  # figures beside those of the row and of the effects
+    # Where in time, s; NaN where it is the whole record
     start: float = nan
     end: float = nan
+    # By how much of itself it may falsify each figure: then it is suspect where it harms one, and else good
     effects: Mapping[str, float] | None = None
-    signed: bool = True
-    doubt: Mapping[str, float] | None = None
-    message: str = ""
+    signed: bool = True  # True if the sign of the effects is known
+    doubt: Mapping[str, float] | None = None  # uncertainty of the effects, by figure
+    message: str = ""  # in place of that of the row
 
 
 class Check(NamedTuple):
-    """A row of the table of checks.
+    """A row of the table of checks."""
 
-    Attributes
-    ----------
-    name : str
-        Code of what it finds.
-    severity : str
-        The worst that it finds; see `Fault`.
-    of : str
-        Object that it looks at: the blows of a record, a response, or both.
-    find : callable
-        Finds the faults of a record.
-    message : str
-        Message on what is found, as `str.format` takes it. ``:unit`` writes a number with the unit of the record,
-        ``:%1`` in per cent with one decimal.
-    harms : tuple of str
-        Figures that are not to be trusted, whatever is found.
-    ends : bool
-        True if nothing else is looked for where it finds something.
-    """
-
-    name: str
-    severity: str
-    of: str
-    find: Callable[[Any], Iterable[Fault]]
+    name: str  # code of what it finds
+    severity: str  # the worst that it finds; see `Fault`
+    of: str  # object that it looks at: the blows of a record, a response, or both
+    find: Callable[[Any], Iterable[Fault]]  # finds the faults of a record
+    # Message on what is found, as `str.format` takes it. ``:unit`` writes a number with the unit of the record, ``:%1``
+    # in per cent with one decimal
     message: str
-    harms: tuple[str, ...] = ()
-    ends: bool = False
+    harms: tuple[str, ...] = ()  # figures that are not to be trusted, whatever is found
+    ends: bool = False  # True if nothing else is looked for where it finds something
 
     def notices(self, record: Any) -> list[HealthNotice]:
         """Return what it finds on a record, in words."""

@@ -90,23 +90,13 @@ class FigureUncertainty:
 
 @dataclass(frozen=True)
 class BlowUncertainty:
-    """The uncertainty of the figures of a blow.
+    """The uncertainty of the figures of a blow."""
 
-    Attributes
-    ----------
-    figures : mapping of str to FigureUncertainty
-        Uncertainties of peak, width and velocity change.
-    trials : int
-        Trials of Monte Carlo, where it was done for this blow; else 0.
-    validated : mapping of str to bool
-        True if Monte Carlo validates the law of propagation, by figure; empty where it was not done.
-    amount : float
-        Standard uncertainty of any acceleration by amounts that are added to it, in the unit of the record.
-    """
-
-    figures: Mapping[str, FigureUncertainty]
-    trials: int = 0
+    figures: Mapping[str, FigureUncertainty]  # uncertainties of peak, width and velocity change
+    trials: int = 0  # trials of Monte Carlo, where it was done for this blow; else 0
+    # True if Monte Carlo validates the law of propagation, by figure; empty where it was not done
     validated: Mapping[str, bool] = field(default_factory=dict)
+    # Standard uncertainty of any acceleration by amounts that are added to it, in the unit of the record
     amount: float = 0.0
 
     def alike(self, checked: BlowUncertainty) -> BlowUncertainty:
@@ -144,12 +134,6 @@ def read_off(values: Array, where: ReadOff) -> Array:
 
     The peak is that of a parabola through three samples, the width lies between crossings of straight lines, and the
     area between the feet of the measured blow.
-
-    Examples
-    --------
-    >>> rows = np.sin(np.pi * np.linspace(0.0, 1.0, 201))[None, :] * np.array([[1.0], [2.0]])
-    >>> read_off(rows, ReadOff(slice(50, 150), 0.0, 200.0, 1.0 / 200)).round(4).tolist()
-    [[1.0, 0.9362, 0.6366], [2.0, 0.9362, 1.2732]]
     """
     weights = _trapezoid(values.shape[1], where.begin, where.end)
     _, peak, _, width = figures_of(values, where.inside).T
@@ -289,17 +273,6 @@ def blow_uncertainty(
         True to validate the law of propagation by Monte Carlo, whose interval counts where the law fails.
     seed : int, optional
         Seed of the draws.
-
-    Examples
-    --------
-    >>> from strikewave.records.budget import of_share
-    >>> from strikewave.records.measuring import find_pulses
-    >>> t = np.arange(4000) * 1e-6
-    >>> record = Channel("a", np.where(abs(t - 2e-3) < 1e-4, 5e3 * np.cos(np.pi * (t - 2e-3) / 2e-4), 0.0), 1e-6)
-    >>> [pulse] = find_pulses(record.values, record.step)
-    >>> found = blow_uncertainty(record, pulse, of_share(0.04)).figures
-    >>> {name: round(one.expanded / one.value, 4) for name, one in found.items()}
-    {'peak': 0.04, 'width': 0.0, 'velocity_change': 0.04}
     """
     measured = _prepared(channel, pulse)
     inputs = _inputs(channel, pulse, budget, measured)
@@ -399,18 +372,6 @@ def spectrum_uncertainty(
         Natural frequencies, Hz.
     spectrum : callable
         Spectrum of a record whose baseline is taken off, or several of them, a row each.
-
-    Examples
-    --------
-    >>> from strikewave.records.budget import of_share
-    >>> from strikewave.records.measuring import find_pulses
-    >>> t = np.arange(4000) * 1e-6
-    >>> record = Channel("a", np.where(abs(t - 2e-3) < 1e-4, 5e3 * np.cos(np.pi * (t - 2e-3) / 2e-4), 0.0), 1e-6)
-    >>> pulses = find_pulses(record.values, record.step)
-    >>> peak = lambda values: np.max(values, keepdims=True)
-    >>> found = spectrum_uncertainty(record, 0.0, pulses, of_share(0.04), np.ones(1), peak)
-    >>> (found.expanded / 5e3).round(4).tolist()
-    [0.04]
     """
     values = channel.values - baseline
     plain = spectrum(values)

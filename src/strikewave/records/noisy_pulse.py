@@ -41,74 +41,32 @@ FLAT = 1e-9  # share of the peak a sample at least that a side rises by
 
 
 class ReadPulse(NamedTuple):
-    """A pulse without its noise.
+    """A pulse without its noise."""
 
-    Attributes
-    ----------
-    values : ndarray
-        The stretch without noise.
-    place, peak, rise, width : float
-        Figures in samples: place of the peak, peak, 10 to 90 % of it, between the crossings of 10 %; NaN where the
-        stretch ends above.
-    peak_scatter, width_scatter : float
-        Standard uncertainties by noise faster than the blow, by detail that it hides, and by the sampling.
-    """
-
-    values: Array
+    values: Array  # the stretch without noise
+    # Figures in samples: place of the peak, peak, 10 to 90 % of it, between the crossings of 10 %; NaN where the
+    # stretch ends above
     place: float
     peak: float
     rise: float
     width: float
+    # Standard uncertainties by noise faster than the blow, by detail that it hides, and by the sampling
     peak_scatter: float
     width_scatter: float
 
 
 class Surroundings(NamedTuple):
-    """The record about a blow.
+    """The record about a blow."""
 
-    Attributes
-    ----------
-    values : ndarray
-        Baseline taken off, the blow upwards.
-    time : ndarray
-        Times, s.
-    near : slice
-        Samples to which the smooth pulse was fitted.
-    inside : slice
-        Those in which the peak lies.
-    width : int
-        Samples of the box of the blow.
-    """
-
-    values: Array
-    time: Array
-    near: slice
-    inside: slice
-    width: int
+    values: Array  # baseline taken off, the blow upwards
+    time: Array  # times, s
+    near: slice  # samples to which the smooth pulse was fitted
+    inside: slice  # those in which the peak lies
+    width: int  # samples of the box of the blow
 
 
 def read_pulse(about: Surroundings, smooth: SmoothPulse, noise: Array) -> ReadPulse:
-    """Read the figures of a pulse off a noisy stretch.
-
-    Parameters
-    ----------
-    about : Surroundings
-        The record about the blow.
-    smooth : SmoothPulse
-        The smooth pulse fitted to it.
-    noise : ndarray
-        Samples of the noise alone.
-
-    Examples
-    --------
-    >>> time = np.arange(600.0)
-    >>> true = SmoothPulse(1.0, 200.0, 200.0, 0.5, 1.0)
-    >>> noise = 0.03 * np.random.default_rng(1).normal(size=(2, 600))
-    >>> record = Surroundings(true.at(time) + noise[0], time, slice(150, 450), slice(180, 420), 150)
-    >>> read = read_pulse(record, true, noise[1])
-    >>> abs(read.peak - 1.0) < 2.0 * read.peak_scatter < 0.05, abs(read.width - 187.2) < 2.0 * read.width_scatter < 5.0
-    (True, True)
-    """
+    """Read the figures of a pulse off a noisy stretch."""
     raw, near = about.values, about.near
     pulse = smooth.at(about.time)
     windows = windows_up_to(max(about.width // LONGEST, 2))
@@ -142,28 +100,13 @@ def read_pulse(about: Surroundings, smooth: SmoothPulse, noise: Array) -> ReadPu
 
 
 def figures_of(rows: Array, inside: slice) -> Array:
-    """Return place, peak, rise and width of the largest value inside each row, in samples; NaN where a row ends above.
-
-    Examples
-    --------
-    >>> tent = np.maximum(1.0 - np.abs(np.arange(-9.0, 10.0)) / 8.0, 0.0)
-    >>> figures_of(tent[None], slice(4, 14)).round(2)
-    array([[ 9. ,  1. ,  6.4, 14.4]])
-    """
+    """Return place, peak, rise and width of the largest value inside each row, in samples; NaN where it is cut."""
     first, last, _ = inside.indices(rows.shape[1])
     return np.asarray(row_figures(rows, first, last, WIDTH_FRACTION, RISE_LOW, RISE_HIGH))
 
 
 def noise_like(noise: Array, size: int, count: int) -> Array:
-    """Return rows of noise with the spectrum of a sample of it; white where the sample is shorter than a row.
-
-    Examples
-    --------
-    >>> slow = np.cumsum(np.random.default_rng(1).normal(size=4000))
-    >>> rows = noise_like(slow, 500, 40)
-    >>> rows.shape, bool(abs(np.std(np.diff(rows)) - 1.0) < 0.3)
-    ((40, 500), True)
-    """
+    """Return rows of noise with the spectrum of a sample of it; white where the sample is shorter than a row."""
     rows = noise.size // size
     if rows == 0:
         return float(np.std(noise)) * np.random.default_rng(SEED).normal(size=(count, size))
@@ -205,12 +148,6 @@ def without_noise(raw: Array, pulse: Array, noise: Array, width: int) -> Array:
         Samples of the noise alone.
     width : int
         Samples of the box of the blow.
-
-    Examples
-    --------
-    >>> noise = np.random.default_rng(1).normal(size=(2, 400))
-    >>> bool(np.std(without_noise(noise[0], np.zeros(400), noise[1], 60)) < 0.4)
-    True
     """
     windows = windows_up_to(max(width // LONGEST, 2))
     best, beside = least_error(raw, pulse, windows, noise)
@@ -287,13 +224,7 @@ class SmoothingWindow(NamedTuple):
 
 
 def windows_up_to(longest: int) -> list[SmoothingWindow]:
-    """Return the windows that are tried, each half an octave longer than the one before, from none on.
-
-    Examples
-    --------
-    >>> [window.half for window in windows_up_to(6)]
-    [0, 2, 3, 5]
-    """
+    """Return the windows that are tried, each half an octave longer than the one before, from none on."""
     halves = [0]
     half = NARROWEST
     while half <= longest:

@@ -61,21 +61,7 @@ class Box(NamedTuple):
 
 
 class BoxGrid:
-    """Boxes by the place where they begin: those near another are found in the same time, however many there are.
-
-    Parameters
-    ----------
-    widest : int
-        Largest width of a box.
-
-    Examples
-    --------
-    >>> grid = BoxGrid(10)
-    >>> for first in range(0, 100_000, 20):
-    ...     grid.add(Box(first, 10, 1.0))
-    >>> [box.first for box in grid.near(Box(495, 20, 1.0), 5.0)]
-    [480, 500, 520]
-    """
+    """Boxes by the place where they begin: those near another are found in the same time, however many there are."""
 
     def __init__(self, widest: int) -> None:
         self.widest = widest
@@ -99,13 +85,6 @@ def robust_line(values: Array, blocks: int = LINE_BLOCKS) -> Baseline:
     Half of the blocks may hold anything.
 
     Source: A. F. Siegel, Robust regression using repeated medians, Biometrika 69 (1982) 242-244.
-
-    Examples
-    --------
-    >>> values = 5.0 + 0.01 * np.arange(1000)
-    >>> values[300:400] = 1e6
-    >>> [round(v, 6) for v in robust_line(values)]
-    [5.0, 0.01]
     """
     size = max(values.size // blocks, 1)
     count = values.size // size
@@ -126,13 +105,6 @@ def sample_noise(values: Array) -> float:
     """Return the standard deviation of white noise in a record, from the differences between its samples.
 
     Where most samples equal the next, the rounding of the recorder, a step over sqrt(12).
-
-    Examples
-    --------
-    >>> t = np.linspace(0.0, 1.0, 100_000)
-    >>> noise = np.random.default_rng(1).normal(size=t.size)
-    >>> abs(sample_noise(1e3 * np.sin(20.0 * t) + noise) - 1.0) < 0.02
-    True
     """
     step = max(values.size // NOISE_SAMPLES, 1)
     jumps = np.abs(values[1::step] - values[:-1:step][: values[1::step].size])
@@ -154,15 +126,6 @@ def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[
         Its baseline.
     single : float
         Standard deviation of the noise of a single sample.
-
-    Examples
-    --------
-    >>> values = np.random.default_rng(1).normal(size=4000)
-    >>> values[1000:1100] -= 40.0
-    >>> values[2000:2100] -= 6.0
-    >>> sign, large, small = find_boxes(values, robust_line(values), sample_noise(values))
-    >>> sign, len(large), abs(large[0].first - 1000) < 20, len(small)
-    (-1, 1, True, 1)
     """
     boxes_by_sign = {sign: _standing_out(values, line, sign) for sign in (1, -1)}
     best = {sign: max(boxes, key=_energy, default=None) for sign, boxes in boxes_by_sign.items()}

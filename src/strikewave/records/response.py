@@ -65,15 +65,7 @@ class Mode:
 
 
 def decaying_modes(values: Array, step: float) -> tuple[Mode, ...]:
-    """Return the strongest decaying swings of a free response, the one with the most energy first.
-
-    Examples
-    --------
-    >>> t = np.arange(2000) * 1e-5
-    >>> [mode] = decaying_modes(np.exp(-100.0 * t) * np.cos(2.0 * np.pi * 800.0 * t), 1e-5)
-    >>> round(mode.frequency, 3), round(mode.damping, 4)
-    (800.0, 0.0199)
-    """
+    """Return the strongest decaying swings of a free response, the one with the most energy first."""
     from scipy.signal import decimate
 
     if values.size < FEWEST or not np.any(values):
@@ -296,14 +288,7 @@ class MeasuredResponse:
 
 
 def effective_span(values: Array, share: float = EFFECTIVE) -> tuple[float, float]:
-    """Return the places of the first and last crossing of a share of the peak magnitude, between samples.
-
-    Examples
-    --------
-    >>> first, last = effective_span(np.exp(-np.arange(1000) / 100.0))
-    >>> first, round(last)  # 100 ln 3
-    (0.0, 110)
-    """
+    """Return the places of the first and last crossing of a share of the peak magnitude, between samples."""
     size = np.abs(values)
     level = share * float(np.max(size))
     above = np.flatnonzero(size >= level)
@@ -314,14 +299,7 @@ def effective_span(values: Array, share: float = EFFECTIVE) -> tuple[float, floa
 
 
 def swings(values: Array) -> bool:
-    """Tell whether a record, its zero taken off, swings about zero rather than being struck to one side.
-
-    Examples
-    --------
-    >>> t = np.linspace(0.0, 1.0, 2000)
-    >>> swings(np.exp(-3.0 * t) * np.sin(60.0 * t)), swings(np.sin(np.pi * t))
-    (True, False)
-    """
+    """Tell whether a record, its zero taken off, swings about zero rather than being struck to one side."""
     first, last = effective_span(values, OfAnswers.FREE)
     part = values[math.floor(first) : math.ceil(last) + 1]
     low, high = sorted((-float(np.min(part)), float(np.max(part))))
@@ -330,13 +308,7 @@ def swings(values: Array) -> bool:
 
 
 def zero_before(values: Array, place: int) -> float:
-    """Return the zero of a record before a place; where too little lies before it, the median of the whole.
-
-    Examples
-    --------
-    >>> zero_before(np.r_[np.full(100, 3.0), np.full(900, 5.0)], 100)
-    3.0
-    """
+    """Return the zero of a record before a place; where too little lies before it, the median of the whole."""
     return float(np.median(values[:place] if place >= FEWEST else values))
 
 
@@ -355,15 +327,6 @@ def measure_responses(
         Blows of the base, in the order of time.
     same_unit : bool, optional
         True if base and channel have the same unit, so that a ratio makes sense.
-
-    Examples
-    --------
-    >>> t = np.arange(4000) * 1e-5
-    >>> swing = np.exp(-200.0 * t) * np.sin(2.0 * np.pi * 800.0 * t)
-    >>> blows = [BaseBlow(0.01, 0.0102, 0.0104, 9.0), BaseBlow(0.05, 0.0502, 0.0504, 9.0)]
-    >>> both = np.r_[np.zeros(1000), 6.0 * swing, 3.0 * swing]
-    >>> [(found.blow, round(found.peak)) for found in measure_responses(both, 1e-5, 0.0, blows)]
-    [(1, 6), (2, 3)]
     """
     places = [min(max(round((blow.begin - start) / step), 0), max(values.size - FEWEST, 0)) for blow in blows]
     zero = zero_before(values, places[0]) if places else 0.0

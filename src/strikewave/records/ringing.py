@@ -76,40 +76,23 @@ DIFFERENCE = math.sqrt(np.finfo(float).eps)  # change of a parameter for a deriv
 
 
 class RigidPulse(NamedTuple):
-    """A pulse without its ringing.
+    """A pulse without its ringing."""
 
-    Attributes
-    ----------
-    peak : float
-        In the unit of the record, with its sign.
-    rise, width : float
-        From 10 to 90 % of that peak, and above 10 %, s.
-    velocity_change : float
-        Integral of the pulse.
-    peak_uncertainty, width_uncertainty, velocity_change_uncertainty : float
-        Standard uncertainties: of the fit, and of which model holds.
-    frequency, damping : float
-        Frequency of the ringing, Hz; damping ratio.
-    misfit : float
-        Root mean square of what is left, over the peak.
-    model : str
-        ``mount``, ``mode`` or ``struck``.
-    shape : SmoothPulse
-        The pulse itself.
-    """
-
-    peak: float
+    peak: float  # in the unit of the record, with its sign
+    # From 10 to 90 % of that peak, and above 10 %, s
     rise: float
     width: float
-    velocity_change: float
+    velocity_change: float  # integral of the pulse
+    # Standard uncertainties: of the fit, and of which model holds
     peak_uncertainty: float
     width_uncertainty: float
     velocity_change_uncertainty: float
+    # Frequency of the ringing, Hz; damping ratio
     frequency: float
     damping: float
-    misfit: float
-    model: str
-    shape: SmoothPulse
+    misfit: float  # root mean square of what is left, over the peak
+    model: str  # ``mount``, ``mode`` or ``struck``
+    shape: SmoothPulse  # the pulse itself
 
     def moved(self, later: float, sign: float = 1.0) -> RigidPulse:
         """Return the pulse so much later, s, and turned round for a sign of -1."""
@@ -157,16 +140,6 @@ def fit_rigid_pulse(
         Standard deviation of white noise of a sample.
     models : sequence, optional
         Those of `MODELS` that are tried; all by default.
-
-    Examples
-    --------
-    >>> time = np.arange(600) * 1e-6
-    >>> pulse = SmoothPulse(1000.0, 100e-6, 100e-6, 0.5, 1.0)
-    >>> since = np.maximum(time - 100e-6, 0.0)
-    >>> ringing = 700.0 * np.exp(-since / 80e-6) * np.sin(2.0 * np.pi * 23e3 * since)
-    >>> rigid = fit_rigid_pulse(pulse.at(time) + ringing, 1e-6, pulse._replace(length=90e-6), 22e3)
-    >>> round(rigid.peak, -1), round(rigid.width * 1e6), rigid.model
-    (1000.0, 94, 'struck')
     """
     tried = MODELS if models is None else models
     best_of: dict[str, Fit] = {}
@@ -422,13 +395,6 @@ def least_beside_one_mode(values: Array, step: float, frequency: float) -> float
 
     All frequencies and decays of a grid at once: a cosine and a sine for each, their amplitudes by projection. Where
     more is left than a fit may miss, no pulse before these samples and no mode of it can make up for it.
-
-    Examples
-    --------
-    >>> time = np.arange(100) * 1e-5
-    >>> swing = np.exp(-time / 1e-3) * np.sin(2.0 * np.pi * 3000.0 * time)
-    >>> bool(least_beside_one_mode(swing, 1e-5, 3100.0) < 0.02 * np.sum(swing**2))
-    True
     """
     if values.size < FEWEST_AFTER:
         return 0.0
@@ -452,31 +418,16 @@ RINGS_WITHIN = 5.0  # widths after the blow in which its ringing is looked for
 
 
 class Stretch(NamedTuple):
-    """A record around a blow, positive and above its baseline, until the next blow.
+    """A record around a blow, positive and above its baseline, until the next blow."""
 
-    Attributes
-    ----------
-    values : ndarray
-        Samples.
-    step : float
-        Time between them, s.
-    begin, end : int
-        Samples at the feet of the blow.
-    width : float
-        Samples of its width.
-    smooth : SmoothPulse
-        The smooth pulse that fits it best; time 0 is the first sample.
-    noise : float
-        Standard deviation of white noise of a sample.
-    """
-
-    values: Array
-    step: float
+    values: Array  # samples
+    step: float  # time between them, s
+    # Samples at the feet of the blow
     begin: int
     end: int
-    width: float
-    smooth: SmoothPulse
-    noise: float
+    width: float  # samples of its width
+    smooth: SmoothPulse  # the smooth pulse that fits it best; time 0 is the first sample
+    noise: float  # standard deviation of white noise of a sample
 
 
 def ringing_of(stretch: Stretch) -> float:
@@ -502,14 +453,7 @@ def swings_after(stretch: Stretch) -> bool:
 
 
 def strongest_frequency(values: Array, step: float, lowest: float) -> float:
-    """Return the frequency of the highest peak of a spectrum, above a lowest one, Hz; NaN where there is none.
-
-    Examples
-    --------
-    >>> time = np.arange(400) * 1e-5
-    >>> round(strongest_frequency(np.exp(-time / 1e-3) * np.sin(2.0 * np.pi * 3000.0 * time), 1e-5, 500.0), -2)
-    3000.0
-    """
+    """Return the frequency of the highest peak of a spectrum, above a lowest one, Hz; NaN where there is none."""
     frequencies, height = spectrum_after(values, step)
     above = np.flatnonzero(frequencies >= lowest)
     return float(frequencies[above[np.argmax(height[above])]]) if above.size else math.nan

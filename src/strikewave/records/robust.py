@@ -27,11 +27,6 @@ def spread_of(values: ArrayLike) -> float:
     """Return the standard deviation of normal values, from the median of their deviations from the median.
 
     Half of the values may be anything.
-
-    Examples
-    --------
-    >>> round(spread_of([9.0, 10.0, 11.0, 12.0, 1e6]), 4), spread_of([3.0])
-    (1.788, nan)
     """
     sample = np.asarray(values, dtype=float)
     n = sample.size
@@ -57,11 +52,6 @@ def outliers(values: ArrayLike, false_alarm: float) -> list[int]:
     values, none is an outlier where the others are equal.
 
     Source: ``rosner-1983``.
-
-    Examples
-    --------
-    >>> outliers([9.9, 10.0, 10.1, 9.8, 10.2, 10.05, 4.9, 9.95], 0.01), outliers([10.0, 10.0, 10.0, 10.0, 4.9], 0.01)
-    ([6], [])
     """
     sample = np.asarray(values, dtype=float)
     if sample.size < FEWEST_FOR_OUTLIERS:
@@ -101,11 +91,6 @@ def median_line(x: Array, y: Array, confidence: float) -> tuple[float, float, fl
     Notes
     -----
     Source: ``sen-1968``.
-
-    Examples
-    --------
-    >>> median_line(np.arange(6.0), np.array([0.0, 1.0, 2.0, 3.0, 4.0, 99.0]), 0.95)
-    (1.0, 1.0, 48.0)
     """
     if x.size > MOST_OF_LINE:
         size = -(-x.size // MOST_OF_LINE)
@@ -125,11 +110,6 @@ def kendall_bound(n: int, confidence: float) -> int | None:
     """Return the least c with P(|S| > c) <= 1 - confidence, for Kendall's S of n unrelated pairs.
 
     None where even the largest S is not rare enough.
-
-    Examples
-    --------
-    >>> kendall_bound(4, 0.95), kendall_bound(5, 0.95), kendall_bound(10, 0.95)
-    (None, 8, 21)
     """
     most = n * (n - 1) // 2
     if n > EXACT:
@@ -157,11 +137,6 @@ def alike_as_one(rest: Array, most: float = 0.9) -> float:
         Residuals of a fit, in order.
     most : float, optional
         Bound of r: a few values do not tell a longer memory.
-
-    Examples
-    --------
-    >>> alike_as_one(np.array([1.0, -1.0, 1.0, -1.0])), round(alike_as_one(np.array([1.0, 1.0, -1.0, -1.0])), 2)
-    (1.0, 1.67)
     """
     power = float(np.sum(rest**2))
     alike = float(np.sum(rest[1:] * rest[:-1])) / power if power > 0.0 else 0.0

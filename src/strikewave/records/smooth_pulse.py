@@ -56,27 +56,15 @@ class SmoothPulse(NamedTuple):
     """a(t) = A sin^p(pi u), where u goes straight from 0 to 1/2 while the pulse rises and on to 1 while it falls.
 
     p = 1 is a half-sine, p = 2 a haversine, a late rise a saw-tooth.
-
-    Attributes
-    ----------
-    peak : float
-        A.
-    begin, length : float
-        When it begins and how long it lasts, s.
-    rise_share : float
-        Share of the length in which it rises.
-    power : float
-        p.
-    misfit : float
-        Root mean square of what is left, over the peak.
     """
 
-    peak: float
+    peak: float  # A
+    # When it begins and how long it lasts, s
     begin: float
     length: float
-    rise_share: float
-    power: float
-    misfit: float = 0.0
+    rise_share: float  # share of the length in which it rises
+    power: float  # p
+    misfit: float = 0.0  # root mean square of what is left, over the peak
 
     def at(self, time: Array) -> Array:
         """Return the pulse at some times.
@@ -115,26 +103,14 @@ class SmoothPulse(NamedTuple):
         )
 
     def area_beyond(self, begin: float, end: float) -> float:
-        """Return the integral of the magnitude before one time and after another, s times its unit.
-
-        Examples
-        --------
-        >>> round(SmoothPulse(1.0, 0.0, 1.0, 0.5, 2.0).area_beyond(0.25, 1.0), 4)  # 1/8 - 1/(4 pi)
-        0.0454
-        """
+        """Return the integral of the magnitude before one time and after another, s times its unit."""
         toes = (self.begin, min(begin, self.begin + self.length)), (max(end, self.begin), self.begin + self.length)
         first, last = np.array(toes).T
         times = np.linspace(first, np.maximum(first, last), TOE_POINTS)
         return float(np.sum(np.trapezoid(np.abs(self.at(times)), times, axis=0)))
 
     def width_slope(self, share: float = 0.1, by: float = 0.02) -> float:
-        """Return by how much the width falls where the share rises, s: what an error of the baseline does to it.
-
-        Examples
-        --------
-        >>> round(SmoothPulse(1.0, 0.0, 1.0, 0.5, 1.0).width_slope(), 3)  # 2 / (pi sqrt(1 - 0.1^2))
-        0.64
-        """
+        """Return by how much the width falls where the share rises, s: what an error of the baseline does to it."""
         return (self.width(share - by) - self.width(share + by)) / (2.0 * by)
 
     def uncertainty(self, step: float, noise: float) -> PulseUncertainty:
@@ -210,14 +186,6 @@ def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float) ->
         Samples around one pulse, its baseline taken off, s.
     begin, length : float
         Where the pulse is thought to lie, s.
-
-    Examples
-    --------
-    >>> t = np.linspace(0.0, 400e-6, 81)
-    >>> true = SmoothPulse(5.0, 100e-6, 200e-6, 0.4, 1.5)
-    >>> fitted = fit_smooth_pulse(t, true.at(t), 120e-6, 150e-6)
-    >>> bool(abs(fitted.width() / true.width() - 1.0) < 1e-4)
-    True
     """
     factor = -(-values.size // MOST_SAMPLES)
     whole = values.size // factor * factor

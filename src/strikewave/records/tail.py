@@ -33,64 +33,32 @@ RATES = 120  # time constants tried for a free exponential
 
 
 class Tail(NamedTuple):
-    """The record after a blow, in stretches.
+    """The record after a blow, in stretches."""
 
-    Attributes
-    ----------
-    time : ndarray
-        Since the end of the blow, s.
-    level : ndarray
-        Mean above the baseline before the first blow.
-    velocity : ndarray
-        Mean of the integral of the record from before the first blow on.
-    one_side : float
-        Share of the samples of the first stretch that have the sign of its level.
-    moved : ndarray or None
-        Mean of the integral over the baseline before this blow, from before it on; that of ``velocity`` by default.
-    """
-
-    time: Array
-    level: Array
-    velocity: Array
-    one_side: float = 1.0
+    time: Array  # since the end of the blow, s
+    level: Array  # mean above the baseline before the first blow
+    velocity: Array  # mean of the integral of the record from before the first blow on
+    one_side: float = 1.0  # share of the samples of the first stretch that have the sign of its level
+    # Mean of the integral over the baseline before this blow, from before it on; that of ``velocity`` by default
     moved: Array | None = None
 
 
 class TailModel(NamedTuple):
-    """What a tail does.
+    """What a tail does."""
 
-    Attributes
-    ----------
-    kind : str
-        ``rest``, ``shift``, ``line``, ``decay``, ``ac-coupling``, or ``motion`` where none of these explains it.
-    level, level_error : float
-        Level and its error: of the shift, of a decay at the end of the blow, or of a line at its last stretch.
-    constant, constant_error : float
-        Time constant of a decay, s.
-    explained : float
-        Share of the squares of the tail.
-    """
-
+    # ``rest``, ``shift``, ``line``, ``decay``, ``ac-coupling``, or ``motion`` where none of these explains it
     kind: str
+    # Level and its error: of the shift, of a decay at the end of the blow, or of a line at its last stretch
     level: float = 0.0
     level_error: float = math.nan
+    # Time constant of a decay, s
     constant: float = math.nan
     constant_error: float = math.nan
-    explained: float = 0.0
+    explained: float = 0.0  # share of the squares of the tail
 
 
 def tail_of(values: Array, step: float, start: float, pulses: Sequence[RecordedPulse]) -> Tail | None:
-    """Return the longest tail after a blow; None where none is long enough.
-
-    Parameters
-    ----------
-    values : ndarray
-        The record.
-    step, start : float
-        Time between samples, and of the first, s.
-    pulses : sequence of RecordedPulse
-        Its blows.
-    """
+    """Return the longest tail after a blow; None where none is long enough."""
     if not pulses:
         return None
     first = pulses[0]
@@ -140,15 +108,7 @@ def _carried_slope(pulses: Sequence[RecordedPulse], step: float) -> float:
 
 
 def comes_to_rest(tail: Tail) -> bool:
-    """Tell whether the velocity after a blow goes to the other side and comes back: what was struck moves, no zero.
-
-    Examples
-    --------
-    >>> time = np.linspace(1e-4, 2e-2, 40)
-    >>> velocity = 5.0 * np.cos(np.pi * time / 1e-2) * (time < 1e-2)  # a spring pulls back, a stop holds
-    >>> comes_to_rest(Tail(time, 0.0 * time, velocity)), comes_to_rest(Tail(time, 0.0 * time, 5.0 - 600.0 * time))
-    (True, False)
-    """
+    """Tell whether the velocity after a blow goes to the other side and comes back: what was struck moves, no zero."""
     velocity = tail.velocity if tail.moved is None else tail.moved
     velocity = math.copysign(1.0, float(velocity[0])) * velocity
     farthest = np.minimum.accumulate(velocity)
@@ -170,19 +130,7 @@ def _at_last(tail: Tail) -> tuple[float, float]:
 
 
 def model_of(tail: Tail) -> TailModel:
-    """Return the model that explains a tail best, at the cost of its parameters.
-
-    Examples
-    --------
-    >>> time = np.linspace(1e-4, 1e-2, 40)
-    >>> noise = 0.01 * np.random.default_rng(1).normal(size=40)
-    >>> decay = np.exp(-time / 2e-3)
-    >>> coupled = model_of(Tail(time, -3.0 * decay + noise, 6e-3 * decay))
-    >>> coupled.kind, abs(coupled.constant / 2e-3 - 1.0) < 0.05
-    ('ac-coupling', True)
-    >>> model_of(Tail(time, 0.5 + noise, 6e-3 + 0.5 * time)).kind, model_of(Tail(time, noise, 6e-3 + 0.0 * time)).kind
-    ('shift', 'rest')
-    """
+    """Return the model that explains a tail best, at the cost of its parameters."""
     if comes_to_rest(tail):
         level, error = _at_last(tail)
         return TailModel("shift" if abs(level) > OfTails.SURE * error else "motion", level, error)
@@ -282,17 +230,6 @@ def uncoupled(values: Array, step: float, start: float, pulses: Sequence[Recorde
 
     What is wrong with that zero is integrated, and grows as 1 + t / tau: it is made so small that the record comes to
     rest after its last blow.
-
-    Parameters
-    ----------
-    values : ndarray
-        The record.
-    step, start : float
-        Time between samples, and of the first, s.
-    pulses : sequence of RecordedPulse
-        Its blows.
-    constant : float
-        Time constant, s.
     """
     first, last = pulses[0], pulses[-1]
     places = np.arange(values.size)
@@ -302,15 +239,7 @@ def uncoupled(values: Array, step: float, start: float, pulses: Sequence[Recorde
 
 
 def resting(above: Array, step: float, constant: float, rest: int) -> Array:
-    """Return values above their zero without AC coupling, at rest from a sample on, where that lasts long enough.
-
-    Examples
-    --------
-    >>> from strikewave.signal.filters import ac_coupled
-    >>> blow = np.r_[np.zeros(20), np.ones(10), np.zeros(500)]
-    >>> bool(np.allclose(resting(ac_coupled(blow, 1e-3, 0.1) + 1e-3, 1e-3, 0.1, 40), blow, atol=1e-3))
-    True
-    """
+    """Return values above their zero without AC coupling, at rest from a sample on, where that lasts long enough."""
     plain = ac_uncoupled(above, step, constant)
     wrong = 1.0 + step / constant * np.arange(above.size)
     if (above.size - rest) * step > constant:

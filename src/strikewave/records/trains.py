@@ -61,42 +61,20 @@ def mains_period(times: Array, widths: Array, locked: bool = False) -> float:
 
 
 class BlowTrain(NamedTuple):
-    """Blows one period apart.
+    """Blows one period apart."""
 
-    Attributes
-    ----------
-    members : tuple of int
-        Contacts that are its blows, in the order of time.
-    period : float
-        Median of the gaps of one period.
-    jitter : float
-        Scatter of these gaps over the period: from the median of their deviations.
-    """
-
-    members: tuple[int, ...]
-    period: float
-    jitter: float
+    members: tuple[int, ...]  # contacts that are its blows, in the order of time
+    period: float  # median of the gaps of one period
+    jitter: float  # scatter of these gaps over the period: from the median of their deviations
 
 
 class Contacts(NamedTuple):
-    """What the contacts of a record are.
+    """What the contacts of a record are."""
 
-    Attributes
-    ----------
-    blows : tuple of int
-        In the order of time.
-    owner : dict
-        For each contact that belongs to a blow, that blow.
-    double : dict
-        For each blow of a double hit beside the one of the train, or the first, that one.
-    train : BlowTrain or None
-        Train that shows the period, where there is one.
-    """
-
-    blows: tuple[int, ...]
-    owner: dict[int, int]
-    double: dict[int, int]
-    train: BlowTrain | None
+    blows: tuple[int, ...]  # in the order of time
+    owner: dict[int, int]  # for each contact that belongs to a blow, that blow
+    double: dict[int, int]  # for each blow of a double hit beside the one of the train, or the first, that one
+    train: BlowTrain | None  # train that shows the period, where there is one
 
 
 def find_train(times: Array, peaks: Array) -> BlowTrain | None:
@@ -108,13 +86,6 @@ def find_train(times: Array, peaks: Array) -> BlowTrain | None:
         Times of all contacts, rising.
     peaks : ndarray
         Their sizes, positive.
-
-    Examples
-    --------
-    >>> times = np.array([0.0, 0.1, 1.0, 1.1, 2.0, 2.1, 4.0, 4.1])
-    >>> train = find_train(times, np.array([5.0, 2.0] * 4))
-    >>> train.members, train.period
-    ((0, 2, 4, 6), 1.0)
     """
     if times.size < OfTrains.FEWEST_GAPS + 1:
         return None
@@ -148,12 +119,6 @@ def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[boo
         Times, peaks and widths of all contacts in the order of time; peaks positive.
     small : sequence of bool
         Contacts too small for a blow unless a train asks for one there.
-
-    Examples
-    --------
-    >>> three = sort_contacts(np.array([0.0, 1.0, 9.0]), np.array([9.0, 3.0, 8.0]), np.full(3, 0.4), [False] * 3)
-    >>> three.blows, three.owner
-    ((0, 2), {1: 0})
     """
     large = np.flatnonzero(~np.asarray(small, dtype=bool))
     train = find_train(times, peaks)
@@ -178,14 +143,7 @@ def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[boo
 
 
 def gaps_of(times: Array, contacts: Contacts) -> list[float]:
-    """Return the times from blow to blow: not those inside a double hit, nor those over a missing blow.
-
-    Examples
-    --------
-    >>> times = np.array([0.0, 1.0, 2.0, 3.0, 5.0])
-    >>> gaps_of(times, sort_contacts(times, np.ones(5), np.full(5, 0.1), [False] * 5))
-    [1.0, 1.0, 1.0]
-    """
+    """Return the times from blow to blow: not those inside a double hit, nor those over a missing blow."""
     firsts = [k for k in contacts.blows if k not in contacts.double]
     gaps = [float(gap) for gap in np.diff(times[firsts])]
     train = contacts.train
@@ -193,14 +151,7 @@ def gaps_of(times: Array, contacts: Contacts) -> list[float]:
 
 
 def missing_of(times: Array, contacts: Contacts) -> list[float]:
-    """Return the times at which a train lacks a blow.
-
-    Examples
-    --------
-    >>> times = np.array([0.0, 1.0, 2.0, 3.0, 5.0])
-    >>> missing_of(times, sort_contacts(times, np.ones(5), np.full(5, 0.1), [False] * 5))
-    [4.0]
-    """
+    """Return the times at which a train lacks a blow."""
     train = contacts.train
     if train is None or not _sure(train):
         return []

@@ -53,88 +53,44 @@ SMOOTH_REST = 0.98  # bound of the correlation of neighbours in what a copy leav
 
 
 class Transfer(NamedTuple):
-    """Motion of the second sensor over that of the first, by frequency.
+    """Motion of the second sensor over that of the first, by frequency."""
 
-    Attributes
-    ----------
-    frequency : ndarray
-        Hz.
-    h1, h2 : ndarray
-        Complex estimates that noise of the second, or of the first, does not bias; in truth it lies between both.
-    coherence : ndarray
-        Share of the power of the second that follows linearly from the first.
-    uncertainty : ndarray
-        Standard uncertainty of the magnitude, over it.
-    averages : int
-        Spectra averaged: blows times neighbouring lines.
-    resolution : float
-        Width of the lines that are averaged, Hz.
-    trusted : tuple of float
-        First and last frequency, Hz, of the lines around the strongest that are known within 10 % and stand above the
-        noise; NaN where there is none.
-    alike_to : float
-        Frequency up to which it is 1 within 10 % and its uncertainty, Hz; NaN where it is not, from the first line on.
-    """
-
-    frequency: Array
+    frequency: Array  # Hz
+    # Complex estimates that noise of the second, or of the first, does not bias; in truth it lies between both
     h1: NDArray[np.complex128]
     h2: NDArray[np.complex128]
-    coherence: Array
-    uncertainty: Array
-    averages: int
-    resolution: float
+    coherence: Array  # share of the power of the second that follows linearly from the first
+    uncertainty: Array  # standard uncertainty of the magnitude, over it
+    averages: int  # spectra averaged: blows times neighbouring lines
+    resolution: float  # width of the lines that are averaged, Hz
+    # First and last frequency, Hz, of the lines around the strongest that are known within 10 % and stand above the
+    # noise; NaN where there is none
     trusted: tuple[float, float]
+    # Frequency up to which it is 1 within 10 % and its uncertainty, Hz; NaN where it is not, from the first line on
     alike_to: float
 
 
 class PairedMotion(NamedTuple):
-    """What two sensors on one object do together.
+    """What two sensors on one object do together."""
 
-    Attributes
-    ----------
-    blows : int
-        Blows that delay, gain and transfer function are means of.
-    delay, delay_uncertainty : float
-        Delay of the second after the first, and its standard uncertainty, s; NaN where it is no delayed copy.
-    gain, gain_uncertainty : float
-        Second over first; NaN where it is no delayed copy.
-    explained : float
-        Share of the energy of the second that delay and gain explain.
-    peak_lag : float
-        From the peak of the first to that of the second, the largest values of either sign, s.
-    common : RecordedPulse or None
-        Largest blow of the common motion.
-    common_uncertainty : float
-        Standard uncertainty of its rigid peak: by noise or the fit, and by the differential motion in its band.
-    differential_peak : float
-        Largest value of half the difference, with its sign.
-    differential_in_band : float
-        Its largest magnitude below the cutoff that leaves 98 % of the common pulse.
-    differential_share : float
-        Root mean square of the differential over that of the common motion.
-    transfer : Transfer or None
-        None where no blow is long enough.
-    one_body : str
-        ``yes``, ``no`` or ``cannot-tell``.
-    reason : str
-        Why, in words.
-    """
-
-    blows: int
+    blows: int  # blows that delay, gain and transfer function are means of
+    # Delay of the second after the first, and its standard uncertainty, s; NaN where it is no delayed copy
     delay: float
     delay_uncertainty: float
+    # Second over first; NaN where it is no delayed copy
     gain: float
     gain_uncertainty: float
-    explained: float
-    peak_lag: float
-    common: RecordedPulse | None
+    explained: float  # share of the energy of the second that delay and gain explain
+    peak_lag: float  # from the peak of the first to that of the second, the largest values of either sign, s
+    common: RecordedPulse | None  # largest blow of the common motion
+    # Standard uncertainty of its rigid peak: by noise or the fit, and by the differential motion in its band
     common_uncertainty: float
-    differential_peak: float
-    differential_in_band: float
-    differential_share: float
-    transfer: Transfer | None
-    one_body: str
-    reason: str
+    differential_peak: float  # largest value of half the difference, with its sign
+    differential_in_band: float  # its largest magnitude below the cutoff that leaves 98 % of the common pulse
+    differential_share: float  # root mean square of the differential over that of the common motion
+    transfer: Transfer | None  # None where no blow is long enough
+    one_body: str  # ``yes``, ``no`` or ``cannot-tell``
+    reason: str  # why, in words
 
     @property
     def leads(self) -> int:
@@ -175,18 +131,6 @@ def paired_motion(
         At least one, of either channel.
     start : float, optional
         Time of the first sample, s.
-
-    Examples
-    --------
-    >>> time = np.arange(4000) * 1e-6
-    >>> def board(delay):
-    ...     u = (time - 2e-3 - delay) / 2e-4
-    ...     noise = np.random.default_rng(round(1e6 * delay)).normal(size=time.size)
-    ...     return np.where((u > 0) & (u < 1), 1000.0 * np.sin(np.pi * np.clip(u, 0, 1)), 0.0) + noise
-    >>> first, second = board(0.0), 0.8 * board(20e-6)
-    >>> found = paired_motion(first, second, 1e-6, find_pulses(first, 1e-6))
-    >>> round(found.delay * 1e6, 1), round(found.gain, 2), found.leads, found.one_body
-    (20.0, 0.8, 1, 'no')
     """
     windows = [one for k in range(len(blows)) if (one := _window(first, second, step, start, blows, k)) is not None]
     largest = max(blows, key=lambda blow: abs(blow.peak))

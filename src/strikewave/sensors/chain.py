@@ -313,13 +313,7 @@ class Accelerometer:
     quality: float = ASSUMED_QUALITY
 
     def mounted(self, mounting: Mounting | None = None) -> Sensor:
-        """Return it as a sensor on a mounting, directly where none is given.
-
-        Examples
-        --------
-        >>> accelerometer("Endevco 7270A-20K").mounted().resonance
-        350000.0
-        """
+        """Return it as a sensor on a mounting, directly where none is given."""
         return Sensor(self.name, mounting or Mounting(), self.resonance, self.quality, self.range)
 
 

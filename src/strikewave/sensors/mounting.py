@@ -166,14 +166,6 @@ def transmission(mounting: Mounting, frequencies: ArrayLike) -> NDArray[np.compl
         Mounting between surface and sensor.
     frequencies : array_like
         f, Hz, zero or above.
-
-    Examples
-    --------
-    A layer a sixth of a wave thick, with a free face, doubles the motion: 1 / cos(pi/3):
-
-    >>> layer = Gasket(1000.0, 10e6, 1e-4, 1e-3)
-    >>> print(transmission(Mounting((layer,)), 100.0 / (6 * 1e-3)).real.round(9))
-    2.0
     """
     f = np.asarray(frequencies, dtype=float)
     if not np.all(np.isfinite(f)) or np.any(f < 0.0):

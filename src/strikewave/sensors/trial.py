@@ -193,16 +193,6 @@ def try_sensor(sensor: Sensor, recorder: Recorder, values: Array, step: float, b
     ------
     ValueError
         If the motion has no positive value, or a value makes no sense.
-
-    Examples
-    --------
-    A half-sine of 100 us at a tenth of the range; a period of the resonance is 12.5 us:
-
-    >>> time = 1e-6 * np.arange(600)
-    >>> blow = np.where((time > 2e-4) & (time < 3e-4), 1e4 * np.sin(np.pi * (time - 2e-4) / 1e-4), 0.0)
-    >>> trial = try_sensor(Sensor(resonance=80e3, range=1e5), Recorder(), blow, 1e-6, 200)
-    >>> trial.verdict, round(trial.range_used, 3), round(trial.ringing, 3)
-    ('can take it', 0.104, 0.09)
     """
     factor = max(min(FINER, MOST_SAMPLES // values.size), 1)
     fine, step = interpolate(values, factor), step / factor

@@ -100,14 +100,6 @@ def by_correlation(first: EvenHistory, second: EvenHistory, to_gap: bool = False
     ------
     ValueError
         If one of them is zero throughout.
-
-    Examples
-    --------
-    >>> time = np.arange(400) * 1e-6
-    >>> def pulse(at):
-    ...     return EvenHistory(np.exp(-(((time - at) / 2e-5) ** 2)), 1e-6, 0.0)
-    >>> round(by_correlation(pulse(2.0037e-4), pulse(1.5e-4)).shift * 1e6, 6)
-    50.37
     """
     from scipy.fft import irfft, next_fast_len, rfft
 
@@ -204,14 +196,6 @@ def by_onset(first: EvenHistory, second: EvenHistory, share: float = RISE_LOW) -
     ------
     ValueError
         If one begins above that share, or is zero throughout.
-
-    Examples
-    --------
-    >>> time = np.arange(400) * 1e-6
-    >>> def pulse(at):
-    ...     return EvenHistory(np.exp(-(((time - at) / 2e-5) ** 2)), 1e-6, 0.0)
-    >>> round(by_onset(pulse(2.0037e-4), pulse(1.5e-4)).shift * 1e6, 2)
-    50.37
     """
     words = f"first crossings of {100.0 * share:g} % of the peaks"
     return _difference(first, second, lambda one: _onset(one, share), words)
@@ -227,14 +211,6 @@ def by_peak(first: EvenHistory, second: EvenHistory) -> Shift:
     ------
     ValueError
         If one is zero throughout.
-
-    Examples
-    --------
-    >>> time = np.arange(400) * 1e-6
-    >>> def pulse(at):
-    ...     return EvenHistory(np.exp(-(((time - at) / 2e-5) ** 2)), 1e-6, 0.0)
-    >>> round(by_peak(pulse(2.0037e-4), pulse(1.5e-4)).shift * 1e6, 2)
-    50.37
     """
     return _difference(first, second, _peak, "peaks, found between samples")
 

@@ -279,13 +279,6 @@ def effect_on_half_sine(filter_: Filter, duration: float, samples: int = HALF_SI
         Duration of the half-sine, from zero to zero, s.
     samples : int, optional
         Steps in which it is computed.
-
-    Examples
-    --------
-    CFC 1000 on 100, 200 and 300 us:
-
-    >>> [round(effect_on_half_sine(Filter.sae_j211(1000), t).peak, 2) for t in (100e-6, 200e-6, 300e-6)]
-    [0.28, 0.52, 0.7]
     """
     step = min(duration / samples, CUTOFF_STEP / filter_.cutoff)
     count = round(duration / step)
@@ -316,12 +309,6 @@ def advised_cutoff(rise: float, width: float, loss: float = ADVISED_LOSS, peak_a
     ------
     ValueError
         If neither rise nor width is known, or the loss makes no sense.
-
-    Examples
-    --------
-    >>> cutoff = advised_cutoff(math.nan, 187.25e-6)
-    >>> [round(share, 3) for share in effect_on_half_sine(Filter(cutoff), 200e-6)]
-    [0.997, 1.02, 1.004]
     """
     durations = [duration for duration in (rise / HALF_SINE_RISE, width / HALF_SINE_WIDTH) if duration > 0.0]
     least, most = LOSSES
@@ -404,11 +391,6 @@ def ac_coupled(values: Array, step: float, constant: float) -> Array:
         Samples; straight lines between them.
     step, constant : float
         Time between samples, and time constant, s.
-
-    Examples
-    --------
-    >>> ac_coupled(np.array([0.0, 1.0, 1.0, 1.0]), 1e-3, 0.1).round(4)
-    array([0.    , 0.995 , 0.9851, 0.9753])
     """
     from scipy.signal import lfilter
 

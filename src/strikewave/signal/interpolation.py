@@ -43,14 +43,6 @@ def resampled(values: ArrayLike, places: ArrayLike, factor: float = 1.0) -> Arra
     ------
     ValueError
         If there is no sample, or one is not finite.
-
-    Examples
-    --------
-    >>> wave = np.sin(2.0 * np.pi * 0.1 * np.arange(200))
-    >>> bool(abs(resampled(wave, [100.37])[0] - np.sin(2.0 * np.pi * 10.037)) < 1e-4)
-    True
-    >>> resampled(wave, [3.0])[0] == wave[3]
-    np.True_
     """
     history, where = np.asarray(values, dtype=float), np.asarray(places, dtype=float)
     if history.ndim != 1 or history.size == 0 or not np.all(np.isfinite(history)):
@@ -98,12 +90,6 @@ def share_above(values: ArrayLike, step: float, frequency: float) -> float:
         Time between samples, s.
     frequency : float
         Hz.
-
-    Examples
-    --------
-    >>> time = np.arange(1000) * 1e-6
-    >>> round(share_above(3.0 * np.sin(2e5 * np.pi * time) + 4.0 * np.sin(2e4 * np.pi * time), 1e-6, 50e3), 3)
-    0.6
     """
     history = np.asarray(values, dtype=float)
     power = np.abs(np.fft.rfft(history)) ** 2
@@ -146,12 +132,6 @@ def monotone_cubic(times: Array, values: Array) -> PiecewisePolynomial:
     ------
     ValueError
         If the times do not increase, or there are fewer than two.
-
-    Examples
-    --------
-    >>> curve = monotone_cubic(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 1.0]))
-    >>> curve(np.array([0.5, 1.5])).tolist(), curve.derivative()(np.array([1.0])).tolist()
-    ([0.6875, 1.0], [0.0])
     """
     if len(times) < 2 or not np.all(np.diff(times) > 0.0):
         raise ValueError(f"a curve needs two samples or more, at increasing times, got {len(times)}")

@@ -126,11 +126,6 @@ def bank(frequency: Array, damping: float, response: Callable[[Array, float], Re
     A peak inside a step stands at most max|f''|/8 above the samples. Its slope vanishes there, so that |f'| <= max|f''|
     in the step, and |f''| <= 2 a |f'| + w^2 |f| + |F| gives max|f''| <= (w^2 max|f_k| + |F|)/(1 - 2 a - w^2/8).
     Where that is of no use, the largest P and R of `bend` bound the height.
-
-    Examples
-    --------
-    >>> bank(np.array([0.1]), 0.05, acceleration).filters.shape
-    (4, 1)
     """
     of = response(frequency, damping)
     decay, stiffness, b0, b1, b2 = recursion(frequency, damping, of)

@@ -67,11 +67,6 @@ def crossing(values: Array, index: int, level: float, direction: int) -> float:
     """Return the place, in samples, where the history first falls to a level, going from ``index``.
 
     ``direction`` is -1 (earlier) or 1 (later). NaN where it never falls that low.
-
-    Examples
-    --------
-    >>> crossing(np.array([0.0, 1.0, 2.0, 1.0]), 2, 0.5, -1)
-    0.5
     """
     side = values[: index + 1][::-1] if direction < 0 else values[index:]
     below = np.flatnonzero(side <= level)
@@ -85,13 +80,7 @@ def crossing(values: Array, index: int, level: float, direction: int) -> float:
 
 
 def area_between(values: Array, first: float, last: float) -> float:
-    """Return the integral of the straight lines between samples from one place to a later one, both in samples.
-
-    Examples
-    --------
-    >>> area_between(np.array([0.0, 1.0, 2.0, 0.0]), 0.5, 2.5)
-    2.625
-    """
+    """Return the integral of the straight lines between samples from one place to a later one, both in samples."""
     begin, end = math.ceil(first), math.floor(last)
     low, high = _at(values, first), _at(values, last)
     if begin > end:

@@ -261,16 +261,6 @@ def rolling_srs(
     ------
     ValueError
         As for `srs`, and if no window of two samples or more lies in the record.
-
-    Examples
-    --------
-    >>> blows = np.tile(np.concatenate([np.sin(np.pi * np.arange(101) / 100), np.zeros(899)]), 2)
-    >>> rolling = rolling_srs(blows, 1e-5, [100.0, 1000.0], window=(0.01, 0.01))
-    >>> rolling.time.round(4)
-    array([0.005, 0.015])
-    >>> rolling.maximax.round(2)
-    array([[0.37, 1.62],
-           [0.37, 1.62]])
     """
     history, fn = _history(values, step), _natural(frequencies, step)
     _check(q, kind, Scope())
@@ -309,14 +299,6 @@ def response_history(
     ------
     ValueError
         As for `srs`.
-
-    Examples
-    --------
-    A stiff oscillator follows its base:
-
-    >>> pulse = np.sin(np.pi * np.arange(101) / 100)
-    >>> response_history(pulse, 1e-5, 20e3, q=0.7)[[25, 50, 75]].round(3)
-    array([0.708, 1.001, 0.708])
     """
     _check(q, kind, Scope(initial=initial))
     history, level = _begun(_history(values, step), initial)
@@ -350,13 +332,6 @@ def rms_spectrum(
     ------
     ValueError
         As for `srs`.
-
-    Examples
-    --------
-    Of 1 g held for ever, a stiff oscillator feels 1 g:
-
-    >>> rms_spectrum(np.ones(1000), 1e-4, [500.0], initial="steady").round(6)
-    array([1.])
     """
     _check(q, kind, Scope(initial=initial))
     history, level = _begun(_history(values, step), initial)
@@ -395,15 +370,6 @@ def resultant_srs(
     ------
     ValueError
         As for `srs`, and if the axes do not have as many samples.
-
-    Examples
-    --------
-    One shock seen by two axes turned by 45 degrees is the shock:
-
-    >>> pulse = np.sin(np.pi * np.arange(101) / 100)
-    >>> both = resultant_srs([pulse / math.sqrt(2.0)] * 2, 1e-5, [300.0, 2000.0])
-    >>> np.allclose(both, srs(pulse, 1e-5, [300.0, 2000.0]).maximax, rtol=1e-4)
-    True
     """
     _check(q, kind, Scope(initial=initial))
     histories = [_history(values, step) for values in axes]
@@ -513,11 +479,6 @@ def tolerance_factor(count: int, proportion: float = PROPORTION, confidence: flo
     Notes
     -----
     Source: ``nist-handbook``.
-
-    Examples
-    --------
-    >>> [round(tolerance_factor(n, 0.95, 0.95), 3) for n in (3, 10, 50)]
-    [7.656, 2.911, 2.065]
     """
     from scipy.special import nctdtrit, ndtri
 
@@ -553,11 +514,6 @@ def tolerance_limit(
     Notes
     -----
     Source: ``piersol-2009``.
-
-    Examples
-    --------
-    >>> tolerance_limit([[90.0], [100.0], [111.0]]).round(1)
-    array([122.5])
     """
     rows = _rows(spectra)
     if rows.shape[0] < FEWEST:

@@ -53,21 +53,7 @@ class Flank(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class BlowShape:
-    """A blow in its record; each figure of its shape is measured once, when it is asked for.
-
-    Examples
-    --------
-    >>> from strikewave.records.measuring import find_pulses
-    >>> place = np.arange(900.0)
-    >>> half_sine = np.sin(np.pi * np.clip(place / 80.0 - 5.0, 0.0, 1.0))
-    >>> for values in (half_sine, half_sine**2, np.maximum(1.0 - np.abs(place / 40.0 - 11.0), 0.0)):
-    ...     [pulse] = find_pulses(values, 1e-6)
-    ...     shape = BlowShape(BlowRecord(values, 1e-6), pulse)
-    ...     print(round(shape.tip, 2), round(shape.usual_tip, 2), round(shape.flanks[0].bend, 2))
-    0.43 0.43 0.03
-    0.41 0.41 0.02
-    0.31 0.4 0.0
-    """
+    """A blow in its record; each figure of its shape is measured once, when it is asked for."""
 
     record: BlowRecord
     pulse: RecordedPulse
@@ -398,14 +384,6 @@ def top_of(shapes: Sequence[BlowShape]) -> Top | None:
     """Return how sharp the tops of some blows of a record are, all together; None where no shape is known.
 
     One amplifier takes all of them alike: what noise does is less in their mean, what rings is not.
-
-    Examples
-    --------
-    >>> from strikewave.records.measuring import find_pulses
-    >>> values = np.sin(np.pi * np.clip(np.arange(900.0) / 80.0 - 5.0, 0.0, 1.0))
-    >>> top = top_of([BlowShape(BlowRecord(values, 1e-6), pulse) for pulse in find_pulses(values, 1e-6)])
-    >>> round(top.sharpness, 2), round(top.usual, 2), top.doubt < 0.01
-    (0.43, 0.43, True)
     """
     known = [shape for shape in shapes if not math.isnan(shape.tip)]
     if not known:

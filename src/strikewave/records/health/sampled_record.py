@@ -58,13 +58,7 @@ def effects_of_level(pulse: RecordedPulse, level: float, after_peak: bool = Fals
 
 
 def with_unit(value: float, unit: str) -> str:
-    r"""Write a value with its SI unit: accelerations in g, times in us or ms, frequencies in Hz or kHz.
-
-    Examples
-    --------
-    >>> with_unit(9806.65, "m/s^2"), with_unit(3.0, ""), with_unit(0.01032, "s"), with_unit(19893.6, "Hz")
-    ('1000\xa0g', '3', '10.32\xa0ms', '19.89\xa0kHz')
-    """
+    r"""Write a value with its SI unit: accelerations in g, times in us or ms, frequencies in Hz or kHz."""
     if unit == "m/s^2":
         return f"{in_unit(value, *ACCELERATION.units):.5g}\xa0g"
     if unit == "s":

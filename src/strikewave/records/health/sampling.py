@@ -46,13 +46,7 @@ def few_samples_of_swing(record: ResponseRecord) -> Iterator[Fault]:
 
 
 def _missed(count: float) -> float:
-    """Return by how much the top of a sine of so many samples a swing may be missed.
-
-    Examples
-    --------
-    >>> round(_missed(8.0), 4), round(_missed(5.0), 2)
-    (0.0085, 0.19)
-    """
+    """Return by how much the top of a sine of so many samples a swing may be missed."""
     beside, far = math.cos(math.pi / count), math.cos(3.0 * math.pi / count)
     if far < OfAnswers.ROUND * beside and count < OfSampling.TOO_FEW_OF_SWING:
         return 1.0 - beside
@@ -83,16 +77,7 @@ def aliased_response(record: ResponseRecord) -> Iterator[Fault]:
 
 
 def folded_level(part: Array, noise: float) -> float | None:
-    """Return what stands at half the sampling rate, over the largest value of a spectrum; None where it has fallen off.
-
-    Examples
-    --------
-    >>> t = np.arange(400.0)
-    >>> folded_level(np.exp(-t / 50.0) * np.sin(0.3 * t), 0.0) is None
-    True
-    >>> folded_level(np.exp(-t / 50.0) * np.sin(3.0 * t), 0.0) > 0.1
-    True
-    """
+    """Return the level at half the sampling rate over the largest of a spectrum; None where that has fallen off."""
     spectrum = np.abs(np.fft.rfft(part * np.hanning(part.size)))
     top = spectrum[int(OfSampling.TOP_OF_SPECTRUM * spectrum.size) :]
     highest = float(np.max(spectrum))

@@ -53,39 +53,19 @@ _STARTS = {"t0", "start_time", "wf_start_offset", "starttime"}  # those of the t
 
 
 class ArrayColumn(NamedTuple):
-    """One array of a file that is not loaded yet.
+    """One array of a file that is not loaded yet."""
 
-    Attributes
-    ----------
-    name : str
-        As the file has it, with ``folder/`` before it where the file has folders.
-    size : int
-        Number of samples.
-    load : callable
-        Returns the samples.
-    unit : str
-        As the file writes it; empty where it has none.
-    step, start : float
-        Uniform sampling of this array by the file, s; NaN where it states none.
-    folder : str
-        Arrays of the same folder share their time.
-    time : bool
-        True where the file marks this array as time.
-    origin : int or None
-        Clock time from which ``start`` counts, ps; None where the file states none.
-    words : tuple of str
-        Where the array holds words: all that there are; ``load`` returns their places, NaN for none.
-    """
-
-    name: str
-    size: int
-    load: Callable[[], Any]
-    unit: str = ""
+    name: str  # as the file has it, with ``folder/`` before it where the file has folders
+    size: int  # number of samples
+    load: Callable[[], Any]  # returns the samples
+    unit: str = ""  # as the file writes it; empty where it has none
+    # Uniform sampling of this array by the file, s; NaN where it states none
     step: float = math.nan
     start: float = math.nan
-    folder: str = ""
-    time: bool = False
-    origin: int | None = None
+    folder: str = ""  # arrays of the same folder share their time
+    time: bool = False  # true where the file marks this array as time
+    origin: int | None = None  # clock time from which ``start`` counts, ps; None where the file states none
+    # Where the array holds words: all that there are; ``load`` returns their places, NaN for none
     words: tuple[str, ...] = ()
 
 
@@ -348,13 +328,6 @@ def begin_together(
         Over one time.
     list of HealthNotice
         What was moved, or cannot be known.
-
-    Examples
-    --------
-    >>> two = [Channel(name, np.zeros(3), 1e-3) for name in ("board", "frame")]
-    >>> moved, findings = begin_together(two, [0, 3 * PICO // 1000])
-    >>> [channel.start for channel in moved], findings[0].code
-    ([0.0, 0.003], 'start-times')
     """
     stated = [origin for origin in origins if origin is not None]
     if len(set(stated)) < 2:

@@ -128,11 +128,6 @@ def step_of(stamps: Array, digit: float) -> float:
         Times, s.
     digit : float
         Worth of the last digit they are printed with, s.
-
-    Examples
-    --------
-    >>> step_of(np.array([0.0, 0.33, 0.67, 1.0]), digit=0.01)
-    0.3333333333333333
     """
     if stamps.size < 2:
         return math.nan
@@ -510,15 +505,7 @@ def names_a_setting(cell: str) -> bool:
 
 
 def settings_of(lines: Sequence[str], marks: Marks, width: int, columns: Sequence[int]) -> PerChannel:
-    """Return what lines above the data say of each channel: a name, and a cell in the column of each.
-
-    Examples
-    --------
-    >>> lines = ["waveform;bar [g];[1]", "t0;10:00:00,000;10:00:00,003", "delta t [ms];0,02;0,04"]
-    >>> found = settings_of(lines, Marks(";", ","), 3, [1, 2])
-    >>> found.steps, found.origins[2] - found.origins[1], found.names, found.units
-    ({1: 2e-05, 2: 4e-05}, 3000000000, {1: 'bar'}, {1: 'g'})
-    """
+    """Return what lines above the data say of each channel: a name, and a cell in the column of each."""
     steps: dict[int, float] = {}
     starts: dict[int, float] = {}
     origins: dict[int, int] = {}
@@ -551,15 +538,7 @@ def _in_seconds(value: float, factor: float) -> float:
 
 
 def clock_times(cells: Mapping[int, str]) -> dict[int, int]:
-    """Return times of day as one number each, ps, of the same day or of days that can be read; empty for others.
-
-    Examples
-    --------
-    >>> clock_times({1: "1/5/2026 10:00:00.5 PM", 2: "1/5/2026 10:00:01 PM"})
-    {1: 79200500000000000, 2: 79201000000000000}
-    >>> clock_times({1: "1/5/2026 10:00:00", 2: "1/6/2026 10:00:00"})
-    {}
-    """
+    """Return times of day as one number each, ps, of the same day or of days that can be read; empty for others."""
     found = {k: _CLOCK.fullmatch(" ".join(cell.split())) for k, cell in cells.items()}
     days = {match[1] or "" for match in found.values() if match}
     times = {}
@@ -585,13 +564,7 @@ def _day(text: str) -> int | None:
 
 
 def below_start_and_increment(lines: Sequence[str], marks: Marks) -> tuple[float, float]:
-    """Return step and start, s, that stand below these words in a head of two lines; NaN for what does not.
-
-    Examples
-    --------
-    >>> below_start_and_increment(["X,CH1,Start,Increment,", "Sequence,Volt,-8e-03,2e-05,"], Marks(","))
-    (2e-05, -0.008)
-    """
+    """Return step and start, s, that stand below these words in a head of two lines; NaN for what does not."""
     step = start = math.nan
     for names, values in pairwise(cells_of(line[:_LONGEST], marks) for line in lines):
         for name, cell in zip(names, values, strict=False):

@@ -124,14 +124,6 @@ def as_long_table(record: Record, columns: Sequence[Labels]) -> Record | None:
         Its channels hold the lines of all, over stamps that all share, or over none.
     columns : sequence of Labels
         Columns that may name channels, measurements or units.
-
-    Examples
-    --------
-    >>> time = np.repeat(np.arange(20) * 1e-3, 2)
-    >>> table = Record("a.csv", "text", (Channel("value", np.arange(40.0), stamps=time, unit="g"),))
-    >>> found = as_long_table(table, [Labels("Channel", np.tile([0.0, 1.0], 20), ["A", "B"])])
-    >>> [(channel.name, channel.unit, channel.values[:3].tolist(), channel.step) for channel in found.channels]
-    [('A', 'g', [0.0, 2.0, 4.0], 0.001), ('B', 'g', [1.0, 3.0, 5.0], 0.001)]
     """
     if not record.channels:
         return None
