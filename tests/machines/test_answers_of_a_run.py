@@ -201,7 +201,7 @@ def test_depth_by_a_time_is_that_of_the_changes_before():
     assert span.deepest(-0.1, 1) == 9e-5
 
 
-def test_contacts_and_switches_of_bodies_are_told_apart(monkeypatch):
+def test_contacts_and_switches_of_bodies_are_mark_responses(monkeypatch):
     own = chain_span().layout.own_switches.start
     span = chain_span(switched=((0.1, 0.2, 0.3), (own - 1, own, own + 3)))
     assert span.switches().tolist() == [[0.0, 0.2], [3.0, 0.3]]

@@ -419,7 +419,7 @@ TURNS, BLOCKS = np.tile([0.0, 1.0], 20), np.repeat([0.0, 1.0], 20)
         ("kanal", np.repeat(np.arange(64.0), 16), None, False, True), ("kanal", np.repeat(np.arange(65.0), 16), None, False, False),
     ],
 )  # fmt: skip
-def test_lines_are_told_apart_by_their_names_and_times(heading, codes, stamps, are_numbers, expected):
+def test_lines_are_mark_responses_by_their_names_and_times(heading, codes, stamps, are_numbers, expected):
     words = [f"{k}" for k in range(70)]
     assert long_table._part(Labels(heading, codes, words, are_numbers), stamps) is expected
 

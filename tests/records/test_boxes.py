@@ -309,7 +309,7 @@ def half_sines(apart, length=64, size=1200):
 
 
 @pytest.mark.parametrize(("apart", "hits"), [(1.0, 2), (0.75, 1)])
-def test_two_hits_foot_to_foot_are_told_apart(apart, hits):
+def test_two_hits_foot_to_foot_are_mark_responses(apart, hits):
     """At foot to foot each box lies between the halves of its half-sine, 500 + 64 / 6 and 500 + 64 5 / 6."""
     values = half_sines(apart)
     found = pulses._hits_of(values, FLAT, 1, Box(495, 140, 60.0), 0.01)

@@ -122,7 +122,6 @@ def test_time_that_runs_backwards_is_sorted_and_bad():
     found = said["time-backwards"]
     assert (found.value, found.start, found.severity) == (2, 5.0 * STEP, "bad")
     assert "backwards 2 times, first" in found.message
-    assert clock._times(1) == "once"
 
 
 def test_stamps_that_are_no_times_cost_their_samples():
@@ -337,13 +336,10 @@ def blow(begin=1.0, time=1.2, end=1.4, peak=10.0, velocity=2.0, **how):
 
 def test_blows_that_lack_samples_are_incomplete():
     holes = np.array([0.9, 1.0, 1.4, 1.5, 2.5])
-    (found,) = reading._in_blows(holes, [blow(0.1, 0.2, 0.3), blow(), blow(2.4, 2.5, 2.6)])
+    (found,) = reading._incomplete(holes, FIGURES, [(0.1, 0.3, ""), (1.0, 1.4, "blow at 1.2"), (2.4, 2.6, "")])
+    assert (found.harms, "2 samples of the blow at 1.2\xa0s" in found.message) == (FIGURES, True)
     assert (found.code, found.value, found.start, found.end) == ("blow-incomplete", 2, 1.0, 1.4)
-    assert reading._in_blows(holes, [blow(1.1, 1.2, 1.3)]) == []
-    response = SimpleNamespace(begin=1.0, duration=0.4)
-    (found,) = reading._missing(holes, [SimpleNamespace(begin=1.6, duration=0.1), response])
-    assert (found.value, found.start, found.end) == (2, 1.0, 1.4)
-    assert reading._missing(holes, [SimpleNamespace(begin=1.01, duration=0.38)]) == []
+    assert reading._incomplete(holes, FIGURES, [(1.1, 1.3, "")]) == []
 
 
 def test_holes_are_the_times_of_samples_that_are_none():
@@ -548,7 +544,7 @@ def test_a_channel_that_swings_after_the_blow_of_another_is_told(monkeypatch):
     monkeypatch.setattr(reading, "_swings", lambda one: one.channel.name in swinging)
     monkeypatch.setattr(reading, "_louder", lambda one, begin: one.channel.name in loud and begin == 1.0)
     struck, top = at(1.0, "bar", 3), at(0.81, "top", 4)
-    told = reading.told_apart([top, struck, at(5.0, "late", 5), at(0.79, "early", 6)])
+    told = reading.mark_responses([top, struck, at(5.0, "late", 5), at(0.79, "early", 6)])
     assert [[f.code for f in one.findings] for one in told] == [
         ["x", "response"],
         ["no-pulse", "x"],
@@ -558,11 +554,11 @@ def test_a_channel_that_swings_after_the_blow_of_another_is_told(monkeypatch):
     assert "after the blow of bar; --base 3" in told[0].findings[-1].message
     assert told[0].findings[-1].harms == FIGURES
     silent = a_reading(name="top")
-    assert [f.code for f in reading.told_apart([silent, struck])[0].findings] == ["response"]
+    assert [f.code for f in reading.mark_responses([silent, struck])[0].findings] == ["response"]
     loud.clear()
-    assert reading.told_apart([top, struck])[0] is top
+    assert reading.mark_responses([top, struck])[0] is top
     swinging.add("bar")
-    assert reading.told_apart([top, struck]) == [top, struck]
+    assert reading.mark_responses([top, struck]) == [top, struck]
 
 
 @pytest.mark.parametrize(
@@ -606,12 +602,12 @@ def test_the_coupling_of_a_response_is_the_one_stated_or_recognised(monkeypatch)
     monkeypatch.setattr(
         reading, "examine", lambda examined: [HealthNotice("x", "", 9.0), HealthNotice("ac-coupling", "", 0.25)]
     )
-    plain, (said,) = reading._response_without_coupling(channel, record, "auto")
+    plain, said = reading._response_without_coupling(channel, record, "auto")
     assert (plain.values.tolist(), said.value, calls) == ([5.0, 7.0, 9.0], 0.25, [(0.25, 200)])
     assert "AC coupling of 0.6366\xa0Hz (tau = 250\xa0ms) was taken off" in said.message
-    assert reading._response_without_coupling(channel, record, 0.5)[1][0].value == 0.5
+    assert reading._response_without_coupling(channel, record, 0.5)[1].value == 0.5
     monkeypatch.setattr(reading, "examine", lambda examined: [])
-    assert reading._response_without_coupling(channel, record, "auto") == (channel, [reading.NOT_COUPLED])
+    assert reading._response_without_coupling(channel, record, "auto") == (channel, reading.NOT_COUPLED)
 
 
 # Files

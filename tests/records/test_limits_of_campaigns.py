@@ -313,7 +313,7 @@ def test_copies_are_named_by_the_first_of_them():
 
 
 def test_a_file_without_a_blow_loses_what_was_found_of_it():
-    from strikewave.records.reading import ChannelReading
+    from strikewave.records.reading import ChannelReading, FileReading
     from strikewave.records.record import Channel
 
     said = (
@@ -322,9 +322,11 @@ def test_a_file_without_a_blow_loses_what_was_found_of_it():
         HealthNotice("c", "", harms=("spectrum",)),
     )
     one = ChannelReading(Channel("a", np.zeros(3), 1.0), 1, (blow(),), said, Calibration())
-    found = campaign._found(one, HealthNotice("no-pulse", ""))
+    file = FileReading("a", "text", (one, dataclasses.replace(one, number=2)))
+    found, other = campaign._with(file, 1, HealthNotice("no-pulse", "")).channels
     assert (found.pulses, [f.code for f in found.findings]) == ((), ["c", "no-pulse"])
-    assert [f.code for f in campaign._found(one, HealthNotice("x", "")).findings] == ["a", "b", "c", "x"]
+    assert other is file.channels[1]
+    assert [f.code for f in campaign._with(file, 1, HealthNotice("x", "")).channels[0].findings] == ["a", "b", "c", "x"]
 
 
 def test_a_file_is_bad_by_what_was_found_on_it():

@@ -67,7 +67,7 @@ def test_a_long_table_without_a_head_is_known_by_its_times(read, order):
     same(read(lines(order, lambda t, n, v: f"{t:.5f},{n},{v}")))
 
 
-def test_channels_that_take_turns_at_rising_times_are_told_apart(read):
+def test_channels_that_take_turns_at_rising_times_are_mark_responses(read):
     content = lines("interleaved", lambda t, n, v: f"{t + (n == 'B') * 1e-5:.5f},{n},{v}")
     record = read("time [s],channel,acc [g]\n" + content)
     assert [channel.start for channel in record.channels] == [0.0, 1e-5]
@@ -106,7 +106,7 @@ def test_a_column_of_runs_makes_measurements(tmp_path):
     assert [record.channels[0].values.tolist() for record in records] == [FIRST.tolist(), SECOND.tolist()]
 
 
-def test_runs_of_several_channels_are_told_apart_in_both(tmp_path):
+def test_runs_of_several_channels_are_mark_responses_in_both(tmp_path):
     content = "".join(lines("interleaved", lambda t, n, v, run=run: f"{run},{n},{t:.5f},{v + run}") for run in (1, 2))
     (tmp_path / "runs.csv").write_text("shot,channel,time [s],acc [g]\n" + content)
     records = read_measurements(tmp_path / "runs.csv")
@@ -129,7 +129,7 @@ def test_without_time_a_heading_tells_the_channels(read):
     same(record)
 
 
-def test_many_blocks_of_a_large_long_table_are_told_apart(tmp_path, monkeypatch):
+def test_many_blocks_of_a_large_long_table_are_mark_responses(tmp_path, monkeypatch):
     monkeypatch.setattr("strikewave.records.readers.columns.BLOCK", 2000)
     head, cells, _ = LAYOUTS["in the middle"]
     (tmp_path / "long.csv").write_text(head + lines("sorted", cells))

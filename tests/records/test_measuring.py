@@ -132,7 +132,7 @@ def test_a_blow_reaches_halfway_to_its_neighbours(earliest, latest, widths, reac
     window = dataclasses.replace(WINDOW, earliest=earliest, latest=latest)
     assert measuring._reach(window, 400, widths) == reach
     assert window.time(3) == 7.003
-    assert window.offset == 2.0
+    assert window.baseline.level == 2.0
 
 
 def test_the_uncertainty_of_figures_read_off_a_record():

@@ -10,6 +10,7 @@ from strikewave.base import declare
 from strikewave.base.errors import InputError
 from strikewave.records import budget, measured_uncertainty
 from strikewave.records.budget import (
+    GAINS,
     TOPICS,
     BlowStretch,
     Budget,
@@ -18,8 +19,7 @@ from strikewave.records.budget import (
     Propagated,
     Simulated,
     changed,
-    clock_of,
-    gain_of,
+    factors_of,
     law_of_propagation,
     monte_carlo,
     of_share,
@@ -128,9 +128,9 @@ def test_what_a_contribution_does_to_five_samples(one, expected):
 def test_gains_and_clocks_multiply():
     kinds = [Contribution(kind, kind, 1.0) for kind in (*budget.GAINS, "clock", "clock", "offset")]
     drawn = np.array([[0.1, 0.2, 0.3, -0.4, 0.5, 0.6, -0.7, 9.0]])
-    assert gain_of(kinds, drawn) == pytest.approx([1.1 * 1.2 * 1.3 * 0.6 * 1.5])
-    assert clock_of(kinds, drawn) == pytest.approx([1.6 * 0.3])
-    assert gain_of(kinds[-1:], drawn[:, -1:]).tolist() == clock_of(kinds[-1:], drawn[:, -1:]).tolist() == [1.0]
+    assert factors_of(GAINS, kinds, drawn) == pytest.approx([1.1 * 1.2 * 1.3 * 0.6 * 1.5])
+    assert factors_of(("clock",), kinds, drawn) == pytest.approx([1.6 * 0.3])
+    assert factors_of(("clock",), kinds[-1:], drawn[:, -1:]).tolist() == [1.0]
 
 
 def test_spectra_rise_by_the_logarithm_of_a_known_gain():

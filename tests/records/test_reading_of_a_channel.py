@@ -73,14 +73,14 @@ def test_ac_coupling_of_a_stated_time_constant_or_the_one_found_is_taken_off():
     examined = BlowRecord(channel.values, STEP, START, pulses=(blow(100, 120, 5.0, offset=0.0),))
     for model, wanted in ((None, 0.15), (TailModel("ac-coupling", -0.1, math.nan, 0.15, 2e-3), "auto")):
         vars(examined).update(tail=model)
-        found, [said] = readings._without_coupling(channel, examined, wanted)
+        found, said = readings._without_coupling(channel, examined, wanted)
         assert found.values == pytest.approx(clean, abs=1e-9)
         assert (said.value, said.severity) == (0.15, "good")
-        assert "of 1.061 Hz (tau = 150" in said.message
-        assert ("+- 4 ms" in said.message) is (wanted == "auto")
+        assert "of 1.061\xa0Hz (tau = 150" in said.message
+        assert ("+- 4\xa0ms" in said.message) is (wanted == "auto")
     for model in (None, TailModel("shift", 0.1)):
         vars(examined).update(tail=model)
-        assert readings._without_coupling(channel, examined, "auto") == (channel, [readings.NOT_COUPLED])
+        assert readings._without_coupling(channel, examined, "auto") == (channel, readings.NOT_COUPLED)
 
 
 @pytest.mark.parametrize(("size", "short"), [(15, True), (16, False)])

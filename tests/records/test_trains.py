@@ -108,7 +108,7 @@ def test_two_equal_blows_close_together_are_a_double_hit():
 
 @pytest.mark.parametrize("apart", [1.0, 1.2, 1.5, 2.0, 2.5, 3.0])
 @pytest.mark.parametrize("ratio", [1.0, 0.8])
-def test_two_hits_a_little_more_than_their_length_apart_are_told_apart(apart, ratio):
+def test_two_hits_a_little_more_than_their_length_apart_are_mark_responses(apart, ratio):
     _, values = train_of([0.01, 0.01 + apart * DURATION], [PEAK, ratio * PEAK])
     reading = reading_of(values)
     assert [pulse.peak / 9.80665 for pulse in reading.pulses] == pytest.approx([PEAK, ratio * PEAK], rel=0.02)

@@ -39,7 +39,7 @@ TRIALS = 10_000  # trials that are added at a time: JCGM 101, 7.9.4 b, asks for 
 # Trials after which it ends in any case: as many as JCGM 101, 7.2.1, expects to do for an interval of 95 %
 MOST_TRIALS = 1_000_000
 # Tolerance of the ends of a coverage interval by the law of propagation, in standard uncertainties: JCGM 101, 7.9.2,
-# Takes half a unit of the last digit of the standard uncertainty that counts; this is that of one digit, a 2.
+# takes half a unit of the last digit of the standard uncertainty that counts; this is that of one digit, a 2.
 TOLERANCE = 0.25
 FINER = 5.0  # times that Monte Carlo is better than that (JCGM 101, 8.2)
 
@@ -195,8 +195,8 @@ def monte_carlo(
 GAINS = ("acceleration", "sensitivity", "amplifier", "temperature", "transverse")  # kinds that multiply the record
 SPECTRAL = ("response", "resonance", "filter", "sampling")  # kinds that change its spectrum
 ADDED = ("offset", "drift", "noise")  # kinds that are added to it: an amount, or a share of the peak
-# Topics that a budget of a shock measurement holds (ISO 16063-1 and -21, from memory), with the kinds that state each
 KINDS = (*GAINS, "linearity", *SPECTRAL, *ADDED, "coupling", "clock")
+# Topics that a budget of a shock measurement holds (ISO 16063-1 and -21, from memory), with the kinds that state each
 TOPICS = {
     "calibration of the sensor": ("sensitivity",),
     "gain of amplifier and recorder": ("amplifier",),
@@ -324,28 +324,14 @@ class Budget:
     def entries(self) -> list[BudgetEntry]:
         """What the record tells, and what is stated."""
         stated = [
-            StatedEntry(
-                one.name,
-                one.kind,
-                one.typed,
-                one.distribution,
-                one.input.standard,
-                one.status or None,
-                one.source or None,
-            )
-            for one in self.contributions
+            StatedEntry(c.name, c.kind, c.typed, c.distribution, c.input.standard, c.status or None, c.source or None)
+            for c in self.contributions
         ]
         return [BudgetEntry(RECORD, "record"), BudgetEntry(SAMPLING, "record"), *stated]
 
     @property
     def amount(self) -> float:
-        """Standard uncertainty of an acceleration by what is added to it in amounts, not in shares, whatever its size.
-
-        Examples
-        --------
-        >>> Budget((Contribution("offset", "zero", 3.0, relative=False), Contribution("noise", "n", 0.02))).amount
-        3.0
-        """
+        """Standard uncertainty of an acceleration of any size by what is added to it in amounts, not in shares."""
         amounts = [one.input.standard for one in self.contributions if one.kind in ADDED and not one.relative]
         return math.hypot(*amounts)
 
@@ -400,17 +386,10 @@ class BlowStretch(NamedTuple):
 def changed(stretch: BlowStretch, contributions: Sequence[Contribution], drawn: Array) -> Array:
     """Return a stretch as it would be with each row of draws; gains and clock, which change no shape, are left out.
 
-    Parameters
-    ----------
-    stretch : BlowStretch
-        As it was measured.
-    contributions : sequence of Contribution
-        Contributions that change it.
-    drawn : ndarray
-        A column a contribution.
+    ``drawn`` has a column for each of the contributions.
     """
     values = np.broadcast_to(stretch.values, (drawn.shape[0], stretch.values.size))
-    columns = {kind: [] for kind in KINDS}  # type: dict[str, list[tuple[Contribution, Array]]]
+    columns: dict[str, list[tuple[Contribution, Array]]] = {kind: [] for kind in KINDS}
     for one, column in zip(contributions, drawn.T, strict=True):
         columns[one.kind].append((one, column))
     spectral = [pair for kind in SPECTRAL for pair in columns[kind]]
@@ -448,13 +427,7 @@ def _filtered(stretch: BlowStretch, spectral: Sequence[tuple[Contribution, Array
     return np.asarray(irfft(spectrum * np.exp(logarithm) * phase, length, axis=1)[:, :size])
 
 
-def gain_of(contributions: Sequence[Contribution], drawn: Array) -> Array:
-    """Return the gain of each row of draws."""
-    factors = [1.0 + e for one, e in zip(contributions, drawn.T, strict=True) if one.kind in GAINS]
-    return np.asarray(np.prod(factors, axis=0)) if factors else np.ones(drawn.shape[0])
-
-
-def clock_of(contributions: Sequence[Contribution], drawn: Array) -> Array:
-    """Return by what the clock stretches time, for each row of draws."""
-    factors = [1.0 + e for one, e in zip(contributions, drawn.T, strict=True) if one.kind == "clock"]
+def factors_of(kinds: Sequence[str], contributions: Sequence[Contribution], drawn: Array) -> Array:
+    """Return what contributions of some kinds multiply the record, or its time, by: a factor for each row of draws."""
+    factors = [1.0 + e for one, e in zip(contributions, drawn.T, strict=True) if one.kind in kinds]
     return np.asarray(np.prod(factors, axis=0)) if factors else np.ones(drawn.shape[0])

@@ -107,9 +107,8 @@ class Calibration:
         volts = _voltage(self.excitation, f"{field}.excitation") if self.excitation else 0.0
         if output == "V/V":
             if not volts:
-                raise InputError(
-                    f"{field}.excitation", self.excitation, "a voltage", "the sensitivity is per volt of it"
-                )
+                hint = "the sensitivity is per volt of it"
+                raise InputError(f"{field}.excitation", self.excitation, "a voltage", hint)
             return volts
         if bool(self.excitation) != bool(self.rated_excitation):
             missing = "rated_excitation" if self.excitation else "excitation"
@@ -159,7 +158,7 @@ def check_part(name: str, text: str, field: str) -> None:
         check_unit(text, field)
     elif name == "sensitivity":
         _sensitivity(text, field)
-    elif name == "gain" and not _is_number(text):
+    elif name == "gain" and not typed_number(text):  # zero is no gain either
         try:
             _number_and_unit(text, field, ("V/C",))
         except InputError:
@@ -167,10 +166,6 @@ def check_part(name: str, text: str, field: str) -> None:
             raise InputError(field, text, allowed) from None
     elif name in ("excitation", "rated_excitation", "count"):
         _voltage(text, field)
-
-
-def _is_number(text: str) -> bool:
-    return (typed_number(text) or 0.0) != 0.0
 
 
 def ambiguous(unit: str) -> str:
@@ -265,8 +260,8 @@ def _sensitivity(text: str, field: str) -> tuple[str, float, str]:
 def calibrations_beside(path: str | Path) -> dict[str, dict[str, Any]]:
     """Return what the small files beside a record state: a table a channel, ``all`` for all of them."""
     path = Path(path)
-    beside = (path.with_name(FOLDER_FILE), path.with_name(path.name + ".toml"))
-    return laid_over(*(read_calibrations(file) for file in beside if file.is_file()))
+    files = (path.with_name(FOLDER_FILE), path.with_name(path.name + ".toml"))
+    return laid_over(*(read_calibrations(file) for file in files if file.is_file()))
 
 
 def laid_over(*layers: Mapping[str, Mapping[str, Any]]) -> dict[str, dict[str, Any]]:
@@ -285,8 +280,7 @@ def read_calibrations(file: Path) -> dict[str, dict[str, Any]]:
     try:
         if file.stat().st_size > LARGEST_FILE:
             raise InputError(str(file), f"{file.stat().st_size} bytes", f"at most {LARGEST_FILE} bytes")
-        text = file.read_text("utf-8-sig")
-        data = read_toml(text)
+        data = read_toml(file.read_text("utf-8-sig"))
     except InputError:
         raise
     except (OSError, ValueError) as error:
@@ -294,11 +288,9 @@ def read_calibrations(file: Path) -> dict[str, dict[str, Any]]:
     schema = data.pop("schema", 1)
     if schema != 1 or isinstance(schema, bool):
         raise InputError(f"{file}: schema", schema, "1")
-    extra = sorted(set(data) - {"all", "channel"})
-    if extra:
-        raise InputError(
-            f"{file}: {extra[0]}", "unknown", "tables [all] and [channel.NAME]", nearest(extra[0], ("all", "channel"))
-        )
+    for extra in sorted(set(data) - {"all", "channel"}):
+        hint = nearest(extra, ("all", "channel"))
+        raise InputError(f"{file}: {extra}", "unknown", "tables [all] and [channel.NAME]", hint)
     channels = data.get("channel", {})
     tables = {"all": data["all"]} if "all" in data else {}
     if isinstance(channels, Mapping) and "all" in channels:
@@ -315,11 +307,8 @@ def _checked(table: Any, field: str) -> dict[str, Any]:
     for key, value in table.items():
         if key not in known:
             raise InputError(f"{field}.{key}", "unknown", "a part of a calibration", nearest(key, known))
-        if key == "polarity":
-            continue
-        if key == "gain" and isinstance(value, int | float) and not isinstance(value, bool):
-            continue
-        if not isinstance(value, str):
+        numeric = key == "gain" and isinstance(value, int | float) and not isinstance(value, bool)
+        if key != "polarity" and not numeric and not isinstance(value, str):
             raise InputError(f"{field}.{key}", value, 'a text with its unit, such as "1.2 mV/g"')
     return {key: str(value) if key == "gain" else value for key, value in table.items()}
 

@@ -77,17 +77,14 @@ def _in_one_unit(readings: list[tuple[int, ChannelReading]]) -> list[list[tuple[
 
 
 def _with(file: FileReading, number: int, finding: HealthNotice) -> FileReading:
-    """Return a file with a finding on one of its channels; its blows are none where it finds that."""
-    channels = tuple(_found(one, finding) if one.number == number else one for one in file.channels)
-    return dataclasses.replace(file, channels=channels)
-
-
-def _found(reading: ChannelReading, finding: HealthNotice) -> ChannelReading:
-    """Return a reading with a finding; where that is no blow, without its blows and what was found of them."""
-    if finding.code != "no-pulse":
-        return reading.with_finding(finding)
-    kept = tuple(known for known in reading.findings if not set(known.harms) & {*BLOW, "interval"})
-    return dataclasses.replace(reading, pulses=(), findings=(*kept, finding))
+    """Return a file with a finding on one of its channels: with no blow, it loses its blows and what they showed."""
+    channels = []
+    for reading in file.channels:
+        if reading.number == number and finding.code == "no-pulse":
+            others = tuple(known for known in reading.findings if not set(known.harms) & {*BLOW, "interval"})
+            reading = dataclasses.replace(reading, pulses=(), findings=others)
+        channels.append(reading.with_finding(finding) if reading.number == number else reading)
+    return dataclasses.replace(file, channels=tuple(channels))
 
 
 def _largest(reading: ChannelReading) -> float:
@@ -167,10 +164,8 @@ def _size_name(readings: list[tuple[int, ChannelReading]]) -> str:
 
 def _lasting(reading: ChannelReading) -> float:
     """Return what a gain does not change: the width of the blows, or a swing of the strongest mode, s."""
-    if reading.responses:
-        times = [1.0 / frequency for frequency in reading.figures("frequency")]
-    else:
-        times = [pulse.width for pulse in reading.pulses]
+    swings = [1.0 / frequency for frequency in reading.figures("frequency")] if reading.responses else []
+    times = swings if reading.responses else [pulse.width for pulse in reading.pulses]
     return float(np.mean(times)) if times else math.nan
 
 
@@ -245,9 +240,8 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
     usual_sign = math.copysign(1.0, sum(signs))
     durations = [reading.channel.duration for _, reading in readings]
     usual = float(np.median(durations))
-    fixed = sum(abs(duration - usual) <= OfSiblings.AS_LONG * usual for duration in durations) >= OfSiblings.MOST * len(
-        durations
-    )
+    as_long = sum(abs(duration - usual) <= OfSiblings.AS_LONG * usual for duration in durations)
+    fixed = as_long >= OfSiblings.MOST * len(durations)
     units = [reading.channel.unit for _, reading in readings]
     usual_unit = max(units, key=units.count)
     names = [reading.channel.name for _, reading in readings]
@@ -257,21 +251,17 @@ def _unlike_others(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple
         channel = reading.channel
         if len(readings) > 2 and sign == -usual_sign and abs(sum(signs)) > 0.0:
             message = "its blows have the other sign than those of the other files: --polarity turns a channel"
-            yield (
-                file,
-                HealthNotice("polarity-differs", message, sign, severity="suspect", harms=("peak", "velocity_change")),
-            )
+            yield file, HealthNotice("polarity-differs", message, sign, harms=("peak", "velocity_change"))
         if len(readings) > 2 and fixed and duration < OfSiblings.SHORTER * usual:
-            message = (
-                f"it lasts {plain(duration, 4)}\xa0s, the other files {plain(usual, 4)}\xa0s: it may have been cut off"
-            )
-            yield file, HealthNotice("truncated", message, duration, severity="suspect")
+            lasting, others = plain(duration, 4), plain(usual, 4)
+            message = f"it lasts {lasting}\xa0s, the other files {others}\xa0s: it may have been cut off"
+            yield file, HealthNotice("truncated", message, duration)
         if channel.unit != usual_unit:
             message = f"it is in {channel.unit or 'unknown units'}, the other files in {usual_unit or 'unknown units'}"
-            yield file, HealthNotice("unit-differs", message, severity="suspect", harms=("peak", "velocity_change"))
+            yield file, HealthNotice("unit-differs", message, harms=("peak", "velocity_change"))
         if channel.name != usual_name and names.count(usual_name) > 1 - (len(names) == 2):
             message = f"channel {reading.number} is {show(channel.name)}, in the other files {show(usual_name)}"
-            yield file, HealthNotice("name-differs", message, severity="suspect", harms=SUMMED)
+            yield file, HealthNotice("name-differs", message, harms=SUMMED)
         if abs(channel.step / usual_step - 1.0) > OfSiblings.SAME_RATE:
             rate, usual_rate = 1.0 / channel.step, 1.0 / usual_step
             message = f"sampled at {rate:.6g}\xa0Hz, the other files at {usual_rate:.6g}\xa0Hz"
@@ -453,11 +443,10 @@ def summed(files: Sequence[FileReading], number: int | None = None) -> Campaign 
     number : int, optional
         Channel, by its place in the files, from 1; the first that was read by default.
     """
-    found = (
-        (k, file, next(iter(file.channels), None) if number is None else file.numbered(number))
-        for k, file in enumerate(files)
-    )
-    have = [(k, file, reading) for k, file, reading in found if reading is not None]
+    have = []
+    for k, file in enumerate(files):
+        reading = next(iter(file.channels), None) if number is None else file.numbered(number)
+        have += [] if reading is None else [(k, file, reading)]
     if not have:
         return None
     points: dict[str, tuple[tuple[int, float], ...]] = {}
@@ -475,32 +464,25 @@ def summed(files: Sequence[FileReading], number: int | None = None) -> Campaign 
     outliers = tuple(
         outlier for k, file, reading in have if not _file_bad(file) for outlier in _outliers(k, file, reading, points)
     )
-    first = have[0][2]
-    return Campaign(
-        first.channel.name, first.number, first.channel.unit, statistics, trends, tuple(left_out), points, outliers
-    )
+    number, channel = have[0][2].number, have[0][2].channel
+    return Campaign(channel.name, number, channel.unit, statistics, trends, tuple(left_out), points, outliers)
 
 
 def _outliers(
     number: int, file: FileReading, reading: ChannelReading, points: dict[str, tuple[tuple[int, float], ...]]
 ) -> list[Outlier]:
     """Return the figures of a file that disagree with the others, and what they would do to mean and scatter."""
-    found = []
-    for finding in reading.findings:
-        if finding.code not in ODD:
-            continue
-        alone = dataclasses.replace(reading, findings=tuple(f for f in reading.findings if f.code not in ODD))
-        for name in finding.harms:
-            own, others = alone.figures(name), points.get(name, ())
-            if own and others:
-                pairs = [*others, *((number, value) for value in own)]
-                with_it = statistic([v for _, v in pairs], [k for k, _ in pairs])
-                usual = float(np.median([v for _, v in others]))
-                ratio = float(np.mean(own)) / usual if usual else math.nan
-                found.append(
-                    Outlier(file.path, name, float(np.mean(own)), ratio, finding.message, with_it.mean, with_it.cv)
-                )
-    return found
+    outliers = []
+    alone = dataclasses.replace(reading, findings=tuple(f for f in reading.findings if f.code not in ODD))
+    for finding, name in ((f, name) for f in reading.findings if f.code in ODD for name in f.harms):
+        own, others = alone.figures(name), points.get(name, ())
+        if own and others:
+            pairs = [*others, *((number, value) for value in own)]
+            with_it = statistic([v for _, v in pairs], [k for k, _ in pairs])
+            mean, usual = float(np.mean(own)), float(np.median([v for _, v in others]))
+            ratio = mean / usual if usual else math.nan
+            outliers.append(Outlier(file.path, name, mean, ratio, finding.message, with_it.mean, with_it.cv))
+    return outliers
 
 
 def _file_bad(file: FileReading) -> bool:

@@ -63,9 +63,8 @@ def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNot
     same = int(np.count_nonzero(steps == 0.0))
     if back:
         where = float(stamps[int(np.argmax(steps < 0.0))])
-        message = (
-            f"time runs backwards {_times(back)}, first after {where:g}\xa0s: are these several records in one file?"
-        )
+        times = "once" if back == 1 else f"{back} times"
+        message = f"time runs backwards {times}, first after {where:g}\xa0s: are these several records in one file?"
         findings.append(HealthNotice("time-backwards", message, back, severity="bad", harms=FIGURES, start=where))
     if back or same:
         order = np.argsort(stamps, kind="stable")
@@ -76,9 +75,8 @@ def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNot
             mixed = same >= OfClock.MOST_TWICE * values.size
             if mixed:
                 message += ": most do, so that samples of several channels may stand in one column"
-            findings.append(
-                HealthNotice("time-twice", message, same, "bad" if mixed else "suspect", FIGURES if mixed else ())
-            )
+            harms = FIGURES if mixed else ()
+            findings.append(HealthNotice("time-twice", message, same, "bad" if mixed else "suspect", harms))
         steps = np.diff(stamps)
     if stamps.size < 2:
         return dataclasses.replace(channel, values=values, stamps=None), findings
@@ -95,15 +93,8 @@ def _resampled(channel: Channel, stamps: Array) -> tuple[Channel, list[HealthNot
     if bridged and (grid_size != stamps.size or stray > OfClock.UNEVEN * step + rounding):
         if not any(f.code == "gap" for f in findings):
             message = f"time stamps stray by up to {percent(stray / step)} of a step; the record is resampled uniformly"
-            findings.append(
-                HealthNotice(
-                    "time-uneven",
-                    message,
-                    stray,
-                    severity="suspect" if stray > OfClock.JITTER * step else "good",
-                    harms=("spectrum",),
-                )
-            )
+            severity = "suspect" if stray > OfClock.JITTER * step else "good"
+            findings.append(HealthNotice("time-uneven", message, stray, severity, ("spectrum",)))
         grid = stamps[0] + step * np.arange(grid_size)
         values = np.interp(grid, stamps, values)
     return dataclasses.replace(channel, values=values, step=step, start=float(stamps[0]), stamps=None), findings
@@ -160,18 +151,8 @@ def _gaps(stamps: Array, steps: Array, clock: tuple[float, float], bridged: bool
         f"{steps[longest]:.3g}\xa0s after {stamps[longest]:g}\xa0s; "
         + ("bridged by straight lines" if bridged else "too long to be bridged")
     )
-    severity, harms = ("bad", FIGURES) if share > OfClock.MOST_LOST else ("suspect", ("spectrum",))
-    return [
-        HealthNotice(
-            "gap",
-            message,
-            lost,
-            severity=severity,
-            harms=harms,
-            start=float(stamps[longest]),
-            end=float(stamps[longest + 1]),
-        )
-    ]
+    begin, end = (float(stamp) for stamp in stamps[longest : longest + 2])
+    return [HealthNotice("gap", message, lost, *_harm_of_lost(share), begin, end)]
 
 
 def _filled(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
@@ -192,10 +173,11 @@ def _filled(channel: Channel) -> tuple[Channel, list[HealthNotice]]:
         f"{count} samples ({percent(share, 2)}) are no finite numbers, the first at {first:g}\xa0s; "
         "bridged by straight lines"
     )
-    severity, harms = ("bad", FIGURES) if share > OfClock.MOST_LOST else ("suspect", ("spectrum",))
-    finding = HealthNotice("not-a-number", message, count, severity=severity, harms=harms, start=first)
-    return dataclasses.replace(channel, values=filled), [finding]
+    return dataclasses.replace(channel, values=filled), [
+        HealthNotice("not-a-number", message, count, *_harm_of_lost(share), first)
+    ]
 
 
-def _times(count: int) -> str:
-    return "once" if count == 1 else f"{count} times"
+def _harm_of_lost(share: float) -> tuple[str, tuple[str, ...]]:
+    """Return severity and harmed figures where straight lines stand in place of a share of the samples."""
+    return ("bad", FIGURES) if share > OfClock.MOST_LOST else ("suspect", ("spectrum",))

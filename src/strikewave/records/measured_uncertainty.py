@@ -30,8 +30,7 @@ from strikewave.records.budget import (
     Propagated,
     Simulated,
     changed,
-    clock_of,
-    gain_of,
+    factors_of,
     law_of_propagation,
     monte_carlo,
     sampling,
@@ -108,14 +107,8 @@ class BlowUncertainty:
         for name, one in self.figures.items():
             other = checked.figures[name]
             if other.method == BY_TRIALS and other.by_law > 0.0:
-                standard = one.by_law * other.standard / other.by_law
-                one = replace(
-                    one,
-                    standard=standard,
-                    expanded=other.coverage * standard,
-                    coverage=other.coverage,
-                    method=BY_TRIALS,
-                )
+                standard, k = one.by_law * other.standard / other.by_law, other.coverage
+                one = replace(one, standard=standard, expanded=k * standard, coverage=k, method=BY_TRIALS)
             figures[name] = one
         return replace(self, figures=figures)
 
@@ -206,7 +199,7 @@ def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
             if shaping:
                 chosen = [contributions[k] for k in shaping]
                 shapes = read_off(changed(stretch, chosen, rows[:, shaping]), where)
-            gain, clock = gain_of(contributions, rows), clock_of(contributions, rows)
+            gain, clock = (factors_of(kinds, contributions, rows) for kinds in (GAINS, ("clock",)))
             scale = np.column_stack([gain, clock, gain * clock])
             found[first : first + block] = (measured.figures + shapes - plain) * scale
         return np.asarray(found + drawn[:, count:])
@@ -262,10 +255,8 @@ def blow_uncertainty(
 
     Parameters
     ----------
-    channel : Channel
-        Its record, uniformly sampled.
-    pulse : RecordedPulse
-        The blow.
+    channel, pulse
+        Its record, uniformly sampled, and the blow.
     budget : Budget
         Contributions beyond those that the record itself tells, which are its noise and baseline and the instants of
         its samples.
@@ -360,12 +351,10 @@ def spectrum_uncertainty(
 
     Parameters
     ----------
-    channel : Channel
-        Its record.
+    channel, pulses
+        Its record, and the blows in it.
     baseline : float
         Baseline that is taken off it.
-    pulses : sequence of RecordedPulse
-        Its blows.
     budget : Budget
         Contributions beyond those that the record itself tells.
     frequency : ndarray

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -114,62 +113,38 @@ class RecordedPulse:
     split: BandSplit | None = None
     step: float = math.nan
 
-    @declare.computed(declare.number(OF_CHANNEL, "peak of the smooth pulse that fits best"))
-    def smooth_peak(self) -> float:
-        """Peak of the smooth pulse."""
-        return self.smooth.peak
-
-    @declare.computed(declare.number(MICROSECONDS, "its width"))
-    def smooth_width(self) -> float:
-        """Width of the smooth pulse."""
-        return self.smooth.width()
-
-    @declare.computed(declare.number(RATIO, "what it leaves of the pulse, over the peak"))
-    def smooth_misfit(self) -> float:
-        """What the smooth pulse leaves of the blow."""
-        return self.smooth.misfit
-
-    @declare.computed(declare.part(PulseUncertainty, "by noise and baseline", inline=True))
-    def uncertainties(self) -> PulseUncertainty:
-        """The uncertainties by what lies before the blow, among the figures."""
-        return self.uncertainty
-
-    @declare.computed(declare.number(OF_CHANNEL, "peak without the ringing, fitted together with it"))
-    def rigid_peak(self) -> float:
-        """Peak without ringing; NaN where none was fitted."""
-        return math.nan if self.rigid is None else self.rigid.peak
-
-    @declare.computed(declare.number(MICROSECONDS, "width without the ringing"))
-    def rigid_width(self) -> float:
-        """Width without ringing, s; NaN where none was fitted."""
-        return math.nan if self.rigid is None else self.rigid.width
-
-    @declare.computed(declare.number(OF_INTEGRAL, "velocity change without the ringing"))
-    def rigid_velocity_change(self) -> float:
-        """Velocity change without ringing; NaN where none was fitted."""
-        return math.nan if self.rigid is None else self.rigid.velocity_change
-
-    @declare.computed(declare.number(OF_CHANNEL, "standard uncertainty of that peak"))
-    def rigid_peak_uncertainty(self) -> float:
-        """Standard uncertainty of the peak without ringing."""
-        return math.nan if self.rigid is None else self.rigid.peak_uncertainty
-
-    @declare.computed(declare.number(MICROSECONDS, "of that width"))
-    def rigid_width_uncertainty(self) -> float:
-        """Standard uncertainty of the width without ringing."""
-        return math.nan if self.rigid is None else self.rigid.width_uncertainty
-
-    @declare.computed(declare.number(OF_INTEGRAL, "of that velocity change"))
-    def rigid_velocity_change_uncertainty(self) -> float:
-        """Standard uncertainty of the velocity change without ringing."""
-        return math.nan if self.rigid is None else self.rigid.velocity_change_uncertainty
-
-    @declare.computed(
-        declare.rows(Rebound, "smaller contacts that belong to the blow: time, peak, velocity change", key="rebounds")
+    smooth_peak = declare.computed(declare.number(OF_CHANNEL, "peak of the smooth pulse that fits best"))(
+        lambda pulse: pulse.smooth.peak
     )
-    def rebound_rows(self) -> tuple[Rebound, ...]:
-        """The rebounds, last among the figures."""
-        return self.rebounds
+    smooth_width = declare.computed(declare.number(MICROSECONDS, "its width"))(lambda pulse: pulse.smooth.width())
+    smooth_misfit = declare.computed(declare.number(RATIO, "what it leaves of the pulse, over the peak"))(
+        lambda pulse: pulse.smooth.misfit
+    )
+    uncertainties = declare.computed(declare.part(PulseUncertainty, "by noise and baseline", inline=True))(
+        lambda pulse: pulse.uncertainty
+    )
+    # NaN where no pulse was fitted together with the ringing: then ``rigid`` is None, which has no such figure
+    rigid_peak = declare.computed(declare.number(OF_CHANNEL, "peak without the ringing, fitted together with it"))(
+        lambda pulse: getattr(pulse.rigid, "peak", math.nan)
+    )
+    rigid_width = declare.computed(declare.number(MICROSECONDS, "width without the ringing"))(
+        lambda pulse: getattr(pulse.rigid, "width", math.nan)
+    )
+    rigid_velocity_change = declare.computed(declare.number(OF_INTEGRAL, "velocity change without the ringing"))(
+        lambda pulse: getattr(pulse.rigid, "velocity_change", math.nan)
+    )
+    rigid_peak_uncertainty = declare.computed(declare.number(OF_CHANNEL, "standard uncertainty of that peak"))(
+        lambda pulse: getattr(pulse.rigid, "peak_uncertainty", math.nan)
+    )
+    rigid_width_uncertainty = declare.computed(declare.number(MICROSECONDS, "of that width"))(
+        lambda pulse: getattr(pulse.rigid, "width_uncertainty", math.nan)
+    )
+    rigid_velocity_change_uncertainty = declare.computed(declare.number(OF_INTEGRAL, "of that velocity change"))(
+        lambda pulse: getattr(pulse.rigid, "velocity_change_uncertainty", math.nan)
+    )
+    rebound_rows = declare.computed(
+        declare.rows(Rebound, "smaller contacts that belong to the blow: time, peak, velocity change", key="rebounds")
+    )(lambda pulse: pulse.rebounds)
 
     def area_uncertainty(self, duration: float) -> float:
         """Return the standard uncertainty of the integral over a duration, s, about the blow, by what lies before it.
@@ -201,9 +176,8 @@ class RecordedPulse:
     @property
     def differs_without_ringing(self) -> bool:
         """Whether peak, width or velocity change without ringing differ by more than `HARMED`."""
-        rigid = self.rigid
-        names = () if rigid is None else BUDGETED
-        return _differ([(getattr(self, name), getattr(rigid, name)) for name in names])
+        names = () if self.rigid is None else BUDGETED
+        return _differ([(getattr(self, name), getattr(self.rigid, name)) for name in names])
 
     @property
     def differs_by_split(self) -> bool:
@@ -213,7 +187,7 @@ class RecordedPulse:
 
 def _differ(pairs: Sequence[tuple[float, float]]) -> bool:
     """Tell whether a figure differs from the other one of its pair."""
-    return any(abs(one - other) > HARMED * abs(other) for one, other in pairs)
+    return any(abs(figure - other) > HARMED * abs(other) for figure, other in pairs)
 
 
 def find_pulses(values: Array, step: float, start: float = 0.0) -> list[RecordedPulse]:
@@ -262,7 +236,7 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
 
     def measured(boxes: Sequence[Box], are_small: bool) -> list[tuple[RecordedPulse, bool]]:
         """Measure the large boxes, or the small ones, between their neighbours, and tell which they are."""
-        found = []
+        contacts = []
         for k, box in enumerate(boxes):
             if (box in few) is are_small:
                 earliest = boxes[k - 1].last if k else 0
@@ -271,8 +245,8 @@ def find_pulses(values: Array, step: float, start: float = 0.0) -> list[Recorded
                 if baseline is None:
                     baseline = LocalBaseline(float(line.at(box.first + 0.5 * box.width)))
                 pulse = _measure(values, BlowWindow(box, earliest, latest, sign, baseline, noise, step, start))
-                found += [] if pulse is None else [(pulse, are_small)]
-        return found
+                contacts += [] if pulse is None else [(pulse, are_small)]
+        return contacts
 
     contacts = [*measured(large, False), *measured(sorted(large + small), True)]
     return _with_rigid(values, step, start, _owned(sorted(contacts, key=lambda contact: contact[0].time)))
@@ -302,13 +276,13 @@ def _with_rigid(values: Array, step: float, start: float, pulses: Sequence[Recor
 
 def one_sided(values: Array, step: float, start: float, pulse: RecordedPulse) -> list[Rebound]:
     """Return the rebounds of a blow that are no lobes of its ringing, which swings to the other side before them."""
-    found = []
+    rebounds = []
     for rebound in pulse.rebounds:
         begin, end = (round((time - start) / step) for time in (pulse.end, rebound.time))
         sign = math.copysign(1.0, pulse.peak)
         deepest = float(np.min(sign * (values[max(begin, 0) : end] - pulse.offset), initial=0.0))
-        found += [] if -deepest > LOBE * abs(rebound.peak) else [rebound]
-    return found
+        rebounds += [] if -deepest > LOBE * abs(rebound.peak) else [rebound]
+    return rebounds
 
 
 def stretch_of(values: Array, step: float, start: float, pulse: RecordedPulse, until: float = math.inf) -> Stretch:
@@ -376,11 +350,6 @@ class BlowWindow:
     step: float
     start: float
 
-    @property
-    def offset(self) -> float:
-        """The baseline under the blow."""
-        return self.baseline.level
-
     def time(self, place: float) -> float:
         """Return the time of a sample, s."""
         return self.start + place * self.step
@@ -390,7 +359,7 @@ def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
     """Measure a blow; None where nothing of it is left above its own baseline."""
     box, step, sign = stretch.box, stretch.step, stretch.sign
     begin, end = _reach(stretch, values.size, TOES)
-    raw = sign * (values[begin:end] - stretch.offset)
+    raw = sign * (values[begin:end] - stretch.baseline.level)
     low, high = _reach(stretch, values.size, 1)
     near = slice(low - begin, high - begin)
     inside = slice(max(box.first - box.width // 2, low) - begin, min(box.last + box.width // 2, high) - begin)
@@ -403,7 +372,7 @@ def _measure(values: Array, stretch: BlowWindow) -> RecordedPulse | None:
     if clean[index] <= 0.0 or read.peak <= 0.0:
         return None
     smooth_pulse = fitted._replace(peak=sign * fitted.peak)
-    common = Common(_ringing(values, stretch), stretch.offset, stretch.noise, smooth_pulse)
+    common = _ringing(values, stretch), stretch.baseline.level, stretch.noise, smooth_pulse
     feet = fitted.begin, fitted.begin + fitted.length
     rest = stretch.noise * SmoothingWindow(max(box.width // LONGEST, 2)).gain
     if WIDTH_FRACTION * read.peak < CLEAR * rest:
@@ -447,15 +416,6 @@ def _of_fit(fitted: SmoothPulse, stretch: BlowWindow) -> PulseUncertainty:
     return fitted.uncertainty(stretch.step, more * stretch.noise)
 
 
-class Common(NamedTuple):
-    """What a blow has whether it is read off the record or fitted."""
-
-    ringing_frequency: float
-    offset: float
-    noise: float
-    smooth: SmoothPulse
-
-
 def _reach(stretch: BlowWindow, size: int, widths: int) -> tuple[int, int]:
     """Return the samples around a blow, so many of its widths to either side, at most halfway to its neighbours."""
     box = stretch.box
@@ -470,7 +430,7 @@ def _fitted(values: Array, stretch: BlowWindow) -> SmoothPulse:
     begin, end = _reach(stretch, values.size, 1)
     time = np.asarray(stretch.start + np.arange(begin, end) * stretch.step, dtype=np.float64)
     guess = stretch.time(box.first - EARLIER * box.width), LENGTH * box.width * stretch.step
-    return fit_smooth_pulse(time, stretch.sign * (values[begin:end] - stretch.offset), *guess)
+    return fit_smooth_pulse(time, stretch.sign * (values[begin:end] - stretch.baseline.level), *guess)
 
 
 def _ringing(values: Array, stretch: BlowWindow) -> float:
@@ -482,7 +442,7 @@ def _ringing(values: Array, stretch: BlowWindow) -> float:
     end = min(stretch.latest - stretch.box.width, begin + RINGING_WIDTHS * stretch.box.width, values.size)
     if end - begin < FEWEST_OF_RINGING:
         return math.nan
-    part = values[begin:end] - stretch.offset
+    part = values[begin:end] - stretch.baseline.level
     window = np.hanning(2 * part.size)[part.size :]
     power = np.abs(np.fft.rfft((part - np.mean(part)) * window, PADDED * part.size)) ** 2
     lowest = PADDED * SWINGS

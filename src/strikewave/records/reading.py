@@ -222,14 +222,17 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
     pulses = _blows(channel)
     examined = BlowRecord(channel.values, channel.step, channel.start, channel.unit, pulses, request.drop_height)
     if request.ac_coupling != "" and pulses:
-        channel, said = _without_coupling(channel, examined, request.ac_coupling)
-        findings += said
+        channel, notice = _without_coupling(channel, examined, request.ac_coupling)
+        findings.append(notice)
         pulses = _blows(channel)
         examined = dataclasses.replace(examined, values=channel.values, pulses=pulses)
     else:
         examined = examined.ringing_as_uncoupled()
         pulses = examined.pulses
-    findings += [*examine(examined), *_in_blows(holes, pulses)]
+    findings += [
+        *examine(examined),
+        *_incomplete(holes, FIGURES, [(p.begin, p.end, f"blow at {p.time:.6g}") for p in pulses]),
+    ]
     unfiltered: tuple[RecordedPulse, ...] = ()
     if request.filter is not None or request.high_pass is not None:
         unfiltered = pulses
@@ -244,11 +247,10 @@ def read_channel(channel: Channel, number: int, calibration: Calibration, reques
                 dataclasses.replace(after, ringing_frequency=before.ringing_frequency, rigid=before.rigid)
                 for after, before in pairs
             )
-            if any(
-                finding.code == "ringing" for finding in findings
-            ):  # what rings no more after the filter harms nothing
-                findings = [finding for finding in findings if finding.code != "ringing"]
-                findings += examine(dataclasses.replace(examined, values=channel.values, pulses=pulses), ringing)
+            others = [finding for finding in findings if finding.code != "ringing"]
+            if len(others) < len(findings):  # what rings no more after the filter harms nothing
+                after = dataclasses.replace(examined, values=channel.values, pulses=pulses)
+                findings = others + examine(after, ringing)
     if channel.of_body:
         pulses, findings = _as_body_motion(pulses, findings)
     return ChannelReading(channel, number, pulses, tuple(findings), calibration, unfiltered)
@@ -258,11 +260,11 @@ def _as_body_motion(
     pulses: Sequence[RecordedPulse], findings: Sequence[HealthNotice]
 ) -> tuple[tuple[RecordedPulse, ...], list[HealthNotice]]:
     """Return blows and findings of the acceleration of a whole body: what rings is its own motion, and stays in it."""
-    own = tuple(dataclasses.replace(pulse, rigid=None, split=None) for pulse in pulses)
+    unsplit = tuple(dataclasses.replace(pulse, rigid=None, split=None) for pulse in pulses)
     frequency = next((pulse.ringing_frequency for pulse in pulses if pulse.ringing_frequency > 0.0), math.nan)
     rings = f"the blow rings at {with_unit(frequency, 'Hz')}" if frequency > 0.0 else "the record swings after the blow"
     message = f"{rings}: the channel holds the acceleration of a whole body, so that this is its own motion and stays"
-    return own, [
+    return unsplit, [
         dataclasses.replace(finding, message=message, severity="good", harms=(), effects=())
         if finding.code == "ringing"
         else finding
@@ -273,18 +275,18 @@ def _as_body_motion(
 def filtered_channel(channel: Channel, request: Request) -> Channel:
     """Return a channel through the high-pass and the low-pass that are wanted."""
     half = frequency_text(0.5 * channel.sampling_rate)
-    for option, one in (("--high-pass", request.high_pass), ("--filter", request.filter)):
-        if one is None:
+    for option, chosen in (("--high-pass", request.high_pass), ("--filter", request.filter)):
+        if chosen is None:
             continue
-        cutoff = frequency_text(one.cutoff)
-        if one.cutoff * channel.duration < OfReading.HALF_PERIOD:
+        cutoff = frequency_text(chosen.cutoff)
+        if chosen.cutoff * channel.duration < OfReading.HALF_PERIOD:
             lowest = OfReading.HALF_PERIOD / channel.duration
             allowed = f"a cutoff of half a period a record at least, {lowest:.3g} Hz for {channel.name}"
             raise InputError(option, cutoff, allowed, "is kHz meant?" if option == "--filter" else "")
-        if not one.cutoff < 0.5 * channel.sampling_rate:
+        if not chosen.cutoff < 0.5 * channel.sampling_rate:
             allowed = f"a cutoff below half the sampling rate of {channel.name}, {half}"
             raise InputError(option, cutoff, allowed)
-        channel = dataclasses.replace(channel, values=one.apply(channel.values, channel.step))
+        channel = dataclasses.replace(channel, values=chosen.apply(channel.values, channel.step))
     return channel
 
 
@@ -306,24 +308,24 @@ def _lightened(high_pass: HighPass, blows: Sequence[RecordedPulse], filtered: Ch
     return [HealthNotice("high-pass", message, left, severity="suspect" if left < OfReading.HALF else "good")]
 
 
-def _without_coupling(
-    channel: Channel, examined: BlowRecord, wanted: str | float
-) -> tuple[Channel, list[HealthNotice]]:
+def _without_coupling(channel: Channel, examined: BlowRecord, wanted: str | float) -> tuple[Channel, HealthNotice]:
     """Return a channel without its AC coupling, of a stated time constant or of the one that is recognised."""
     if isinstance(wanted, str):
         model = examined.tail
         if model is None or model.kind != "ac-coupling":
-            return channel, [NOT_COUPLED]
+            return channel, NOT_COUPLED
         constant, doubt = model.constant, f" +- {2e3 * model.constant_error:.2g}"
     else:
         constant, doubt = float(wanted), ""
     values = uncoupled(channel.values, channel.step, channel.start, examined.pulses, constant)
-    message = (
-        f"AC coupling of {1.0 / (2.0 * math.pi * constant):.4g} Hz (tau = {1e3 * constant:.4g}{doubt} ms) was taken off"
-    )
-    return dataclasses.replace(channel, values=values), [
-        HealthNotice("ac-coupling", message, constant, severity="good")
-    ]
+    return dataclasses.replace(channel, values=values), _taken_off(constant, doubt)
+
+
+def _taken_off(constant: float, doubt: str = "") -> HealthNotice:
+    """Return the notice of AC coupling of a time constant, s, that was taken off."""
+    cutoff = 1.0 / (2.0 * math.pi * constant)
+    message = f"AC coupling of {cutoff:.4g}\xa0Hz (tau = {1e3 * constant:.4g}{doubt}\xa0ms) was taken off"
+    return HealthNotice("ac-coupling", message, constant, severity="good")
 
 
 def holes_of(channel: Channel) -> Array:
@@ -333,19 +335,15 @@ def holes_of(channel: Channel) -> Array:
     return np.sort(np.asarray(times, dtype=np.float64))
 
 
-def _in_blows(holes: Array, pulses: Sequence[RecordedPulse]) -> list[HealthNotice]:
-    """Find blows that lack samples: what bridges them is no measurement."""
-    for pulse in pulses:
-        count = int(np.searchsorted(holes, pulse.end, side="right") - np.searchsorted(holes, pulse.begin))
+def _incomplete(
+    holes: Array, figures: tuple[str, ...], spans: Sequence[tuple[float, float, str]]
+) -> list[HealthNotice]:
+    """Find a blow, or a response, that lacks samples between its ends: what bridges them is no measurement."""
+    for begin, end, what in spans:
+        count = int(np.searchsorted(holes, end, side="right") - np.searchsorted(holes, begin))
         if count:
-            message = (
-                f"{count} samples of the blow at {pulse.time:.6g}\xa0s are no numbers: its figures are not measured"
-            )
-            return [
-                HealthNotice(
-                    "blow-incomplete", message, count, severity="bad", harms=FIGURES, start=pulse.begin, end=pulse.end
-                )
-            ]
+            message = f"{count} samples of the {what}\xa0s are no numbers: its figures are not measured"
+            return [HealthNotice("blow-incomplete", message, count, "bad", figures, begin, end)]
     return []
 
 
@@ -384,30 +382,31 @@ def read_response(
     channel: Channel, number: int, calibration: Calibration, request: Request, base: ChannelReading
 ) -> ChannelReading:
     """Calibrate a response channel, resample it uniformly, and measure it against the blows of the base."""
-    channel, findings = calibrated(channel, calibration, f"calibration of {channel.name}")
+    channel, unit_findings = calibrated(channel, calibration, f"calibration of {channel.name}")
     holes = holes_of(channel)
     channel, mended = even(channel)
-    found = [*findings, *mended]
+    findings = [*unit_findings, *mended]
     usable = channel.values.size >= 2 * FEWEST and bool(np.all(np.isfinite(channel.values)))
     if not usable or not base.pulses:
         why = "the channel has too few samples" if not usable else f"the base, {base.channel.name}, has no blow"
-        found.append(HealthNotice("no-response", f"{why}: no response is measured", severity="bad", harms=FIGURES))
-        return ChannelReading(channel, number, (), tuple(found), calibration)
+        findings.append(HealthNotice("no-response", f"{why}: no response is measured", severity="bad", harms=FIGURES))
+        return ChannelReading(channel, number, (), tuple(findings), calibration)
     blows = [BaseBlow(pulse.begin, pulse.time, pulse.end, pulse.peak) for pulse in base.pulses]
     examined = _examined_response(channel, blows, base)
     if request.ac_coupling != "" and examined.responses:
-        channel, said = _response_without_coupling(channel, examined, request.ac_coupling)
-        found += said
+        channel, notice = _response_without_coupling(channel, examined, request.ac_coupling)
+        findings.append(notice)
         examined = _examined_response(channel, blows, base)
     if request.filter is not None or request.high_pass is not None:
-        before = [one.peak for one in examined.responses]
+        before = [response.peak for response in examined.responses]
         channel = filtered_channel(channel, request)
         examined = _examined_response(channel, blows, base)
-        found += filter_changes(before, [one.peak for one in examined.responses])
+        findings += filter_changes(before, [response.peak for response in examined.responses])
     responses = tuple(examined.responses)
     if responses:
-        found += [*examine(examined), *_missing(holes, responses), *_of_base(base)]
-    return ChannelReading(channel, number, (), tuple(found), calibration, (), responses)
+        spans = [(r.begin, r.begin + r.duration, f"response after {r.begin:.6g}") for r in responses]
+        findings += [*examine(examined), *_incomplete(holes, RESPONSE_FIGURES, spans), *_of_base(base)]
+    return ChannelReading(channel, number, (), tuple(findings), calibration, (), responses)
 
 
 def _examined_response(channel: Channel, blows: Sequence[BaseBlow], base: ChannelReading) -> ResponseRecord:
@@ -420,67 +419,46 @@ def _examined_response(channel: Channel, blows: Sequence[BaseBlow], base: Channe
 
 def _response_without_coupling(
     channel: Channel, examined: ResponseRecord, wanted: str | float
-) -> tuple[Channel, list[HealthNotice]]:
+) -> tuple[Channel, HealthNotice]:
     """Return a response channel without its AC coupling, of a stated time constant or of the one recognised."""
     seen = [finding.value for finding in examine(examined) if finding.code == "ac-coupling"]
     if isinstance(wanted, str) and not seen:
-        return channel, [NOT_COUPLED]
+        return channel, NOT_COUPLED
     constant = seen[0] if isinstance(wanted, str) else float(wanted)
     last = examined.responses[-1]
     values = last.zero + resting(examined.above, channel.step, constant, examined.place(last.decay.end))
-    message = (
-        f"AC coupling of {1.0 / (2.0 * math.pi * constant):.4g}\xa0Hz (tau = {1e3 * constant:.4g}\xa0ms) was taken off"
-    )
-    said = HealthNotice("ac-coupling", message, constant, severity="good")
-    return dataclasses.replace(channel, values=values), [said]
-
-
-def _missing(holes: Array, responses: Sequence[MeasuredResponse]) -> list[HealthNotice]:
-    """Find responses that lack samples: what bridges them is no measurement."""
-    for one in responses:
-        count = int(np.count_nonzero((holes >= one.begin) & (holes <= one.begin + one.duration)))
-        if count:
-            message = (
-                f"{count} samples of the response after {one.begin:.6g}\xa0s are no numbers: they are not measured"
-            )
-            return [
-                HealthNotice(
-                    "blow-incomplete", message, count, "bad", RESPONSE_FIGURES, one.begin, one.begin + one.duration
-                )
-            ]
-    return []
+    return dataclasses.replace(channel, values=values), _taken_off(constant)
 
 
 def _of_base(base: ChannelReading) -> list[HealthNotice]:
     """Tell what is harmed by what is wrong with the base: the ratio to its peak, and what counts from its time."""
-    found = worst_first(f for f in base.findings if f.severity == "bad" or "peak" in f.harms)
-    if not found:
+    findings = worst_first(f for f in base.findings if f.severity == "bad" or "peak" in f.harms)
+    if not findings:
         return []
-    harms = ("ratio", "delay") if found[0].severity == "bad" else ("ratio",)
-    message = f"the base, {base.channel.name}, is {found[0].severity}: {found[0].message}"
+    harms = ("ratio", "delay") if findings[0].severity == "bad" else ("ratio",)
+    message = f"the base, {base.channel.name}, is {findings[0].severity}: {findings[0].message}"
     return [HealthNotice("base", message, severity="suspect", harms=harms)]
 
 
-def told_apart(readings: Sequence[ChannelReading]) -> list[ChannelReading]:
+def mark_responses(readings: Sequence[ChannelReading]) -> list[ChannelReading]:
     """Return channels of a file; those that only swing after the blow of another one are marked so, and never good."""
     swinging = [_swings(reading) for reading in readings]
-    struck = [one for one, swing in zip(readings, swinging, strict=True) if one.pulses and not swing]
-    told = []
+    struck = [other for other, swing in zip(readings, swinging, strict=True) if other.pulses and not swing]
+    marked = []
     for reading, swing in zip(readings, swinging, strict=True):
         begin = reading.pulses[0].begin if reading.pulses else math.inf
-        base = next(
-            (one for one in struck if one is not reading and one.pulses[0].begin <= begin + one.pulses[0].width), None
-        )
-        if not swing or base is None or not _louder(reading, base.pulses[0].begin):
-            told.append(reading)
-            continue
-        message = (
-            f"no blow of its own: it swings about zero after the blow of {base.channel.name}; --base {base.number}"
-        )
-        finding = HealthNotice("response", f"{message} measures it as a response", harms=FIGURES)
-        others = tuple(known for known in reading.findings if known.code != "no-pulse")  # which says less of the same
-        told.append(dataclasses.replace(reading, findings=others).with_finding(finding))
-    return told
+        earlier = (o for o in struck if o is not reading and o.pulses[0].begin <= begin + o.pulses[0].width)
+        base = next(earlier, None) if swing else None
+        if base is not None and _louder(reading, base.pulses[0].begin):
+            message = (
+                f"no blow of its own: it swings about zero after the blow of {base.channel.name}; --base {base.number} "
+                "measures it as a response"
+            )
+            others = tuple(known for known in reading.findings if known.code != "no-pulse")  # it says less of the same
+            finding = HealthNotice("response", message, harms=FIGURES)
+            reading = dataclasses.replace(reading, findings=(*others, finding))
+        marked.append(reading)
+    return marked
 
 
 def _swings(reading: ChannelReading) -> bool:
@@ -532,8 +510,9 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
             continue
         number = places[id(channel)]
         readings.append(read_response(channel, number, calibration_of(tables, channel.name, number), request, driving))
-    told = readings if driving is not None else told_apart(readings)
-    return FileReading(record.path, record.format, tuple(told), (*record.findings, *unused))
+    if driving is None:
+        readings = mark_responses(readings)
+    return FileReading(record.path, record.format, tuple(readings), (*record.findings, *unused))
 
 
 def _read(channel: Channel, places: Mapping[int, int], tables: Mapping[str, Any], request: Request) -> ChannelReading:
@@ -574,18 +553,12 @@ def repeats(file: FileReading) -> list[FileReading]:
     names = [reading.channel.name for reading in file.channels]
     stems = {re.sub(r"[\W_]*\d*[\W_]*$", "", name.rpartition("/")[2]) for name in names}
     common = stems.pop() if len(stems) == 1 else ""
-    return [
-        dataclasses.replace(
-            file,
-            path=f"{file.path}: {reading.channel.name}",
-            channels=(
-                dataclasses.replace(
-                    reading, number=1, channel=dataclasses.replace(reading.channel, name=common or "repeats")
-                ),
-            ),
-        )
-        for reading in file.channels
-    ]
+    files = []
+    for reading in file.channels:
+        channel = dataclasses.replace(reading.channel, name=common or "repeats")
+        repeat = dataclasses.replace(reading, number=1, channel=channel)
+        files.append(dataclasses.replace(file, path=f"{file.path}: {reading.channel.name}", channels=(repeat,)))
+    return files
 
 
 def _by_number(
@@ -607,7 +580,7 @@ def _by_number(
 
 def check_amounts(budget: Budget, reading: ChannelReading, field: str = "--uncertainty") -> None:
     """Refuse a budget that states an acceleration for a channel that measures something else."""
-    amounts = [one.name for one in budget.contributions if not one.relative]
+    amounts = [contribution.name for contribution in budget.contributions if not contribution.relative]
     if amounts and reading.channel.unit != "m/s^2":
         wrong = f"{reading.channel.name}, {reading.channel.unit or 'no known unit'}"
         raise InputError(field, wrong, f"shares of the peak: {amounts[0]} states an acceleration")
@@ -627,14 +600,15 @@ def with_budget(files: Sequence[FileReading], budget: Budget, field: str = "--un
         for number, (reading, place) in largest.items()
     }
 
-    def found(reading: ChannelReading, place: int) -> BlowUncertainty:
-        best, at = largest[reading.number]
-        if best is reading and at == place:
-            return checked[reading.number]
-        return blow_uncertainty(reading.channel, reading.pulses[place], budget).alike(checked[reading.number])
+    def with_uncertainties(reading: ChannelReading) -> ChannelReading:
+        """Return a channel with the uncertainty of each blow: that of the largest holds for blows like it."""
+        uncertainties = []
+        for place, pulse in enumerate(reading.pulses):
+            largest_of = checked[reading.number]
+            is_it = largest[reading.number][0] is reading and largest[reading.number][1] == place
+            uncertainties.append(
+                largest_of if is_it else blow_uncertainty(reading.channel, pulse, budget).alike(largest_of)
+            )
+        return dataclasses.replace(reading, uncertainties=tuple(uncertainties))
 
-    def told(reading: ChannelReading) -> ChannelReading:
-        each = tuple(found(reading, place) for place in range(len(reading.pulses)))
-        return dataclasses.replace(reading, uncertainties=each)
-
-    return [dataclasses.replace(file, channels=tuple(told(reading) for reading in file.channels)) for file in files]
+    return [dataclasses.replace(file, channels=tuple(map(with_uncertainties, file.channels))) for file in files]

@@ -141,16 +141,16 @@ def fit_rigid_pulse(
     models : sequence, optional
         Those of `MODELS` that are tried; all by default.
     """
-    tried = MODELS if models is None else models
+    tried = models or MODELS
     best_of: dict[str, Fit] = {}
     for share, onset in STARTS if len(tried) > 1 else STARTS[:1]:
         for model in tried:
             so_far = best_of.get(_name(model))
             if (onset and model is not _struck) or (so_far is not None and so_far.misfit < FITS):
                 continue
-            one = _fit(values, step, guess._replace(length=share * guess.length), frequency, model, onset)
-            if one is not None and (so_far is None or one.misfit < so_far.misfit):
-                best_of[one.model] = one
+            fit = _fit(values, step, guess._replace(length=share * guess.length), frequency, model, onset)
+            if fit is not None and (so_far is None or fit.misfit < so_far.misfit):
+                best_of[fit.model] = fit
         if min((fit.misfit for fit in best_of.values()), default=math.inf) > FAR:
             return None
     fits = [best_of[_name(model)] for model in tried if _name(model) in best_of]
@@ -158,52 +158,24 @@ def fit_rigid_pulse(
     least = min((fit.misfit for fit in fits), default=math.inf)
     if least > OfRingingSought.POOR:
         return None
-    alike = [
-        fit
-        for fit in fits
-        if fit.misfit <= max(OfRingingSought.AS_GOOD * least, OfRingingSought.ENOUGH, noise / fit.pulse.peak)
-    ]
-    best = alike[0]
-    figures = np.array(
-        [
-            _figures(fit.pulse)
-            for fit in fits
-            if fit.misfit <= max(OfRingingSought.AS_GOOD * least, OfRingingSought.ENOUGH) or fit is best
-        ]
-    )
+    enough = max(OfRingingSought.AS_GOOD * least, OfRingingSought.ENOUGH)
+    best = next(fit for fit in fits if fit.misfit <= max(enough, noise / fit.pulse.peak))  # the simplest of them
+    figures = np.array([_figures(fit.pulse) for fit in fits if fit.misfit <= enough or fit is best])
     own = np.array(_figures(best.pulse))
     models_apart = np.max(np.abs(figures - own), axis=0) / math.sqrt(3.0)
-    shapes = (
-        SHAPES
-        if best.model == "mount" or _swings(best) > OfRingingSought.SEPARATE
-        else ALIKE * max(best.misfit / OfRingingSought.ENOUGH, 1.0)
-    )
+    is_apart = best.model == "mount" or best.omega / (2.0 * math.pi) * best.pulse.width() > OfRingingSought.SEPARATE
+    shapes = SHAPES if is_apart else ALIKE * max(best.misfit / OfRingingSought.ENOUGH, 1.0)
     floor = np.hypot(shapes, 0.5 * best.misfit) * own
     doubt = np.sqrt(best.doubt**2 + models_apart**2 + floor**2)
-    return RigidPulse(
-        best.pulse.peak,
-        best.pulse.rise(),
-        best.pulse.width(),
-        best.pulse.area(),
-        float(doubt[0]),
-        float(doubt[1]),
-        float(doubt[2]),
-        best.omega / (2.0 * math.pi),
-        best.decay / math.hypot(best.omega, best.decay),
-        best.misfit,
-        best.model,
-        best.pulse,
-    )
+    pulse, frequency = best.pulse, best.omega / (2.0 * math.pi)
+    damping = best.decay / math.hypot(best.omega, best.decay)
+    read = pulse.peak, pulse.rise(), pulse.width(), pulse.area()
+    return RigidPulse(*read, *map(float, doubt), frequency, damping, best.misfit, best.model, pulse)
 
 
 def _plausible(fit: Fit, guess: SmoothPulse) -> bool:
     """Tell whether a pulse is one that ringing could have made of the guess."""
     return fit.pulse.width() < WIDER * guess.width() and fit.pulse.peak > LOWER * guess.peak
-
-
-def _swings(fit: Fit) -> float:
-    """Return the swings in a width of the pulse."""
-    return fit.omega / (2.0 * math.pi) * fit.pulse.width()
 
 
 def _figures(pulse: SmoothPulse) -> tuple[float, float, float]:
@@ -327,9 +299,8 @@ def _fit(values: Array, step: float, guess: SmoothPulse, frequency: float, model
     covariance = variance * np.linalg.pinv(best.jac.T @ best.jac)
     doubt = np.sqrt(np.maximum(np.einsum("ki,kl,li->i", slopes, covariance, slopes), 0.0))
     own = math.sqrt(variance / (0.5 * max(pulse.length / step, 1.0)))
-    doubt = np.array(
-        [math.hypot(doubt[0], own, _missed_at_tip(rest, pulse._replace(peak=peak), step)), doubt[1], doubt[2]]
-    ) * np.array([scale, 1.0, scale])
+    of_peak = math.hypot(doubt[0], own, _missed_at_tip(rest, pulse._replace(peak=peak), step))
+    doubt = np.array([of_peak, doubt[1], doubt[2]]) * np.array([scale, 1.0, scale])
     misfit = math.sqrt(float(np.mean(rest**2))) / peak
     return Fit(pulse._replace(peak=peak * scale), omega, decay, misfit, doubt, _name(model))
 

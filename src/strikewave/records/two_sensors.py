@@ -132,20 +132,20 @@ def paired_motion(
     start : float, optional
         Time of the first sample, s.
     """
-    windows = [one for k in range(len(blows)) if (one := _window(first, second, step, start, blows, k)) is not None]
+    every = [_window(first, second, step, start, blows, k) for k in range(len(blows))]
+    windows = [window for window in every if window is not None]
     largest = max(blows, key=lambda blow: abs(blow.peak))
-    width = _width(largest)
     apart = [_copied(window, step) for window in windows]
-    copies = [one for one in apart if one.explained >= OfTwoSensors.COPY and not one.ambiguous]
-    delay, delay_doubt = _mean([(one.delay, one.delay_doubt) for one in copies])
-    gain, gain_doubt = _mean([(one.gain, one.gain_doubt) for one in copies])
+    copies = [copy for copy in apart if copy.explained >= OfTwoSensors.COPY and not copy.ambiguous]
+    delay, delay_doubt = _mean([(copy.delay, copy.delay_doubt) for copy in copies])
+    gain, gain_doubt = _mean([(copy.gain, copy.gain_doubt) for copy in copies])
     zeros = [_zero(values, step, start, largest) for values in (first, second)]
     both = first - zeros[0], second - zeros[1]
     common, differential = 0.5 * (both[0] + both[1]), 0.5 * (both[1] - both[0])
-    pulse = max(find_pulses(common, step, start), key=lambda one: abs(one.peak), default=None)
+    pulse = max(find_pulses(common, step, start), key=lambda blow: abs(blow.peak), default=None)
     near = _near(largest, step, start, first.size)
-    if (whole := _window(first, second, step, start, blows, list(blows).index(largest))) is not None:
-        near = slice(near.start, near.start + whole.first.size)
+    if (window := every[list(blows).index(largest)]) is not None:
+        near = slice(near.start, near.start + window.first.size)
     against = differential[near]
     in_band = math.nan
     if pulse is not None:
@@ -154,20 +154,17 @@ def paired_motion(
         in_band = float(np.max(np.abs(low)))
     doubt = math.hypot(_rigid(pulse)[1], in_band / math.sqrt(3.0)) if pulse is not None else math.nan
     shared = math.sqrt(float(np.mean(common[near] ** 2)))
-    tops = (
-        [int(np.argmax(np.abs(one.first))) for one in windows],
-        [int(np.argmax(np.abs(one.second))) for one in windows],
-    )
+    lags = [int(np.argmax(np.abs(w.second))) - int(np.argmax(np.abs(w.first))) for w in windows]
     transfer = _transfer(windows, step, 0.0 if math.isnan(delay) else delay) if windows else None
-    explained = float(np.mean([one.explained for one in apart])) if apart else math.nan
-    found = PairedMotion(
+    explained = float(np.mean([copy.explained for copy in apart])) if apart else math.nan
+    pair = PairedMotion(
         len(copies) or len(windows),
         delay,
         delay_doubt,
         gain,
         gain_doubt,
         explained,
-        float(np.mean(np.subtract(tops[1], tops[0]))) * step if windows else math.nan,
+        float(np.mean(lags)) * step if windows else math.nan,
         pulse,
         doubt,
         float(against[np.argmax(np.abs(against))]) if against.size else math.nan,
@@ -177,8 +174,8 @@ def paired_motion(
         "",
         "",
     )
-    answer, reason = _as_one_body(found, any(one.ambiguous for one in apart), step, width)
-    return found._replace(one_body=answer, reason=reason)
+    answer, reason = _as_one_body(pair, any(copy.ambiguous for copy in apart), step, _width(largest))
+    return pair._replace(one_body=answer, reason=reason)
 
 
 def _width(blow: RecordedPulse) -> float:
@@ -187,8 +184,9 @@ def _width(blow: RecordedPulse) -> float:
 
 def _rigid(pulse: RecordedPulse) -> tuple[float, float]:
     """Return the peak of a blow without its ringing, as well as it is known, and its standard uncertainty."""
-    known = [(one.peak_uncertainty, one.peak) for one in (pulse.rigid,) if one is not None]
-    known += [(one.peak_uncertainty, one.peak) for one in (pulse.split,) if one is not None and one.separable]
+    known = [] if pulse.rigid is None else [(pulse.rigid.peak_uncertainty, pulse.rigid.peak)]
+    if pulse.split is not None and pulse.split.separable:
+        known.append((pulse.split.peak_uncertainty, pulse.split.peak))
     doubt, peak = min(known, default=(pulse.uncertainty.peak, pulse.peak))
     return peak, doubt if math.isfinite(doubt) else pulse.noise
 
@@ -229,10 +227,8 @@ def _window(
         above = values[begin:end] - _zero(values, step, start, blow)
         quiet = _quiet(values, step, start, blow)
         noise = float(np.std(quiet)) if quiet.size >= FEWEST else blow.noise
-        high = np.flatnonzero(
-            np.abs(above)
-            > max(OfTwoSensors.SETTLED * float(np.max(np.abs(above), initial=0.0)), OfTwoSensors.CLEAR * noise)
-        )
+        least = max(OfTwoSensors.SETTLED * float(np.max(np.abs(above), initial=0.0)), OfTwoSensors.CLEAR * noise)
+        high = np.flatnonzero(np.abs(above) > least)
         settled = max(settled, int(high[-1]) + 1 if high.size else 0)
         pair.append(above)
         noises.append(noise)
@@ -269,9 +265,8 @@ def _copied(window: Window, step: float) -> Copy:
     wave = 0.0
     if window.cutoff <= cutoff and whole.gain != 0.0:
         against = window.second / whole.gain - window.first
-        share = float(np.max(np.abs(against - Filter(cutoff).apply(against, step)))) / float(
-            np.max(np.abs(window.first))
-        )
+        left = against - Filter(cutoff).apply(against, step)
+        share = float(np.max(np.abs(left))) / float(np.max(np.abs(window.first)))
         wave = OF_WAVE * share / (2.0 * math.pi * cutoff)
     return whole._replace(
         delay_doubt=math.hypot(whole.delay_doubt, excess[0], wave), gain_doubt=math.hypot(whole.gain_doubt, excess[1])
@@ -314,10 +309,8 @@ def _band(window: Window, step: float) -> float:
     spectra = [np.fft.rfft(values, padded) for values in (window.first, window.second)]
     high = np.ones(spectra[0].size, dtype=bool)
     for spectrum, noise in zip(spectra, window.noises, strict=True):
-        high &= (
-            uniform_filter1d(np.abs(spectrum) ** 2, AVERAGES, mode="reflect")
-            > OfTwoSensors.ABOVE_NOISE * noise**2 * size
-        )
+        power = uniform_filter1d(np.abs(spectrum) ** 2, AVERAGES, mode="reflect")
+        high &= power > OfTwoSensors.ABOVE_NOISE * noise**2 * size
     if not high.any():
         return min(HIGHEST / step, window.cutoff)
     top = int(np.argmax(np.where(high, np.abs(spectra[0]), 0.0)))
@@ -358,8 +351,8 @@ def _transfer(windows: Sequence[Window], step: float, delay: float) -> Transfer 
     lines = max(-(-AVERAGES // len(windows)), 1)
 
     def mean_spectrum(a: Array, b: Array) -> NDArray[np.complex128]:
-        _, found = csd(a, b, 1.0 / step, "boxcar", size, 0, detrend=False)
-        real, imaginary = (uniform_filter1d(part, lines, mode="reflect") for part in (found.real, found.imag))
+        _, density = csd(a, b, 1.0 / step, "boxcar", size, 0, detrend=False)
+        real, imaginary = (uniform_filter1d(part, lines, mode="reflect") for part in (density.real, density.imag))
         return np.asarray(real + 1j * imaginary)
 
     frequency: Array = np.asarray(np.fft.rfftfreq(size, step), dtype=np.float64)
@@ -389,32 +382,28 @@ def _transfer(windows: Sequence[Window], step: float, delay: float) -> Transfer 
     return Transfer(frequency, h1, h2, coherence, uncertainty, averages, lines / (size * step), trusted, alike_to)
 
 
-def _as_one_body(found: PairedMotion, ambiguous: bool, step: float, width: float) -> tuple[str, str]:
+def _as_one_body(pair: PairedMotion, ambiguous: bool, step: float, width: float) -> tuple[str, str]:
     """Tell whether two sensors agree as one rigid body, gain 1 and delay 0, and why."""
-    if found.transfer is None:
+    if pair.transfer is None:
         return "cannot-tell", "no blow lies long enough in both channels"
-    if math.isnan(found.delay):
+    if math.isnan(pair.delay):
         if ambiguous:
             return "cannot-tell", "several delays fit about as well: the channels swing more than they are struck"
-        return "no", f"a delayed copy of the first explains {percent(found.explained, 0)} of the energy of the second"
-    gain_doubt = math.hypot(found.gain_uncertainty, OfTwoSensors.CALIBRATED)
-    delay_doubt = math.hypot(found.delay_uncertainty, step / math.sqrt(12.0))
-    gain_off, delay_off = (
-        abs(found.gain - 1.0) > OfTwoSensors.TWICE * gain_doubt,
-        abs(found.delay) > OfTwoSensors.TWICE * delay_doubt,
-    )
-    gain_words = "gain " + " ± ".join(beside_doubt(found.gain, found.gain_uncertainty))
-    delay_words = "delay " + " ± ".join(beside_doubt(1e6 * found.delay, 1e6 * found.delay_uncertainty)) + " µs"
+        return "no", f"a delayed copy of the first explains {percent(pair.explained, 0)} of the energy of the second"
+    gain_doubt = math.hypot(pair.gain_uncertainty, OfTwoSensors.CALIBRATED)
+    delay_doubt = math.hypot(pair.delay_uncertainty, step / math.sqrt(12.0))
+    gain_off = abs(pair.gain - 1.0) > OfTwoSensors.TWICE * gain_doubt
+    delay_off = abs(pair.delay) > OfTwoSensors.TWICE * delay_doubt
+    gain_text = "gain " + " ± ".join(beside_doubt(pair.gain, pair.gain_uncertainty))
+    delay_text = "delay " + " ± ".join(beside_doubt(1e6 * pair.delay, 1e6 * pair.delay_uncertainty)) + " µs"
+    both = f"{gain_text} and {delay_text}"
     if gain_off or delay_off:
-        words = " and ".join([gain_words] * gain_off + [delay_words] * delay_off)
+        off = " and ".join([gain_text] * gain_off + [delay_text] * delay_off)
         more = [f"calibration {percent(OfTwoSensors.CALIBRATED, 0)}"] * gain_off
         more += [f"sampling {plain(1e6 * step / math.sqrt(12.0), 2)} µs"] * delay_off
-        return "no", f"{words} (standard uncertainties; {' and '.join(more)} more)"
+        return "no", f"{off} (standard uncertainties; {' and '.join(more)} more)"
     if gain_doubt > OfTwoSensors.SURE or delay_doubt > OfTwoSensors.SURE * width:
-        return "cannot-tell", f"{gain_words} and {delay_words}: too uncertain to tell"
-    if math.isnan(found.transfer.alike_to):
-        return "cannot-tell", f"{gain_words} and {delay_words}, but no band of the transfer function can be trusted"
-    return (
-        "yes",
-        f"{gain_words} and {delay_words}; alike within 10 % up to {with_unit(found.transfer.alike_to, 'Hz')}",
-    )
+        return "cannot-tell", f"{both}: too uncertain to tell"
+    if math.isnan(pair.transfer.alike_to):
+        return "cannot-tell", f"{both}, but no band of the transfer function can be trusted"
+    return "yes", f"{both}; alike within 10 % up to {with_unit(pair.transfer.alike_to, 'Hz')}"

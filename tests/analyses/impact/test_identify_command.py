@@ -74,7 +74,7 @@ def test_an_acceleration_takes_the_mass_of_the_struck_body(command):
     assert found["combinations"]["peak_force"]["value"] == pytest.approx(force()[1].max(), rel=0.01)
 
 
-def test_the_screen_says_what_cannot_be_told_apart(command):
+def test_the_screen_says_what_cannot_be_mark_responses(command):
     code, out, _ = command(written("N"))
     assert code == 0
     assert out.count("not determined") == 3
