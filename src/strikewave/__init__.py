@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from strikewave._version import __version__
 
 if TYPE_CHECKING:  # for type checkers and editors; at run time a name is imported when it is first used
+    from strikewave.analyses.compare.limits import Scoring as Scoring
     from strikewave.analyses.compare.result import CompareResult as CompareResult
     from strikewave.analyses.compare.run import compare as compare
     from strikewave.analyses.fem.result import FemSolution as FemSolution
@@ -25,6 +26,8 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.analyses.machine.run import run_case as run_case
     from strikewave.analyses.record.examine import record as record
     from strikewave.analyses.record.file_spectra import shock_spectra as shock_spectra
+    from strikewave.analyses.record.options import Examination as Examination
+    from strikewave.analyses.record.options import Spectra as Spectra
     from strikewave.analyses.record.result import RecordResult as RecordResult
     from strikewave.analyses.record.specification.synthesis import synthesize as synthesize
     from strikewave.analyses.record.spectrum import SpectrumResult as SpectrumResult
@@ -44,6 +47,10 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.contact.law import Contact as Contact
     from strikewave.records.measuring import find_pulses as find_pulses
     from strikewave.records.readers import read_record as read_record
+    from strikewave.reporting.measured_files import Calibration as Calibration
+    from strikewave.reporting.measured_files import Filtering as Filtering
+    from strikewave.reporting.measured_files import Judging as Judging
+    from strikewave.reporting.measured_files import Reading as Reading
     from strikewave.signal.srs import srs as srs
     from strikewave.studies.buffer.result import BufferStudy as BufferStudy
     from strikewave.studies.buffer.study import buffer as buffer
@@ -68,23 +75,30 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
 _HOMES = {
     "Band": "base.result",
     "BufferStudy": "studies.buffer.result",
+    "Calibration": "reporting.measured_files",
     "Case": "cases.case",
     "CompareResult": "analyses.compare.result",
     "Contact": "contact.law",
     "DesignStudy": "studies.search.design",
     "DropStudy": "studies.search.drop_table",
+    "Examination": "analyses.record.options",
     "FemSolution": "analyses.fem.result",
+    "Filtering": "reporting.measured_files",
     "FitStudy": "studies.fit.result",
     "InputError": "base.errors",
+    "Judging": "reporting.measured_files",
     "MapStudy": "studies.map.study",
+    "Reading": "reporting.measured_files",
     "RecordResult": "analyses.record.result",
     "Result": "base.result",
     "ScatterStudy": "studies.scatter.study",
+    "Scoring": "analyses.compare.limits",
     "SearchMethod": "studies.search.plan",
     "SettingsChoices": "studies.search.rotary",
     "SettingsStudy": "studies.search.rotary",
-    "SpectrumResult": "analyses.record.spectrum",
     "Solution": "analyses.machine.result",
+    "Spectra": "analyses.record.options",
+    "SpectrumResult": "analyses.record.spectrum",
     "StrikewaveError": "base.errors",
     "SweepStudy": "studies.sweep.study",
     "WaveSolution": "analyses.wave.result",
@@ -110,8 +124,8 @@ _HOMES = {
     "run_hopkinson": "analyses.hopkinson.run",
     "run_wave": "analyses.wave.run",
     "scatter": "studies.scatter.study",
-    "shock_spectra": "analyses.record.file_spectra",
     "settings": "studies.search.rotary",
+    "shock_spectra": "analyses.record.file_spectra",
     "solve_impact": "contact.impact",
     "srs": "signal.srs",
     "sweep": "studies.sweep.study",

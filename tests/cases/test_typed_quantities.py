@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 import strikewave
 from strikewave.analyses.compare.limits import read_limit
-from strikewave.analyses.record.options import _time_constant
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Range
 from strikewave.base.result import BandMethod
@@ -22,7 +21,7 @@ from strikewave.cases.case import FORM, dump_case, load_case, parse_case
 from strikewave.cases.files import bundled_cases
 from strikewave.records.calibration import Calibration, known_unit
 from strikewave.reporting.bands import moved_rows
-from strikewave.reporting.measured_files import read_time_unit
+from strikewave.reporting.measured_files import _time_constant, read_time_unit
 from strikewave.reporting.options import read_share
 from strikewave.specifications.budget_file import load_budget
 from strikewave.studies.axes import units_of

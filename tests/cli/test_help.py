@@ -132,7 +132,7 @@ def test_completion_names_what_the_libraries_know():
     """Choices stand as literals in signatures, so that a help imports no library; both are the same."""
     from strikewave.analyses.fem.decks import CODES
     from strikewave.analyses.layered_bars import QUANTITIES
-    from strikewave.analyses.record import srs
+    from strikewave.analyses.record import options
     from strikewave.cases.files import bundled_cases
     from strikewave.contact.law import SHAPES
     from strikewave.exchange.units import SYSTEMS
@@ -145,7 +145,7 @@ def test_completion_names_what_the_libraries_know():
     from strikewave.studies.scatter.study import METHODS
     from strikewave.studies.search.rotary import VARIED
 
-    assert set(srs.KINDS) == set(KINDS)
+    assert set(options.KINDS) == set(KINDS)
     assert complete_case("")[: len(bundled_cases())] == bundled_cases()
     for name, option, known in (
         ("wave", "field", QUANTITIES), ("deck", "code", CODES), ("deck", "units", SYSTEMS), ("ls-dyna", "units", SYSTEMS),

@@ -73,7 +73,13 @@ def test_records_in_python_are_those_of_the_command(result_of):
     write_pulse()
     said = ("--unit", "g", "--polarity", "acceleration=-1", "--filter", "20 kHz", "--drop-height", "1 m")
     command, _ = result_of("record", "pulse.csv", *said)
-    called = strikewave.record("pulse.csv", unit="g", polarity={"acceleration": -1}, filter="20 kHz", drop_height=1.0)
+    called = strikewave.record(
+        "pulse.csv",
+        unit="g",
+        calibration=strikewave.Calibration(polarity={"acceleration": -1}),
+        examination=strikewave.Examination(drop_height=1.0),
+        filter="20 kHz",
+    )
     assert called.document() == command.document()
     assert called.filter == command.filter
     assert [row for row in called.calibrations if "polarity" in row[1]] == [("the call", "acceleration: polarity = -1")]

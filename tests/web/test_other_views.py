@@ -92,7 +92,7 @@ def test_numbers_of_a_file_that_names_no_unit_are_not_called_g(shots):
     assert history_chart(result, "")["yAxis"]["name"] == "file's own numbers"
     _, _, rows, _ = campaign_tables(result)[0]
     assert dict(row[:2] for row in rows)["peak"] == "3050"
-    spectra = strikewave.shock_spectra(["a.csv", "b.csv"], kinds=("pseudo-velocity",))
+    spectra = strikewave.shock_spectra(["a.csv", "b.csv"], spectra=strikewave.Spectra(kinds=("pseudo-velocity",)))
     assert four_axes(spectra)["yAxis"]["name"] == "pseudo-velocity (unit·s)"
 
 
@@ -194,7 +194,9 @@ def test_no_file_and_another_case_beside_are_refused_in_words(shots):
 
 def test_on_four_axes_the_lines_of_equal_acceleration_and_displacement_are_those_of_a_sine(shots):
     """At 2 pi f v = a and v = 2 pi f d each line has slope -1 or +1 in decades, through the numbers that it names."""
-    options = four_axes(strikewave.shock_spectra([str(shots / "a.csv")], kinds=("pseudo-velocity",)))
+    options = four_axes(
+        strikewave.shock_spectra([str(shots / "a.csv")], spectra=strikewave.Spectra(kinds=("pseudo-velocity",)))
+    )
     lines = {line["name"]: np.array(line["data"]) for line in options["series"]}
     for name, points in lines.items():
         if name.endswith(" g"):

@@ -3,23 +3,35 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import glob
 import hashlib
+import inspect
+import math
 import os
 import re
 import shlex
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, ParamSpec, TypeVar
 
 import typer
 
 from strikewave.base.errors import InputError, StrikewaveError, nearest
 from strikewave.base.result import Source
-from strikewave.base.units import parse_quantity, si_value, take_apart, typed_number
-from strikewave.reporting.options import parsed, quantity
+from strikewave.base.units import parse_quantity, parse_typed, take_apart, typed_number
+from strikewave.reporting.options import (
+    Decision,
+    LowPassOptions,
+    OptionGroup,
+    Texts,
+    Uncertainty,
+    low_pass_of,
+    parsed,
+    quantity,
+)
 from strikewave.reporting.output_options import ORIGIN, Output, origin_text
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
@@ -27,6 +39,9 @@ from strikewave.reporting.terminal import progress_bar, say
 if TYPE_CHECKING:
     from strikewave.cases.stated_test import StatedTest
     from strikewave.records import ChannelReading, FileReading, Options, Record, Request
+    from strikewave.signal.filters import Filter
+    from strikewave.specifications.judged_records import Asked
+    from strikewave.specifications.reading import Specification
 
 Files = Annotated[
     list[str], typer.Argument(metavar="FILE", help="Measured files of any known format.", show_default=False)
@@ -37,17 +52,6 @@ def _of_channels(name: str, help: str) -> Any:
     """Return an option of the calibration, which may be said for each channel."""
     each = " [CHANNEL=]VALUE; may be repeated."
     return typer.Option(name, metavar="VALUE", help=help + each, show_default=False)
-
-
-Stated = str | float | Mapping[str, str | float]
-"""A value of the calibration as Python takes it: for all channels, or one for each by its name or number."""
-
-
-def _words(value: Stated | None) -> list[str] | None:
-    """Return a value of the calibration as the command line takes it."""
-    if value is None:
-        return None
-    return [f"{name}={one}" for name, one in value.items()] if isinstance(value, Mapping) else [str(value)]
 
 
 def read_time_unit(word: str, field: str) -> float:
@@ -72,13 +76,13 @@ def read_time_unit(word: str, field: str) -> float:
 
 
 @dataclass(frozen=True)
-class MeasurementOptions:
-    """How files are read, and the calibration of their channels."""
+class ChannelOptions(OptionGroup):
+    """Channels of a file, their unit and sampling rate."""
 
     panel: ClassVar[str] = "Reading and calibration"
 
-    channel: Annotated[
-        list[str] | None,
+    channels: Annotated[
+        Texts,
         typer.Option(
             "--channel",
             metavar="NAME|NUMBER",
@@ -86,34 +90,78 @@ class MeasurementOptions:
             show_default=False,
         ),
     ] = None
-    unit: Annotated[list[str] | None, _of_channels("--unit", "Unit of the file's values, such as g or mV.")] = None
-    sensitivity: Annotated[
-        list[str] | None, _of_channels("--sensitivity", 'Sensitivity of the sensor, such as "1.2 mV/g".')
-    ] = None
-    gain: Annotated[list[str] | None, _of_channels("--gain", 'Gain of the amplifier: 10, or "10 mV/pC".')] = None
-    excitation: Annotated[
-        list[str] | None, _of_channels("--excitation", 'Bridge voltage in the test, such as "5 V".')
-    ] = None
-    rated_excitation: Annotated[
-        list[str] | None, _of_channels("--rated-excitation", "Bridge voltage that the sensitivity is stated for.")
-    ] = None
-    count: Annotated[list[str] | None, _of_channels("--count", 'Voltage of one ADC count, such as "305 uV".')] = None
-    polarity: Annotated[
-        list[str] | None, _of_channels("--polarity", "1, or -1 for a sensor mounted the other way.")
-    ] = None
+    unit: Annotated[Texts, _of_channels("--unit", "Unit of the file's values, such as g or mV.")] = None
     rate: Annotated[
-        float | None,
-        quantity("--rate", si="Hz", help='Sampling rate of files without a time column, such as "200 kHz".'),
+        Any, quantity("--rate", si="Hz", help='Sampling rate of files without a time column, such as "200 kHz".')
     ] = None
+
+
+@dataclass(frozen=True)
+class Calibration(OptionGroup):
+    """Calibration of measured channels: a value for all of them, or a mapping from names or numbers of channels.
+
+    It stands over that of a ``calibration.toml`` beside the files.
+
+    Attributes
+    ----------
+    sensitivity : str or mapping
+        Output of the sensor for its input, such as ``"1.2 mV/g"``.
+    gain : str, float or mapping
+        Gain of the amplifier, such as 10 or ``"10 mV/pC"``.
+    excitation, rated_excitation : str, float or mapping
+        Bridge voltage in the test, and that which the sensitivity is stated for: with a unit, or in V.
+    count : str, float or mapping
+        Voltage of one count of the converter: with a unit, or in V.
+    polarity : int or mapping
+        1, or -1 for a sensor mounted the other way.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> strikewave.Calibration(sensitivity="1.2 mV/g", polarity={"frame": -1}).polarity
+    ['frame=-1']
+    """
+
+    sensitivity: Annotated[Texts, _of_channels("--sensitivity", 'Sensitivity of the sensor, such as "1.2 mV/g".')] = (
+        None
+    )
+    gain: Annotated[Texts, _of_channels("--gain", 'Gain of the amplifier: 10, or "10 mV/pC".')] = None
+    excitation: Annotated[Texts, _of_channels("--excitation", 'Bridge voltage in the test, such as "5 V".')] = None
+    rated_excitation: Annotated[
+        Texts, _of_channels("--rated-excitation", "Bridge voltage that the sensitivity is stated for.")
+    ] = None
+    count: Annotated[Texts, _of_channels("--count", 'Voltage of one ADC count, such as "305 uV".')] = None
+    polarity: Annotated[Texts, _of_channels("--polarity", "1, or -1 for a sensor mounted the other way.")] = None
+
+
+@dataclass(frozen=True)
+class Reading(OptionGroup):
+    """How the time of a measured file is read, and which of its measurements.
+
+    Attributes
+    ----------
+    time : str or int
+        Name or number of the column that holds time; found by default.
+    time_unit : str
+        Unit of that column, such as ``"ms"`` or ``"10 us"``; that of the file, or s, by default.
+    measurement : int
+        Number of the measurement of a file to take, from 1; each as a record of its own by default.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> strikewave.Reading(time="clock", time_unit="ms").time_unit
+    0.001
+    """
+
     time: Annotated[
         str | None,
         typer.Option(
             "--time", metavar="NAME|NUMBER", help="Column that holds time; found by default.", show_default=False
         ),
     ] = None
-
     time_unit: Annotated[
-        float | None,
+        Any,
         parsed(
             "--time-unit",
             read=read_time_unit,
@@ -131,32 +179,28 @@ class MeasurementOptions:
         ),
     ] = None
 
+
+@dataclass(frozen=True)
+class MeasurementOptions(Reading, Calibration, ChannelOptions):
+    """How files are read, and the calibration of their channels."""
+
     @classmethod
-    def in_python(
+    def of(
         cls,
-        channels: Sequence[str | int],
-        calibration: Mapping[str, Stated | None],
-        rate: str | float | None,
-        time: str | int | None,
-        time_unit: str | None,
-        measurement: int | None = None,
+        channels: Any = None,
+        unit: Any = None,
+        rate: str | float | None = None,
+        calibration: Calibration | None = None,
+        reading: Reading | None = None,
     ) -> MeasurementOptions:
         """Return the options that stand for the arguments of a call.
 
         Examples
         --------
-        >>> MeasurementOptions.in_python([1], {"unit": {"frame": "mV"}}, "1 kHz", None, None).rate
+        >>> MeasurementOptions.of([1], {"frame": "mV"}, "1 kHz").rate
         1000.0
         """
-        named = {channels} if isinstance(channels, str | int) else channels
-        return cls(
-            channel=[str(channel) for channel in named] or None,
-            **{name: _words(value) for name, value in calibration.items()},
-            rate=None if rate is None else si_value(rate, "Hz", "rate"),
-            time=None if time is None else str(time),
-            time_unit=None if time_unit is None else read_time_unit(time_unit, "time_unit"),
-            measurement=measurement,
-        )
+        return cls(channels, unit, rate, **vars(calibration or Calibration()), **vars(reading or Reading()))
 
     def calibration(self) -> dict[str, dict[str, Any]]:
         """Return what was typed of the calibration, a table a channel; ``all`` for values without one.
@@ -180,7 +224,225 @@ class MeasurementOptions:
         """Return what is said of the files."""
         from strikewave.records import Options
 
-        return Options(self.rate, self.time, tuple(self.channel or ()), self.time_unit, self.measurement)
+        return Options(self.rate, self.time, self.names, self.time_unit, self.measurement)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Channels to take; none for all."""
+        channels: Any = self.channels
+        return tuple(channels or ())
+
+
+def _time_constant(word: str, field: str) -> str | float:
+    """Return the time constant of AC coupling, s, or ``auto``.
+
+    Examples
+    --------
+    >>> _time_constant("auto", ""), _time_constant("1.6 ms", ""), round(_time_constant("100 Hz", ""), 6)
+    ('auto', 0.0016, 0.001592)
+    """
+    if word.strip() == "auto":
+        return "auto"
+    typed = take_apart(word)
+    unit = "" if typed is None else typed.unit
+    try:
+        value = parse_typed(word, "Hz" if "Hz" in unit else "s", field)
+    except InputError as error:
+        raise InputError(field, word, ALLOWED_COUPLING) from error
+    if not 0.0 < value < math.inf:
+        raise InputError(field, word, ALLOWED_COUPLING)
+    return 1.0 / (2.0 * math.pi * value) if "Hz" in unit else value
+
+
+ALLOWED_COUPLING = 'auto, a time constant above zero such as "1.6 ms", or a cutoff such as "100 Hz"'
+
+
+@dataclass(frozen=True)
+class Filtering(LowPassOptions):
+    """Filters that records go through before they are measured.
+
+    Attributes
+    ----------
+    cutoff : str, float or Filter
+        Zero-phase low-pass: its cutoff, with a unit or in Hz, or a filter; none by default.
+    cfc : float
+        Class of an SAE J211 filter, such as 1000, instead of a cutoff.
+    ac_coupling : str or float
+        AC coupling that is taken off: ``"auto"``, a time constant, with a unit or in s, or a cutoff such as
+        ``"100 Hz"``.
+    high_pass : str or float
+        Cutoff of a zero-phase high-pass, with a unit or in Hz.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> strikewave.Filtering(cfc=1000, ac_coupling="1.6 ms").ac_coupling
+    0.0016
+    """
+
+    ac_coupling: Annotated[
+        Any,
+        parsed(
+            "--ac-coupling",
+            read=_time_constant,
+            help='AC coupling to take off: auto, a time constant such as "1.6 ms", or a cutoff such as "100 Hz"; '
+            "none by default.",
+            metavar="auto|TIME|FREQUENCY",
+        ),
+    ] = None
+    high_pass: Annotated[
+        Any, quantity("--high-pass", si="Hz", help="Zero-phase high-pass, -3 dB for both passes; none by default.")
+    ] = None
+
+    @classmethod
+    def of(cls, filter: str | float | Filter | Filtering | None) -> Filtering:
+        """Return the filters that a call names, which may be a low-pass alone."""
+        return filter if isinstance(filter, Filtering) else cls(low_pass_of(filter))
+
+    def on(self, request: Request) -> Request:
+        """Return a request with these filters."""
+        from strikewave.signal.filters import HighPass
+
+        high_pass = None if self.high_pass is None else HighPass(self.high_pass)
+        coupling = "" if self.ac_coupling is None else self.ac_coupling
+        return replace(request, filter=self.low_pass(), ac_coupling=coupling, high_pass=high_pass)
+
+
+def complete_specification(incomplete: str) -> list[str]:
+    """Return the built-in specifications that begin so, with their conditions."""
+    from strikewave.specifications.reading import asked_names
+
+    return [name for name in asked_names() if name.startswith(incomplete)]
+
+
+Spec = Annotated[
+    str | None,
+    typer.Option(
+        "--spec",
+        metavar="NAME|FILE[:CONDITION]",
+        help="Specification to judge by, see strikewave spec list; none by default.",
+        show_default=False,
+        autocompletion=complete_specification,
+        rich_help_panel="Specification",
+    ),
+]
+
+
+@dataclass(frozen=True)
+class DecisionOptions(OptionGroup):
+    """Decision rule of a verdict, and the uncertainty of what is judged."""
+
+    decision: Decision = "simple"
+    uncertainty: Uncertainty = None
+
+    def __post_init__(self) -> None:
+        """Read what Python gives, where a number is a share."""
+        if isinstance(self.uncertainty, int | float):
+            object.__setattr__(self, "uncertainty", f"{100.0 * self.uncertainty:g} %")
+        super().__post_init__()
+
+    def check_only(self, group: type[DecisionOptions], function: str) -> None:
+        """Refuse what a function does not take, of all that ``record`` does."""
+        known = {"test", *(field.name for field in fields(group))}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name not in known and value != field.default:
+                raise InputError(field.name, value, f"none with {function}", "leave it out")
+
+
+@dataclass(frozen=True)
+class SpectraJudging(DecisionOptions):
+    """Options of the verdict on spectra by a specification."""
+
+    panel: ClassVar[str] = "Specification"
+
+    strict: Annotated[bool, typer.Option("--strict", help="State no verdict by limits that are from memory.")] = False
+
+    def specification(self, spec: str | None) -> Specification | None:
+        """Return the specification of a name; None for none, which leaves nothing to decide."""
+        from strikewave.specifications.reading import load_specification
+
+        if spec is not None:
+            return load_specification(spec)
+        for field in fields(self):
+            if field.name not in ("uncertainty", "test") and getattr(self, field.name) != field.default:
+                option = "--" + field.name.replace("_", "-")
+                raise InputError(option, "no --spec", "only with a specification", "add --spec NAME")
+        return None
+
+
+@dataclass(frozen=True)
+class RecordJudging(SpectraJudging):
+    """Options of the verdict on records, with what only the user knows of their shocks."""
+
+    direction: Annotated[
+        Texts,
+        typer.Option(
+            "--direction",
+            metavar="[FILES][#CHANNEL]=DIRECTION",
+            help="Direction of the shocks, such as +x, 'up*.csv=-z' or 'shot.csv#2=+y'; may be repeated.",
+            show_default=False,
+        ),
+    ] = None
+    cross_axis: Annotated[
+        Texts,
+        typer.Option(
+            "--cross-axis",
+            metavar="[FILES#]CHANNEL",
+            help="Channel that measures across the shock, such as y or 'x*.csv#y'; may be repeated.",
+            show_default=False,
+        ),
+    ] = None
+
+    def asked(self, test: Mapping[str, Any]) -> Asked:
+        """Return how records are judged; the direction that a test states holds where no option does."""
+        from strikewave.specifications.judged_records import Asked
+        from strikewave.specifications.shock_directions import read_direction
+
+        stated: Any = self.direction
+        across: Any = self.cross_axis
+        words = [("--direction", word) for word in stated or ()]
+        if test.get("direction") and not stated:
+            words = [("test.direction", test["direction"])]
+        directions = [read_direction(word, option) for option, word in words]
+        return Asked(self.decision, self.strict, self.uncertainty, directions, tuple(across or ()))
+
+
+@dataclass(frozen=True)
+class Judging(RecordJudging):
+    """How measured records are judged, and the uncertainty of what was measured.
+
+    Attributes
+    ----------
+    decision : str
+        ``"simple"``, or ``"guarded"`` by the expanded uncertainty.
+    uncertainty : str, float or Path
+        Expanded uncertainty (k = 2) of the acceleration, such as ``"5 %"`` or 0.05, or a TOML file with an uncertainty
+        budget; that of noise and baseline alone by default.
+    strict : bool
+        True to state no verdict by limits that are from memory.
+    direction : str or sequence of str
+        Direction of the shocks, such as ``"+x"`` or ``"up*.csv=-z"``.
+    cross_axis : str, int or sequence of them
+        Names or numbers of channels that measure across the shock.
+    test : str or Path
+        TOML file that says what was tested, by whom and when, for the head of the report.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> strikewave.Judging(decision="guarded", uncertainty="5 %").uncertainty.share
+    0.05
+    """
+
+    test: str | Path | None = None
+
+    @property
+    def performed(self) -> StatedTest | None:
+        """Statements of that file."""
+        from strikewave.cases.stated_test import load_test
+
+        return None if self.test is None else load_test(Path(self.test), "test")
 
 
 PARAMETERS = {
@@ -208,10 +470,45 @@ def named_for_python() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        name = PARAMETERS.get(error.field) or error.field.removeprefix("--").replace("-", "_")
-        if name == error.field:
+        option, space, rest = error.field.partition(" ")  # of a file: "--sensor sensor.frame"
+        if not (option.startswith("--") or option in PARAMETERS):
             raise
-        raise error.at(name) from None
+        name = PARAMETERS.get(option) or option.removeprefix("--").replace("-", "_")
+        raise error.at(name + space + rest) from None
+
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def with_groups(**groups: type[OptionGroup]) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """Return what makes a function of Python name its parameters in errors, and the group that took one over.
+
+    Examples
+    --------
+    >>> @with_groups(calibration=Calibration)
+    ... def measure(file, *, calibration=Calibration()): ...
+    >>> measure("a.csv", gain=10)
+    Traceback (most recent call last):
+    strikewave.base.errors.InputError: gain: got 10; allowed: calibration=strikewave.Calibration(gain=...)
+    """
+
+    def named(function: Callable[P, R]) -> Callable[P, R]:
+        known = inspect.signature(function).parameters
+
+        @functools.wraps(function)
+        def called(*args: P.args, **kwargs: P.kwargs) -> R:
+            for name in kwargs.keys() - known.keys():
+                for keyword, group in groups.items():
+                    if name in {field.name for field in fields(group)}:
+                        allowed = f"{keyword}=strikewave.{group.__name__}({name}=...)"
+                        raise InputError(name, kwargs[name], allowed)
+            with named_for_python():
+                return function(*args, **kwargs)
+
+        return called
+
+    return named
 
 
 def files_of(paths: str | Path | Sequence[str | Path]) -> list[str]:

@@ -7,12 +7,13 @@ min=10)``.
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 import typer
 
@@ -73,12 +74,63 @@ def parsed(*names: str, read: Read, help: str, **settings: Any) -> Any:
             return value_of(value, field)
         return [value_of(word, field) for word in value] if isinstance(value, list) else value
 
-    return typer.Option(*names, help=help, parser=_as_typed, callback=callback, show_default=False, **settings)
+    option = typer.Option(*names, help=help, parser=_as_typed, callback=callback, show_default=False, **settings)
+    option.read = value_of
+    return option
 
 
 def _as_typed(word: Any) -> Any:
     """Keep typer from converting a word before `parsed` does."""
     return word
+
+
+if TYPE_CHECKING:  # as Python takes them; typer makes a list of an option that may be repeated
+    Texts = str | float | Sequence[Any] | Mapping[Any, Any] | None
+else:
+    Texts = list[str] | None
+
+
+@dataclass(frozen=True)
+class OptionGroup:
+    """Options of commands that are arguments of calls in Python too: texts and numbers are read where it is made.
+
+    A field is annotated as a parameter of a command. One of several values takes one alone, a sequence, or a mapping of
+    channels to values; a number is in SI.
+    """
+
+    def __post_init__(self) -> None:
+        """Read what Python gives; values of the command line are read already."""
+        group: Any = type(self)
+        hints = _hints_of(group)
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None and value != field.default and field.name in hints:
+                object.__setattr__(self, field.name, _value_of(value, field.name, *get_args(hints[field.name])))
+
+
+@functools.cache
+def _hints_of(group: type) -> dict[str, Any]:
+    """Return the annotations of the options of a group."""
+    hints = get_type_hints(group, include_extras=True)
+    return {name: hint for name, hint in hints.items() if get_origin(hint) is Annotated}
+
+
+def _value_of(value: Any, field: str, kind: Any, option: Any) -> Any:
+    """Return the value of an option that Python gives as its command line has it."""
+    kinds, read = (kind, *get_args(kind)), getattr(option, "read", None)
+    if any(get_origin(each) is list for each in kinds):
+        if isinstance(value, Mapping):
+            value = [f"{name}={each}" for name, each in value.items()]
+        several = [value] if isinstance(value, str | int | float | Path) else value
+        return [_value_of(each, field, Any if read else str, option) for each in several] or None
+    if type(value) in (tuple, list):  # not a NamedTuple, which was read
+        value = ",".join(map(str, value))
+    if read is not None and isinstance(value, str | int | float | Path) and not isinstance(value, Typed):
+        return read(str(value), field)
+    choices = [choice for each in kinds if get_origin(each) is Literal for choice in get_args(each)]
+    if choices and value not in choices:
+        raise wrong_choice(str(value), field, choices)
+    return str(value) if str in kinds and not isinstance(value, str) else value
 
 
 def quantity(
@@ -391,20 +443,6 @@ def read_budget(word: str, field: str) -> Budget:
     return load_budget(word, field)
 
 
-def budget_in_python(value: str | float | Path | None) -> Budget | None:
-    """Return the budget of a call in plain values, where a number is a share; None for none.
-
-    Examples
-    --------
-    >>> found = budget_in_python(0.05)
-    >>> found.share, found.contributions[0].name
-    (0.05, '5 % of the acceleration, as stated')
-    """
-    if value is None:
-        return None
-    return read_budget(f"{100.0 * value:g} %" if isinstance(value, int | float) else str(value), "uncertainty")
-
-
 Decision = Annotated[
     Literal["simple", "guarded"],
     typer.Option(
@@ -428,16 +466,16 @@ ALLOWED_FILTER = 'a cutoff above zero such as "10 kHz", a class such as "CFC 100
 
 
 @dataclass(frozen=True)
-class LowPassOptions:
+class LowPassOptions(OptionGroup):
     """A zero-phase low-pass, by its cutoff or by its channel frequency class."""
 
     panel: ClassVar[str] = "Filters"
 
     cutoff: Annotated[
-        float | None, quantity("--filter", si="Hz", help="Zero-phase low-pass, -3 dB for both passes; none by default.")
+        Any, quantity("--filter", si="Hz", help="Zero-phase low-pass, -3 dB for both passes; none by default.")
     ] = None
     cfc: Annotated[
-        Typed | None,
+        Any,
         bare_number(
             "--cfc",
             high=1e6,
@@ -453,25 +491,8 @@ class LowPassOptions:
         if self.cutoff is not None and self.cfc is not None:
             raise InputError("--cfc", self.cfc.word, "either --filter or --cfc", "leave one out")
         if self.cutoff is not None:
-            return Filter(self.cutoff)
+            return self.cutoff if isinstance(self.cutoff, Filter) else Filter(self.cutoff)
         return None if self.cfc is None else Filter.sae_j211(self.cfc)
-
-
-def cutoff_of(value: str | float, field: str, allowed: str) -> float:
-    """Return a cutoff that a call names, Hz.
-
-    Examples
-    --------
-    >>> cutoff_of("5 kHz", "high_pass", "a cutoff"), cutoff_of(5.0, "high_pass", "a cutoff")
-    (5000.0, 5.0)
-    """
-    try:
-        cutoff = si_value(value, "Hz", field)
-    except (InputError, TypeError, ValueError) as error:
-        raise InputError(field, value, allowed) from error
-    if not 0.0 < cutoff < math.inf:
-        raise InputError(field, value, allowed)
-    return cutoff
 
 
 def low_pass_of(value: str | float | Filter | None) -> Filter | None:
@@ -491,4 +512,10 @@ def low_pass_of(value: str | float | Filter | None) -> Filter | None:
         if number is None or not number > 0.0:
             raise InputError("filter", value, ALLOWED_FILTER)
         return Filter.sae_j211(number)
-    return Filter(cutoff_of(value, "filter", ALLOWED_FILTER))
+    try:
+        cutoff = si_value(value, "Hz", "filter")
+    except (InputError, TypeError, ValueError) as error:
+        raise InputError("filter", value, ALLOWED_FILTER) from error
+    if not 0.0 < cutoff < math.inf:
+        raise InputError("filter", value, ALLOWED_FILTER)
+    return Filter(cutoff)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave import InputError, compare, load_case, load_solution, run_case
+from strikewave import InputError, Scoring, compare, load_case, load_solution, run_case
 from strikewave.analyses.compare.agreement import agreement
 from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, even_history, mean_curve
 from strikewave.analyses.compare.run import _ringing
@@ -319,7 +319,7 @@ def test_a_simulation_is_judged_by_the_specification_that_it_was_made_for(strike
     assert out.startswith("PASS (by indicative limits) by JESD22-B111A")
     page = open("kept/report.html", encoding="utf-8").read()
     assert "Verdict by the specification" in page
-    found = compare("iec-60068-2-27-rubber", "spec:iec-60068-2-27:100g-6ms", band=False)
+    found = compare("iec-60068-2-27-rubber", "spec:iec-60068-2-27:100g-6ms", scoring=Scoring(band=False))
     assert (found.verdict, found.broken) == (
         "cannot-tell",
         False,
@@ -332,7 +332,7 @@ def test_a_simulation_is_judged_by_the_specification_that_it_was_made_for(strike
 @pytest.mark.parametrize("wrong", [3.0, ["a.csv"], (3.0, "sensor")])
 def test_what_is_neither_a_name_nor_a_solution_is_refused(wrong):
     with pytest.raises(InputError, match=r"B: got .* a solution of run, wave or fem"):
-        compare("li-ma-2019", wrong, band=False)
+        compare("li-ma-2019", wrong, scoring=Scoring(band=False))
 
 
 REFUSED = [

@@ -78,14 +78,14 @@ def test_several_files_are_answered_together_at_the_head(strikewave, shots):
 
 
 def test_python_takes_what_the_command_takes(shots):
-    [found] = sw.record(shots[0], unit="g", pair=("left", "right")).pairs
+    [found] = sw.record(shots[0], unit="g", examination=sw.Examination(pair=("left", "right"))).pairs
     assert found.leads == "left"
     assert found.found.delay == pytest.approx(DELAY, abs=2e-6)
     assert sw.record(shots[0], unit="g").pairs == []
 
 
 def test_what_cannot_be_compared_says_why(shots):
-    [found] = sw.record(shots[0], unit={"left": "g", "right": "kN"}, pair=(1, 2)).pairs
+    [found] = sw.record(shots[0], unit={"left": "g", "right": "kN"}, examination=sw.Examination(pair=(1, 2))).pairs
     assert found.one_body == "cannot-tell"
     assert "N" in found.why
     assert math.isnan(found.row.delay)
@@ -101,4 +101,4 @@ def test_a_pair_that_is_none_is_refused(strikewave, shots, pair):
 
 def test_a_wrong_pair_in_python_names_the_parameter(shots):
     with pytest.raises(InputError, match=r"^pair"):
-        sw.record(shots[0], unit="g", pair=(1, 9))
+        sw.record(shots[0], unit="g", examination=sw.Examination(pair=(1, 9)))

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from strikewave import record
+from strikewave import Examination, record
 from strikewave.analyses.record.report import record_report
 from strikewave.analyses.record.rows import summaries
 
@@ -42,7 +42,9 @@ TOP = np.exp(-0.03 * np.arctan(1.0 / 0.03)) * np.sin(np.arctan(1.0 / 0.03))
 
 
 def test_each_blow_has_a_line_in_the_csv(train):
-    rows = list(csv.DictReader(record(train, base="frame").tables()["responses.csv"].splitlines()))
+    rows = list(
+        csv.DictReader(record(train, examination=Examination(base="frame")).tables()["responses.csv"].splitlines())
+    )
     assert [row["blow"] for row in rows] == ["1", "2", "3", "4"]
     # 1 g of noise moves the largest sample by 3 g at most
     assert [float(row["peak [m/s^2]"]) / 9.80665 for row in rows] == pytest.approx(TOP * np.array(SIZES), abs=3.0)
@@ -55,7 +57,7 @@ def test_each_blow_has_a_line_in_the_csv(train):
 
 
 def test_blows_are_summed_up_without_what_a_finding_harms(train):
-    [one] = summaries(record(train, base="frame").readings)
+    [one] = summaries(record(train, examination=Examination(base="frame")).readings)
     assert one.channel == "board"
     assert one.statistics["peak"].n == 4
     assert one.statistics["peak"].mean / 9.80665 == pytest.approx(TOP * np.mean(SIZES), abs=2.0)
@@ -64,7 +66,7 @@ def test_blows_are_summed_up_without_what_a_finding_harms(train):
 
 @pytest.mark.verify
 def test_the_report_has_a_chapter_with_picture_and_tables(train):
-    page = record_report(record(train, base="frame"))
+    page = record_report(record(train, examination=Examination(base="frame")))
     chapter = page.partition(">Response channels</h2>")[2].partition("<h2")[0]
     assert chapter.count('<figure class="picture') == 1
     captions = re.findall(r"<b>Table \d+.</b>\s*(.*?)</figcaption>", chapter, re.DOTALL)

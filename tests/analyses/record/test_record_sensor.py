@@ -55,7 +55,7 @@ def test_the_screen_and_python_say_the_same(strikewave, shot):
     assert code == 0, err
     assert said in " ".join(out.split())
     assert "On Endevco 2225" in out
-    result = sw.record(shot, sensor="Endevco 2225")
+    result = sw.record(shot, examination=sw.Examination(sensor="Endevco 2225"))
     assert result.sensor.sentence() == said
     assert sw.record(shot).sensor is None
 
@@ -65,7 +65,7 @@ def test_a_file_gives_mounting_recorder_and_its_own_numbers(shot):
         '[[sensor]]\nname = "own"\nmodel = "Endevco 2225"\nrange = "50000 g"\nresonance = "2 MHz"\n'
         'sampling_rate = "100 kHz"\ncutoff = "20 kHz"\n'
     )
-    found = sw.record(shot, sensor=Path("own.toml")).sensor
+    found = sw.record(shot, examination=sw.Examination(sensor=Path("own.toml"))).sensor
     assert [blow.trial.verdict for blow in found.blows][1:] == ["pulse too short for its recorder", "can take it"]
     assert (found.stated.notices, found.called, found.row.status) == ((), "own", "stated")
     assert [notice.code for notice in found.notices] == ["sensor-trial", "sensor-beyond-band"]
@@ -73,7 +73,7 @@ def test_a_file_gives_mounting_recorder_and_its_own_numbers(shot):
         '[[sensor]]\nname = "soft"\nrange = "50000 g"\nmass = "5 gram"\n'
         '[[sensor.gasket]]\nmaterial = "rubber"\nthickness = "3 mm"\ndiameter = "10 mm"\n'
     )
-    found = sw.record(shot, sensor="soft.toml").sensor
+    found = sw.record(shot, examination=sw.Examination(sensor="soft.toml")).sensor
     assert found.resonance < 5e3
     [gasket] = found.row.gaskets
     assert (gasket.thickness, found.row.sensor_mass) == (3e-3, 5e-3)
@@ -81,7 +81,10 @@ def test_a_file_gives_mounting_recorder_and_its_own_numbers(shot):
 
 
 def test_blows_to_the_other_side_come_out_alike(shot):
-    up, down = (sw.record(name, sensor="PCB 3991A1020KG").sensor.blows for name in (shot, "down.csv"))
+    up, down = (
+        sw.record(name, examination=sw.Examination(sensor="PCB 3991A1020KG")).sensor.blows
+        for name in (shot, "down.csv")
+    )
     assert [blow.trial for blow in up] == [blow.trial for blow in down]
 
 
@@ -107,11 +110,11 @@ def test_noise_that_drives_the_resonance_names_the_filter_that_takes_it_off(shot
     clean = np.where((time > 4e-3) & (time < 4.2e-3), 10000.0 * np.sin(np.pi * (time - 4e-3) / 2e-4), 0.0)
     noisy = clean + 500.0 * np.random.default_rng(0).normal(size=time.size)
     np.savetxt("n.csv", np.column_stack([time, noisy]), "%.8g", ",", header="time (s),frame (g)", comments="")
-    found = sw.record("n.csv", sensor="Endevco 2225").sensor
+    found = sw.record("n.csv", examination=sw.Examination(sensor="Endevco 2225")).sensor
     assert found.takes is None
     [said] = [notice.message for notice in found.notices if notice.code == "sensor-trial"]
     assert said.endswith('--filter "20 kHz" takes that noise off and leaves the blows')
-    assert sw.record("n.csv", sensor="Endevco 2225", filter="20 kHz").sensor.takes is True
+    assert sw.record("n.csv", examination=sw.Examination(sensor="Endevco 2225"), filter="20 kHz").sensor.takes is True
 
 
 WRONG = [
@@ -154,7 +157,7 @@ def test_an_unknown_sensor_and_a_force_are_refused(strikewave, shot, words, said
 
 def test_python_names_the_parameter(shot):
     with pytest.raises(sw.InputError, match=r"^sensor: got"):
-        sw.record(shot, sensor="Endevco 225")
+        sw.record(shot, examination=sw.Examination(sensor="Endevco 225"))
 
 
 def test_a_record_without_a_blow_has_nothing_to_try(strikewave):

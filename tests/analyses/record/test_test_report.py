@@ -58,7 +58,7 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="session")
 def result(folder):
     files = [folder / f"{name}.csv" for name in SHOCKS]
-    return sw.record(files, spec=SPEC, direction=["xp*=+x", "xn*=-x"], uncertainty="5 %")
+    return sw.record(files, spec=SPEC, judging=sw.Judging(direction=["xp*=+x", "xn*=-x"], uncertainty="5 %"))
 
 
 def filled_in(text="a b", date="2026-03-02"):
@@ -267,7 +267,11 @@ def test_a_shock_of_which_nothing_can_be_said_is_counted_named_and_told_why(tmp_
     """A peak of 59 g with 5 % lies across the limit of 60 g."""
     for name, peak in (("a", 50.0), ("b", 59.0), ("c", 66.0)):
         write_shock(tmp_path / f"{name}.csv", peak)
-    found = sw.record(sorted(tmp_path.glob("*.csv")), spec=SPEC, decision="guarded", uncertainty=0.05, direction="+x")
+    found = sw.record(
+        sorted(tmp_path.glob("*.csv")),
+        spec=SPEC,
+        judging=sw.Judging(decision="guarded", uncertainty=0.05, direction="+x"),
+    )
     page = report_of_test(found.of_test(NO_TEST))
     assert re.search(r"<dt>cannot tell</dt><dd>1</dd>", page)
     assert "nothing can be said (b.csv, blow 1): peak" in page
@@ -288,7 +292,11 @@ def test_the_annex_has_the_budget_and_the_hashes_of_what_was_judged_by(tmp_path,
     for name, text in texts.items():
         (tmp_path / name).write_text(text, "utf-8")
     spec = f"{tmp_path / 'own.toml'}:50g-11ms"
-    found = sw.record(folder / "xp1.csv", spec=spec, uncertainty=tmp_path / "budget.toml", test=tmp_path / "test.toml")
+    found = sw.record(
+        folder / "xp1.csv",
+        spec=spec,
+        judging=sw.Judging(uncertainty=tmp_path / "budget.toml", test=tmp_path / "test.toml"),
+    )
     page = report_of_test(found)
     tables = tables_of(page)
     digests = {name: hashlib.sha256((tmp_path / name).read_bytes()).hexdigest() for name in texts}

@@ -60,7 +60,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def found(folder):
-    return sw.record([folder / "s0.csv", folder / "s1.csv"], uncertainty=folder / "budget.toml")
+    return sw.record([folder / "s0.csv", folder / "s1.csv"], judging=sw.Judging(uncertainty=folder / "budget.toml"))
 
 
 # u(peak) = 2 % of 50 g and 0.5 g/sqrt(3), which the noise of 0.02 g does not reach
@@ -100,9 +100,9 @@ def test_numbers_from_memory_are_a_warning_that_names_them(found):
 
 
 def test_a_guarded_verdict_takes_the_whole_and_says_what_it_holds(folder):
-    how = {"spec": "iec-60068-2-27:50g-11ms", "decision": "guarded"}
     plain, whole = (
-        sw.record(folder / "s1.csv", **how, **more).verdict for more in ({}, {"uncertainty": folder / "budget.toml"})
+        sw.record(folder / "s1.csv", spec="iec-60068-2-27:50g-11ms", judging=sw.Judging("guarded", budget)).verdict
+        for budget in (None, folder / "budget.toml")
     )
     peaks = [next(one for one, _ in verdict.clauses if one.clause == "peak") for verdict in (plain, whole)]
     assert [one.verdict for one in peaks] == ["pass", "cannot-tell"]  # 59.3 g of at most 60 g
@@ -129,14 +129,16 @@ def test_the_screen_of_a_verdict_has_its_rule_and_its_uncertainty(folder, strike
 
 @pytest.mark.verify
 def test_a_spectrum_moves_with_its_gain_and_is_judged_by_it(folder):
-    found = sw.shock_spectra(folder / "s0.csv", uncertainty="10 %", high="2 kHz")
+    found = sw.shock_spectra(
+        folder / "s0.csv", judging=sw.Judging(uncertainty="10 %"), spectra=sw.Spectra(high="2 kHz")
+    )
     spectrum, expanded = found.spectra[0].maximax, found.expanded(0)
     assert np.all(expanded >= 0.1 * spectrum * (1.0 - 1e-9))
     assert np.max(expanded / spectrum) < 0.105  # noise and baseline of 0.04 % add in quadrature
     assert "absolute expanded uncertainty" in found.tables()["spectrum.csv"].splitlines()[0]
     assert found.content()["uncertainty"]["absolute"]["coverage"] == 2.0
     judged = sw.shock_spectra(
-        folder / "s0.csv", spec=str(folder / "levels.toml"), decision="guarded", uncertainty="10 %"
+        folder / "s0.csv", spec=str(folder / "levels.toml"), judging=sw.Judging(decision="guarded", uncertainty="10 %")
     )
     assert judged.verdict.verdict == "pass"
     assert judged.verdict.asked.share == 0.1
@@ -145,11 +147,15 @@ def test_a_spectrum_moves_with_its_gain_and_is_judged_by_it(folder):
 
 def test_spectra_of_two_kinds_are_as_uncertain_as_each_alone(folder):
     """To the bit: they share the records that are changed, and no number."""
-    asked = {"uncertainty": folder / "budget.toml", "high": "1 kHz", "per_octave": 2}
+    budget, asked = sw.Judging(uncertainty=folder / "budget.toml"), {"high": "1 kHz", "per_octave": 2}
     kinds = ["absolute", "pseudo-velocity"]
-    together = sw.shock_spectra(folder / "s0.csv", kinds=kinds, **asked).first.found.uncertainties
+    together = sw.shock_spectra(
+        folder / "s0.csv", spectra=sw.Spectra(kinds=kinds, **asked), judging=budget
+    ).first.found.uncertainties
     for one, kind in zip(together, kinds, strict=True):
-        [alone] = sw.shock_spectra(folder / "s0.csv", kinds=[kind], **asked).first.found.uncertainties
+        [alone] = sw.shock_spectra(
+            folder / "s0.csv", spectra=sw.Spectra(kinds=[kind], **asked), judging=budget
+        ).first.found.uncertainties
         assert np.array_equal(one.standard, alone.standard)
         assert [each.name for each in one.contributions] == [each.name for each in alone.contributions]
         both = ([each.standard for each in found.contributions] for found in (one, alone))
@@ -159,14 +165,18 @@ def test_spectra_of_two_kinds_are_as_uncertain_as_each_alone(folder):
 def test_a_spectrum_of_which_too_little_lies_before_the_blow_is_not_judged_by_an_unknown_uncertainty(folder, tmp_path):
     lines = (folder / "s0.csv").read_text().splitlines()
     (tmp_path / "late.csv").write_text("\n".join([lines[0], *lines[6_000:]]))
-    judged = sw.shock_spectra(tmp_path / "late.csv", spec=str(folder / "levels.toml"), decision="guarded")
+    judged = sw.shock_spectra(
+        tmp_path / "late.csv", spec=str(folder / "levels.toml"), judging=sw.Judging(decision="guarded")
+    )
     assert judged.verdict.verdict == "cannot-tell"
     assert "its uncertainty is not known" in judged.verdict.clauses[0].reason
 
 
 @pytest.mark.verify
 def test_a_comparison_has_the_uncertainty_of_what_was_measured(folder):
-    found = sw.compare(str(folder / "s0.csv"), str(folder / "s1.csv"), uncertainty=folder / "budget.toml")
+    found = sw.compare(
+        str(folder / "s0.csv"), str(folder / "s1.csv"), judging=sw.Judging(uncertainty=folder / "budget.toml")
+    )
     pair = found.figures["peak"]
     assert 2.0 * pair.a_uncertainty / G == pytest.approx(EXPANDED, rel=1e-3)
     assert pair.uncertainty == pytest.approx(
@@ -174,21 +184,21 @@ def test_a_comparison_has_the_uncertainty_of_what_was_measured(folder):
     )
     assert plain(found.content())["budget"]["title"] == "channel 1"
     with pytest.raises(InputError, match="only with a specification"):
-        sw.compare(str(folder / "s0.csv"), str(folder / "s1.csv"), decision="guarded")
+        sw.compare(str(folder / "s0.csv"), str(folder / "s1.csv"), judging=sw.Judging(decision="guarded"))
     with pytest.raises(InputError, match="only with a record"):
-        sw.compare("li-ma-2019", "li-ma-2019", uncertainty="5 %", band=False)
+        sw.compare("li-ma-2019", "li-ma-2019", judging=sw.Judging(uncertainty="5 %"), scoring=sw.Scoring(band=False))
 
 
 def test_an_acceleration_is_refused_for_a_channel_that_measures_none(folder, tmp_path):
     (tmp_path / "force.csv").write_text((folder / "s0.csv").read_text().replace("frame (g)", "force (kN)"))
     with pytest.raises(InputError, match="shares of the peak: offset states an acceleration"):
-        sw.record(tmp_path / "force.csv", uncertainty=folder / "budget.toml")
+        sw.record(tmp_path / "force.csv", judging=sw.Judging(uncertainty=folder / "budget.toml"))
 
 
 @pytest.mark.verify
 def test_a_new_budget_is_one_that_can_be_used(folder, strikewave, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     assert strikewave("new", "mine", "--from", "budget")[0] == 0
-    found = sw.record(folder / "s0.csv", uncertainty="mine.toml")
+    found = sw.record(folder / "s0.csv", judging=sw.Judging(uncertainty="mine.toml"))
     assert found.budget.not_stated == ()
     assert math.isfinite(found.readings[0].channels[0].uncertainties[0].figures["width"].expanded)

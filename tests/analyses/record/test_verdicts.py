@@ -433,11 +433,13 @@ def test_a_new_file_from_one_condition_holds_that_one_alone(strikewave):
 def test_a_call_of_python_gives_the_verdict_of_the_command(judged):
     write_shot("good.csv")
     write_shot("high.csv", peak=65.0)
-    found = sw.record(["good.csv", "high.csv"], spec=IEC[1], decision="guarded", uncertainty="3 %", direction="+x")
+    found = sw.record(
+        ["good.csv", "high.csv"], spec=IEC[1], judging=sw.Judging(decision="guarded", uncertainty="3 %", direction="+x")
+    )
     words = ("--decision", "guarded", "--uncertainty", "3 %", "--direction", "+x")
     assert judged("record", "good.csv", "high.csv", *IEC, *words)[1]["verdict"] == found.verdict.verdict == "fail"
     assert found.broken
     assert sw.record("good.csv").verdict is None
-    for wrong in ({"spec": "none"}, {"spec": IEC[1], "decision": "kind"}, {"spec": IEC[1], "direction": "up"}):
+    for spec, wrong in (("none", {}), (IEC[1], {"decision": "kind"}), (IEC[1], {"direction": "up"})):
         with pytest.raises(InputError):
-            sw.record("good.csv", **wrong)
+            sw.record("good.csv", spec=spec, judging=sw.Judging(**wrong))

@@ -6,18 +6,9 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.analyses.compare.limits import ComparisonLimit, read_limit
+from strikewave.analyses.compare.limits import ComparisonLimit, Scoring, read_limit
 from strikewave.reporting import measured_files as measured
-from strikewave.reporting.options import (
-    Decision,
-    LowPassOptions,
-    Uncertainty,
-    WithBand,
-    bare_number,
-    complete_case,
-    parsed,
-    quantity,
-)
+from strikewave.reporting.options import LowPassOptions, complete_case, parsed
 from strikewave.reporting.output_options import StudyOutput
 
 
@@ -49,21 +40,8 @@ def command(
             help='Limit to keep, such as "iso18571 > 0.8" or "peak < 5 %"; else the exit code is 3; may be repeated.',
         ),
     ] = None,
-    deviations: Annotated[
-        float,
-        bare_number("--deviations", help="Half width of a campaign's corridor in standard deviations; 2 by default."),
-    ] = 2.0,
-    begin: Annotated[
-        float | None,
-        quantity("--from", si="s", signed=True, help="Begin of the interval that is judged; both pulses by default."),
-    ] = None,
-    end: Annotated[
-        float | None,
-        quantity("--to", si="s", signed=True, help="End of the interval that is judged, in the time of A."),
-    ] = None,
-    band: WithBand = True,
-    decision: Decision = "simple",
-    uncertainty: Uncertainty = None,
+    scoring: Scoring,
+    judging: measured.DecisionOptions,
     measurement: measured.MeasurementOptions,
     filtering: LowPassOptions,
     output: StudyOutput,
@@ -77,8 +55,6 @@ def command(
     """
     from strikewave.analyses.compare.run import CompareRequest
     from strikewave.analyses.compare.screen import compare_sources
-    from strikewave.analyses.compare.sources import SourceOptions
 
-    reading = SourceOptions(measurement.calibration(), measurement.reading(), filtering.low_pass(), band, uncertainty)
-    request = CompareRequest(reading, align, deviations, (begin, end), tuple(limits or ()), decision)
+    request = CompareRequest.of(align, limits or (), scoring, judging, measurement, filtering.low_pass())
     return compare_sources(a, b, request, output)

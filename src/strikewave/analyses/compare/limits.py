@@ -6,7 +6,9 @@ import math
 import operator
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Annotated, Any
 
 from strikewave.analyses.clauses import tag_of
 from strikewave.base import declare
@@ -17,6 +19,7 @@ from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.base.texts import NO_DOUBT, sign_needed
 from strikewave.base.units import parse_quantity, typed_number
 from strikewave.reporting.numbers import axis_unit, doubted
+from strikewave.reporting.options import OptionGroup, WithBand, bare_number, quantity
 from strikewave.reporting.parts import written
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, together
 
@@ -41,6 +44,44 @@ METRICS = {
 EXAMPLES = {"%": 'a share with its sign, such as "5 %"', "dB": 'a level with its unit, such as "3 dB"'}
 """Examples of the number of a limit, by unit: what a bare 5 means, of a difference or a spectrum, would be a guess."""
 _LIMIT = re.compile(r"\s*([\w.\-]+)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
+
+
+DEVIATIONS = 2.0
+"""Standard deviations of a campaign that its corridor is wide to either side: 95 % of normal records."""
+
+
+@dataclass(frozen=True)
+class Scoring(OptionGroup):
+    """Over which interval and against which corridor and band two histories are scored.
+
+    Attributes
+    ----------
+    deviations : float
+        Half width of the corridor of a campaign, in its standard deviations; 2 by default.
+    begin, end : str or float
+        Interval in which they are judged, in the time of A: with a unit, or in s; both pulses by default.
+    band : bool
+        True, which is the default, to find the bands of a case that is run.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> strikewave.Scoring(begin="1 ms", end="3 ms").end
+    0.003
+    """
+
+    deviations: Annotated[
+        Any,
+        bare_number("--deviations", help="Half width of a campaign's corridor in standard deviations; 2 by default."),
+    ] = DEVIATIONS
+    begin: Annotated[
+        Any,
+        quantity("--from", si="s", signed=True, help="Begin of the interval that is judged; both pulses by default."),
+    ] = None
+    end: Annotated[
+        Any, quantity("--to", si="s", signed=True, help="End of the interval that is judged, in the time of A.")
+    ] = None
+    band: WithBand = True
 
 
 @declare.dataclass

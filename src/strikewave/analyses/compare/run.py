@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import get_args
+from typing import Any
 
 import numpy as np
 
@@ -22,19 +22,18 @@ from strikewave.analyses.compare.curve import (
     specified_curve,
     verdict_notices,
 )
-from strikewave.analyses.compare.limits import ComparisonLimit, judge, limit_notices, read_limit
+from strikewave.analyses.compare.limits import DEVIATIONS, ComparisonLimit, Scoring, judge, limit_notices, read_limit
 from strikewave.analyses.compare.result import CompareResult
 from strikewave.analyses.compare.sources import SourceName, SourceOptions, is_simulated, parse_name, read_source
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, Notice, Result, Source, Verdicts
 from strikewave.base.shock_quantities import usual_unit
 from strikewave.base.texts import percent
-from strikewave.base.units import si_value
 from strikewave.records.ringing import FEWEST_AFTER, RINGS_WITHIN, strongest_frequency
 from strikewave.records.thresholds import OfRingingSought
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.numbers import listed
-from strikewave.reporting.options import budget_in_python, low_pass_of, wrong_choice
+from strikewave.reporting.options import low_pass_of, wrong_choice
 from strikewave.signal.alignment import Shift, are_opposite
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import measure_pulse
@@ -46,9 +45,6 @@ ALIGNMENTS = (*RULES, "none")
 """Rules by which B is shifted."""
 SHIFTS_APART = 3.0
 """Standard uncertainties by which two shifts differ that are not one: noise alone does that in 0.3 %."""
-DEVIATIONS = 2.0
-"""Standard deviations of a campaign that its corridor is wide to either side, where none is stated: 95 % of normal
-records."""
 SAME_RING, SAME_SWING = 0.1, 0.25
 """Shares by which frequency and size of what rings after a blow may differ in a record and in the run of its machine
 for both to be one motion: a run with assumed masses and stiffnesses is no better, and a mount rings elsewhere."""
@@ -68,7 +64,24 @@ class CompareRequest:
     limits: tuple[ComparisonLimit, ...] = ()
     decision: Rule = "simple"
 
+    @classmethod
+    def of(
+        cls,
+        align: str,
+        limits: Sequence[ComparisonLimit],
+        scoring: Scoring,
+        judging: measured.DecisionOptions,
+        measurement: measured.MeasurementOptions,
+        low_pass: Filter | None,
+    ) -> CompareRequest:
+        """Return what the options say."""
+        stated, options = measurement.calibration(), measurement.reading()
+        reading = SourceOptions(stated, options, low_pass, scoring.band, judging.uncertainty)
+        between = (scoring.begin, scoring.end)
+        return cls(reading, align, scoring.deviations, between, tuple(limits), judging.decision)
 
+
+@measured.with_groups(calibration=measured.Calibration, scoring=Scoring, judging=measured.Judging)
 def compare(
     a: Compared,
     b: Compared,
@@ -76,15 +89,11 @@ def compare(
     align: str = "correlation",
     filter: str | float | Filter | None = None,
     limits: Sequence[str] = (),
-    deviations: float = DEVIATIONS,
-    begin: str | float | None = None,
-    end: str | float | None = None,
-    unit: measured.Stated | None = None,
-    sensitivity: measured.Stated | None = None,
+    unit: Any = None,
     rate: str | float | None = None,
-    band: bool = True,
-    decision: Rule = "simple",
-    uncertainty: str | float | Path | None = None,
+    calibration: measured.Calibration | None = None,
+    scoring: Scoring | None = None,
+    judging: measured.Judging | None = None,
 ) -> CompareResult:
     """Hold one history against another: measured, simulated, or the corridor of a campaign.
 
@@ -102,21 +111,16 @@ def compare(
         Zero-phase low-pass that both go through: its cutoff, with a unit or in Hz, ``"CFC 1000"``, or a filter.
     limits : sequence of str, optional
         Such as ``"iso18571 > 0.8"`` or ``"peak < 5 %"``.
-    deviations : float, optional
-        Half width of the corridor of a campaign, in its standard deviations.
-    begin, end : str or float, optional
-        Interval in which they are judged, in the time of A: with a unit, or in s; both pulses by default.
-    unit, sensitivity : str or mapping, optional
-        Calibration of measured files.
+    unit : str or mapping, optional
+        Unit of the values of measured files.
     rate : str or float, optional
         Sampling rate of files without a time column.
-    band : bool, optional
-        True to find the bands of a case that is run.
-    decision : str, optional
-        By which A is judged by a specification: ``simple``, or ``guarded`` by the expanded uncertainty.
-    uncertainty : str, float or Path, optional
-        Expanded uncertainty (k = 2) of measured accelerations, such as ``"5 %"``, or a TOML file with an uncertainty
-        budget; only that of noise and baseline by default.
+    calibration : Calibration, optional
+        Sensitivity, gain, bridge voltages and polarity of measured files.
+    scoring : Scoring, optional
+        Interval, corridor and band in which they are judged.
+    judging : Judging, optional
+        Decision rule by which A is judged by a specification, and the uncertainty of what was measured.
 
     Returns
     -------
@@ -146,21 +150,18 @@ def compare(
     """
     if align not in ALIGNMENTS:
         raise wrong_choice(align, "align", ALIGNMENTS)
-    if decision not in get_args(Rule):
-        raise wrong_choice(decision, "decision", get_args(Rule))
-    calibration = {"unit": unit, "sensitivity": sensitivity}
-    stated = measured.MeasurementOptions.in_python((), calibration, rate, None, None)
-    between = tuple(None if one is None else si_value(one, "s", name) for one, name in ((begin, "begin"), (end, "end")))
-    budget = budget_in_python(uncertainty)
-    request = CompareRequest(
-        SourceOptions(stated.calibration(), stated.reading(), low_pass_of(filter), band, budget),
+    judging = judging or measured.Judging()
+    judging.check_only(measured.DecisionOptions, "compare")
+    request = CompareRequest.of(
         align,
-        deviations,
-        (between[0], between[1]),
-        tuple(read_limit(word, "limits") for word in limits),
-        decision,
+        [read_limit(word, "limits") for word in limits],
+        scoring or Scoring(),
+        judging,
+        measured.MeasurementOptions.of(None, unit, rate, calibration),
+        low_pass_of(filter),
     )
-    origin = dataclasses.replace(measured.UNKNOWN, kind="comparison", name=f"{_called(a)} and {_called(b)}")
+    origin = measured.source_in_python(f"{_called(a)} and {_called(b)}", judging.performed)
+    origin = dataclasses.replace(origin, kind="comparison")
     return compared(a, b, request, origin)
 
 

@@ -1,90 +1,257 @@
-"""Options that the commands on records share: filters and verdicts, and what they are on a request."""
+"""Options of the commands record and srs that calls in Python take too: what is examined, how spectra are computed."""
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.base.units import parse_quantity, take_apart
-from strikewave.reporting.options import (
-    Decision,
-    LowPassOptions,
-    Uncertainty,
-    budget_in_python,
-    cutoff_of,
-    low_pass_of,
-    parsed,
-    quantity,
-    wrong_choice,
-)
-from strikewave.signal.filters import HighPass
-from strikewave.specifications.judging import Rule
+from strikewave.base.units import parse_typed
+from strikewave.reporting.options import OptionGroup, Texts, bare_number, one_of, parsed, quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
-
-    from strikewave.analyses.record.verdicts import SpectraJudge
     from strikewave.records import Request
-    from strikewave.signal.filters import Filter
-    from strikewave.specifications.judged_records import Asked
-    from strikewave.specifications.reading import Specification
 
-ALLOWED_HIGH_PASS = 'a cutoff above zero such as "5 Hz"'
-ALLOWED_COUPLING = 'auto, a time constant above zero such as "1.6 ms", or a cutoff such as "100 Hz"'
+TWO_CHANNELS = "names or numbers of two channels, such as 1,2"
+ALLOWED_ROLLING = 'a window, or a window and a hop, times above zero such as "20 ms" or "20 ms,5 ms"'
+HOP = 0.25
+"""Hop of a rolling spectrum over its window, unless said: a blow then lies well inside of one of four windows."""
+KINDS = ("absolute", "displacement", "relative-velocity", "pseudo-velocity", "equivalent-static")
+"""Kinds of spectra."""
 
 
-def _time_constant(word: str, field: str) -> str | float:
-    """Return the time constant of AC coupling, s, or ``auto``.
+def read_pair(word: str, field: str = "--pair") -> tuple[str, str]:
+    """Return the two channels that a pair names.
 
     Examples
     --------
-    >>> _time_constant("auto", ""), _time_constant("1.6 ms", ""), round(_time_constant("100 Hz", ""), 6)
-    ('auto', 0.0016, 0.001592)
+    >>> read_pair("1,2"), read_pair("left , right")
+    (('1', '2'), ('left', 'right'))
     """
-    if word.strip() == "auto":
-        return "auto"
-    typed = take_apart(word)
-    unit = "" if typed is None else typed.unit
+    names = [name.strip() for name in word.split(",")]
+    if len(names) != 2 or not all(names) or names[0] == names[1]:
+        raise InputError(field, word, TWO_CHANNELS)
+    return names[0], names[1]
+
+
+class Rolling(NamedTuple):
+    """Window and hop of a rolling spectrum, s, and how they were typed."""
+
+    window: float
+    hop: float
+    word: str
+
+
+def read_rolling(word: str, field: str) -> Rolling:
+    """Return a window, and a hop after a comma.
+
+    Examples
+    --------
+    >>> read_rolling("20 ms,5 ms", "--rolling")[:2], read_rolling("0.02", "--rolling")[:2]
+    ((0.02, 0.005), (0.02, 0.005))
+    """
     try:
-        value = parse_quantity(word, "Hz" if "Hz" in unit else "s", field)
+        times = [parse_typed(part.strip(), "s", field) for part in word.split(",")]
     except InputError as error:
-        raise InputError(field, word, ALLOWED_COUPLING) from error
-    if not 0.0 < value < math.inf:
-        raise InputError(field, word, ALLOWED_COUPLING)
-    return 1.0 / (2.0 * math.pi * value) if "Hz" in unit else value
+        raise InputError(field, word, ALLOWED_ROLLING) from error
+    if len(times) > 2 or not all(0.0 < time < math.inf for time in times):
+        raise InputError(field, word, ALLOWED_ROLLING)
+    return Rolling(times[0], times[-1] if len(times) > 1 else HOP * times[0], word)
 
 
 @dataclass(frozen=True)
-class FilterOptions(LowPassOptions):
-    """What is taken off a record, or smoothed, before it is measured."""
+class Examination(OptionGroup):
+    """What measured records are examined for, beside their blows.
 
-    ac_coupling: Annotated[
+    Attributes
+    ----------
+    drop_height : str or float
+        Free fall before the blow, with a unit or in m; not checked by default.
+    base : str or int
+        Name or number of the driving channel: the others are measured as responses to its blow.
+    columns : str
+        ``"channels"``, or ``"repeats"`` where the columns of a file are repeats of one test.
+    motion : bool
+        True to give velocity and displacement, with their drift: ``.motions`` of the result.
+    pair : sequence of str or int
+        Two channels that are compared as sensors on one object: ``.pairs`` of the result.
+    sensor : str or Path
+        Sensor on which the blows are tried: an accelerometer of the table, such as ``"Endevco 7270A-20K"``, or a file
+        with ``[[sensor]]`` that ends in ``.toml``; what it leaves of them is ``.sensor`` of the result.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> strikewave.Examination(drop_height="1.2 m", pair=(1, 2)).pair
+    ('1', '2')
+    """
+
+    drop_height: Annotated[
+        Any,
+        quantity("--drop-height", si="m", help='Free fall before the blow, such as "1.2 m"; not checked by default.'),
+    ] = None
+    base: Annotated[
         str | None,
-        parsed(
-            "--ac-coupling",
-            read=_time_constant,
-            help='AC coupling to take off: auto, a time constant such as "1.6 ms", or a cutoff such as "100 Hz"; '
-            "none by default.",
-            metavar="auto|TIME|FREQUENCY",
+        typer.Option(
+            "--base", metavar="CHANNEL", help="Driving channel: the others are responses to its blow; none by default."
         ),
     ] = None
-    high_pass: Annotated[
-        float | None,
-        quantity("--high-pass", si="Hz", help="Zero-phase high-pass, -3 dB for both passes; none by default."),
+    columns: Annotated[
+        Literal["channels", "repeats"],
+        typer.Option("--columns", help="What the columns of a file are: channels, or repeats of one test."),
+    ] = "channels"
+    motion: Annotated[
+        bool, typer.Option("--motion", help="Velocity and displacement too, by integration, with their drift.")
+    ] = False
+    pair: Annotated[
+        Any,
+        parsed(
+            "--pair",
+            read=read_pair,
+            metavar="CHANNEL,CHANNEL",
+            help="Two channels compared as sensors on one object: common and differential motion, delay, gain and "
+            "transfer function; none by default.",
+        ),
+    ] = None
+    sensor: Annotated[
+        str | None,
+        typer.Option(
+            "--sensor",
+            metavar="MODEL|FILE",
+            help="Sensor on which the blows are tried: a known accelerometer, or a .toml file with [[sensor]].",
+            show_default=False,
+        ),
     ] = None
 
-    def on(self, request: Request) -> Request:
-        """Return a request with these filters."""
-        high_pass = None if self.high_pass is None else HighPass(self.high_pass)
-        coupling = "" if self.ac_coupling is None else self.ac_coupling
-        return dataclasses.replace(request, filter=self.low_pass(), ac_coupling=coupling, high_pass=high_pass)
+    def check(self) -> None:
+        """Refuse channels by their part in the test where the columns of a file are repeats."""
+        for option, value in (("--base", self.base), ("--pair", self.pair and ",".join(self.pair))):
+            if value and self.columns == "repeats":
+                allowed = "a channel of files whose columns are channels"
+                raise InputError(option, value, allowed, "leave out --columns repeats")
+
+
+@dataclass(frozen=True)
+class Spectra(OptionGroup):
+    """How shock response spectra are computed, and what is given beside them.
+
+    Attributes
+    ----------
+    q : float
+        Quality factor 1 / (2 damping ratio), or ``math.inf``; 10 by default.
+    low, high : str or float
+        Lowest and highest natural frequency, with a unit or in Hz; 10 Hz, and 100 kHz or 2/5 of the lowest sampling
+        rate, by default.
+    per_octave : float
+        Number of natural frequencies in an octave; 12 by default.
+    frequencies : sequence of str or float
+        Natural frequencies, with a unit or in Hz, instead of a range.
+    kinds : str or sequence of str
+        ``"absolute"``, which is the default, ``"displacement"``, ``"relative-velocity"``, ``"pseudo-velocity"``,
+        ``"equivalent-static"``.
+    side : str
+        ``"maximax"``, ``"positive"`` or ``"negative"``.
+    part : str
+        ``"total"``, ``"primary"`` (while the shock lasts) or ``"residual"`` (after it).
+    end : str or float
+        End of the shock in the time of the files, with a unit or in s; the end of the last blow by default.
+    resultant : bool
+        True to give the vector sum of 2 or 3 perpendicular channels of a file.
+    rolling : str, float or (float, float)
+        Window, or window and hop, of spectra that slide over the records: ``"20 ms,5 ms"``, or in s.
+    initial : str
+        How the records begin: ``"rest"``, ``"shifted"`` or ``"steady"``.
+    rms : bool
+        True to give root mean squares of the responses.
+    response : str or float
+        Natural frequency of an oscillator whose response is given, with a unit or in Hz.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> strikewave.Spectra(q=50, high="20 kHz", kinds="pseudo-velocity").high
+    20000.0
+    """
+
+    q: Annotated[
+        Any,
+        bare_number(
+            "--q",
+            allowed="a quality factor above zero, such as 10 for 5 % of critical damping, or inf",
+            help="Quality factor 1 / (2 damping ratio), or inf; 10 by default.",
+        ),
+    ] = 10.0
+    low: Annotated[Any, quantity("--from", si="Hz", help="Lowest natural frequency; 10 Hz by default.")] = 10.0
+    high: Annotated[
+        Any,
+        quantity(
+            "--to", si="Hz", help="Highest natural frequency; 100 kHz, or 2/5 of the least sampling rate, by default."
+        ),
+    ] = None
+    per_octave: Annotated[
+        Any,
+        bare_number(
+            "--per-octave",
+            high=1e5,
+            allowed="a number of frequencies above zero, at most 100 000",
+            help="Number of natural frequencies in an octave; 12 by default.",
+        ),
+    ] = 12.0
+    frequencies: Annotated[
+        Texts, quantity("--frequency", si="Hz", help="Natural frequency, instead of a range; may be repeated.")
+    ] = None
+    kinds: Annotated[
+        Texts, one_of("--kind", choices=KINDS, help="Kind of spectrum; absolute by default; may be repeated.")
+    ] = None
+    side: Annotated[
+        Literal["maximax", "positive", "negative"], typer.Option("--side", help="Side of the response.")
+    ] = "maximax"
+    part: Annotated[
+        Literal["total", "primary", "residual"],
+        typer.Option("--part", help="Part of the response: primary is while the shock lasts, residual after it."),
+    ] = "total"
+    end: Annotated[
+        Any,
+        quantity(
+            "--end", si="s", signed=True, help="End of the shock in the file's time; its last blow's end by default."
+        ),
+    ] = None
+    resultant: Annotated[
+        bool, typer.Option("--resultant", help="Vector sum of 2 or 3 perpendicular channels of a file.")
+    ] = False
+    rolling: Annotated[
+        Any,
+        parsed(
+            "--rolling",
+            read=read_rolling,
+            metavar="WINDOW[,HOP]",
+            help='Spectra of windows that slide over the record, such as "20 ms" or "20 ms,5 ms"; '
+            "a quarter of a window on by default.",
+        ),
+    ] = None
+    initial: Annotated[
+        Literal["rest", "shifted", "steady"],
+        typer.Option(
+            "--initial",
+            help="How the record begins: from rest, its first sample taken off all, or at its first sample for ever.",
+        ),
+    ] = "rest"
+    rms: Annotated[
+        bool, typer.Option("--rms", help="Root mean square of the responses too, while the record lasts.")
+    ] = False
+    response: Annotated[
+        Any, quantity("--response", si="Hz", help="Natural frequency of an oscillator whose response is written too.")
+    ] = None
+
+    @property
+    def each_kind(self) -> tuple[str, ...]:
+        """Kinds of spectra, each once."""
+        kinds: Any = self.kinds
+        return tuple(dict.fromkeys(kinds or ["absolute"]))
 
 
 def filtered_folder(usual: str, request: Request) -> str:
@@ -99,133 +266,3 @@ def filtered_folder(usual: str, request: Request) -> str:
     """
     filters = (request.filter, request.ac_coupling, request.high_pass)
     return usual + (f"-{hashlib.sha256(repr(filters).encode()).hexdigest()[:8]}" if any(filters) else "")
-
-
-def filtered(
-    request: Request,
-    filter: str | float | Filter | None,
-    ac_coupling: str | float | None,
-    high_pass: str | float | None,
-) -> Request:
-    """Return a request with the filters that a call names; a bare number is in Hz, of a time constant in s.
-
-    Examples
-    --------
-    >>> from strikewave.records import Request
-    >>> wanted = filtered(Request(), "CFC 1000", "100 Hz", 5.0)
-    >>> str(wanted.filter), round(wanted.ac_coupling, 6), wanted.high_pass.cutoff
-    ('CFC 1000 (SAE J211)', 0.001592, 5.0)
-    """
-    word = "" if ac_coupling is None else ac_coupling if isinstance(ac_coupling, str) else f"{ac_coupling} s"
-    return dataclasses.replace(
-        request,
-        filter=low_pass_of(filter),
-        ac_coupling="" if ac_coupling is None else _time_constant(word, "ac_coupling"),
-        high_pass=None if high_pass is None else HighPass(cutoff_of(high_pass, "high_pass", ALLOWED_HIGH_PASS)),
-    )
-
-
-def complete_specification(incomplete: str) -> list[str]:
-    """Return the built-in specifications that begin so, with their conditions."""
-    from strikewave.specifications.reading import asked_names
-
-    return [name for name in asked_names() if name.startswith(incomplete)]
-
-
-@dataclass(frozen=True)
-class SpecificationOptions:
-    """What is judged by which specification, and how."""
-
-    panel: ClassVar[str] = "Specification"
-
-    spec: Annotated[
-        str | None,
-        typer.Option(
-            "--spec",
-            metavar="NAME|FILE[:CONDITION]",
-            help="Specification to judge by, see strikewave spec list; none by default.",
-            show_default=False,
-            autocompletion=complete_specification,
-        ),
-    ] = None
-    decision: Decision = "simple"
-    uncertainty: Uncertainty = None
-    strict: Annotated[bool, typer.Option("--strict", help="State no verdict by limits that are from memory.")] = False
-
-    @classmethod
-    def in_python(
-        cls, spec: str | None, decision: Rule, uncertainty: str | float | Path | None, strict: bool, **more: Any
-    ) -> Self:
-        """Return the options of a call in plain values."""
-        if decision not in get_args(Rule):
-            raise wrong_choice(decision, "decision", get_args(Rule))
-        budget = budget_in_python(uncertainty)
-        several = {name: [more[name]] if isinstance(more[name], str | int) else more[name] for name in more}
-        lists = {name: [str(one) for one in values] or None for name, values in several.items()}
-        return cls(spec, decision, budget, strict, **lists)
-
-    def specification(self) -> Specification | None:
-        """Return the specification that is asked for; None for none."""
-        from strikewave.specifications.reading import load_specification
-
-        if self.spec is None:
-            self._nothing_else()
-            return None
-        return load_specification(self.spec)
-
-    def spectra_judge(self) -> SpectraJudge | None:
-        """Return what spectra are judged by, and how; None for nothing."""
-        from strikewave.analyses.record.verdicts import SpectraJudge
-        from strikewave.specifications.judged_records import asked_of_spectra
-
-        specification = self.specification()
-        if specification is None:
-            return None
-        return SpectraJudge(specification, asked_of_spectra(self.decision, self.strict, self.uncertainty))
-
-    def _nothing_else(self) -> None:
-        """Refuse what makes no sense without a specification."""
-        given = [("--decision", self.decision != "simple"), ("--strict", self.strict)]
-        for option, is_given in given:
-            if is_given:
-                raise InputError(option, "no --spec", "only with a specification", "add --spec NAME")
-
-
-@dataclass(frozen=True)
-class RecordSpecificationOptions(SpecificationOptions):
-    """The same, with what only the user knows of the shocks of files."""
-
-    direction: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--direction",
-            metavar="[FILES][#CHANNEL]=DIRECTION",
-            help="Direction of the shocks, such as +x, 'up*.csv=-z' or 'shot.csv#2=+y'; may be repeated.",
-            show_default=False,
-        ),
-    ] = None
-    cross_axis: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--cross-axis",
-            metavar="[FILES#]CHANNEL",
-            help="Channel that measures across the shock, such as y or 'x*.csv#y'; may be repeated.",
-            show_default=False,
-        ),
-    ] = None
-
-    def _nothing_else(self) -> None:
-        super()._nothing_else()
-        for option, given in (("--direction", self.direction), ("--cross-axis", self.cross_axis)):
-            if given:
-                raise InputError(option, "no --spec", "only with a specification", "add --spec NAME")
-
-    def asked(self, test: Mapping[str, Any]) -> Asked:
-        """Return how records are judged; the direction that a test states holds where no option does."""
-        from strikewave.specifications.judged_records import Asked
-        from strikewave.specifications.shock_directions import read_direction
-
-        stated = [test["direction"]] if test.get("direction") and not self.direction else []
-        words = [("--direction", word) for word in self.direction or ()] + [("test.direction", word) for word in stated]
-        directions = [read_direction(word, option) for option, word in words]
-        return Asked(self.decision, self.strict, self.uncertainty, directions, tuple(self.cross_axis or ()))

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from strikewave.analyses.clauses import SHOWN, clause_columns, clause_name, decision_words, value_words
 from strikewave.analyses.record.budget_chapter import (
@@ -24,7 +25,7 @@ from strikewave.analyses.record.chapters import (
     pair_table,
     sensor_table,
 )
-from strikewave.analyses.record.examine import completed, examined
+from strikewave.analyses.record.examine import RecordsAsked, examined
 from strikewave.analyses.record.figures.records import figure_unit
 from strikewave.analyses.record.options import filtered_folder
 from strikewave.analyses.record.result import RecordResult
@@ -53,7 +54,7 @@ from strikewave.base.shock_quantities import (
 )
 from strikewave.base.texts import percent
 from strikewave.base.units import DIMENSIONS
-from strikewave.records import Campaign, ChannelReading, FileReading, Options, Request, worst
+from strikewave.records import Campaign, ChannelReading, FileReading, worst
 from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import COPY, SUMMED, WITHOUT_RINGING
 from strikewave.records.measuring import RecordedPulse
@@ -69,14 +70,8 @@ from strikewave.reporting.parts import NONE
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import number, print_rows, report_table, significant, table, tell
 from strikewave.signal.filters import ADVISED_LOSS, Filter
-from strikewave.specifications.judged_records import Asked, RecordsVerdict
+from strikewave.specifications.judged_records import RecordsVerdict
 from strikewave.specifications.judging import WORST_FIRST
-
-if TYPE_CHECKING:
-    from strikewave.cases.stack_of_case import StatedSensor
-    from strikewave.cases.stated_test import StatedTest
-    from strikewave.records.budget import Budget
-    from strikewave.specifications.reading import Specification
 
 MOST_LINES = 12
 """Files or channels that have a line of their own, or a table, on the screen; the others are counted."""
@@ -547,59 +542,16 @@ def _print_shocks(found: RecordsVerdict, names: dict[str, str], several: bool) -
     table(f"Shocks, those that fail first{left}", columns, rows)
 
 
-def examine_records(
-    files: Sequence[str],
-    wanted: Request,
-    options: Options,
-    output: Output,
-    in_columns: bool = False,
-    fail_on: str = "",
-    motion: bool = False,
-    specification: Specification | None = None,
-    asked: Callable[[Mapping[str, str]], Asked] | None = None,
-    pair: tuple[str, str] | tuple[()] = (),
-    sensor: StatedSensor | None = None,
-    budget: Budget | None = None,
-) -> int:
-    """Examine records, write and print what they say, and return the exit code.
-
-    Parameters
-    ----------
-    files : sequence of str
-        Paths, or patterns.
-    wanted, options : Request, Options
-        Results wanted of the records, and options by which they are read.
-    output : Output
-        Where the result goes.
-    in_columns : bool
-        True if the channels of a file are repeats of one test.
-    fail_on : str
-        Status that makes the exit code 3; empty for none.
-    motion : bool
-        True to give velocity and displacement.
-    specification : Specification or None
-        Specification that the blows are judged by.
-    asked : callable or None
-        How they are, for what is stated of the test.
-    pair : tuple of str
-        Two channels that are compared as sensors on one object; empty for none.
-    sensor : StatedSensor or None
-        On what the blows are tried.
-    budget : Budget or None
-        By which the uncertainties of the blows are found.
-    """
-    files = measured.ordered(files)
-    paths = [Path(measured.shown(file)) for file in files]
+def examine_records(asked: RecordsAsked, output: Output) -> int:
+    """Examine records, write and print what they say, and return the exit code."""
+    asked.examination.check()
+    asked = dataclasses.replace(asked, files=measured.ordered(asked.files))
+    paths = [Path(measured.shown(file)) for file in asked.files]
     name = name_of(paths)
-    usual = f"record-{name}" + ("" if specification is None else f"-{specification.file_name}")
-    usual = filtered_folder(usual, wanted)
+    usual = f"record-{name}" + ("" if asked.specification is None else f"-{asked.specification.file_name}")
+    usual = filtered_folder(usual, asked.request)
     origin = measured.source_of_records(name, paths, output, usual)
-    judged = None if specification is None or asked is None else (specification, asked(origin.test))
-    performed = None if output.test is None else output.performed
-    command = RecordCommand(
-        files, wanted, options, origin, in_columns, fail_on, motion, judged, pair, sensor, performed, budget
-    )
-    return run_and_write(command, output, usual, origin.text)
+    return run_and_write(RecordCommand(asked, origin), output, usual, origin.text)
 
 
 @dataclass(frozen=True)
@@ -608,24 +560,12 @@ class RecordCommand(Command[RecordResult]):
 
     indent: ClassVar[int | None] = None
 
-    files: Sequence[str]
-    wanted: Request
-    options: Options
+    asked: RecordsAsked
     origin: Source
-    in_columns: bool = False
-    fail_on: str = ""
-    motion: bool = False
-    judged: tuple[Specification, Asked] | None = None
-    pair: tuple[str, str] | tuple[()] = ()
-    sensor: StatedSensor | None = None
-    performed: StatedTest | None = None
-    budget: Budget | None = None
 
     def solve(self) -> RecordResult:
         """Return what the records say."""
-        found = examined(self.files, self.wanted, self.options, self.origin, self.in_columns, self.fail_on)
-        sensor = None if self.sensor is None else (self.sensor, "--sensor")
-        return completed(found, self.motion, self.pair, sensor, self.judged, self.performed, self.budget)
+        return examined(self.asked, self.origin)
 
     def summary(self, result: RecordResult) -> str:
         """Say what the records have in common, and which are bad."""

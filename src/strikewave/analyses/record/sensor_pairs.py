@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from strikewave.analyses.record.options import TWO_CHANNELS
 from strikewave.analyses.record.rows import units_given
 from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, GivenUnits, declarations
@@ -22,7 +23,6 @@ from strikewave.reporting.columns import Column
 
 Array = NDArray[np.float64]
 
-ALLOWED = "names or numbers of two channels, such as 1,2"
 SAME_STEP, SAME_START = 1e-6, 0.05
 """Differences of two steps, over themselves, and of samples of one channel from the nearest of the other, over a step,
 up to which channels were sampled together."""
@@ -161,26 +161,14 @@ class RecordPair:
         )
 
 
-def read_pair(word: str, field: str = "--pair") -> tuple[str, str]:
-    """Return the two channels that a pair names.
-
-    Examples
-    --------
-    >>> read_pair("1,2"), read_pair("left , right")
-    (('1', '2'), ('left', 'right'))
-    """
-    names = [name.strip() for name in word.split(",")]
-    if len(names) != 2 or not all(names) or names[0] == names[1]:
-        raise InputError(field, word, ALLOWED)
-    return names[0], names[1]
-
-
 def all_pairs(files: Sequence[FileReading], pair: tuple[str, str], field: str = "--pair") -> list[RecordPair]:
     """Return what two channels of each file do together."""
     found = [_paired(file, pair) for file in files if file.channels]
     if found and all(one.first is None or one.second is None for one in found):
         names = [reading.channel.name for file in files[:1] for reading in file.channels]
-        raise InputError(field, ",".join(pair), ALLOWED, f"{files[0].path} has {len(names)}: {', '.join(names[:40])}")
+        raise InputError(
+            field, ",".join(pair), TWO_CHANNELS, f"{files[0].path} has {len(names)}: {', '.join(names[:40])}"
+        )
     return found
 
 

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from strikewave.analyses.record.options import complete_specification
 from strikewave.base.errors import MISSING, InputError
+from strikewave.reporting.measured_files import complete_specification
 from strikewave.reporting.options import quantity
 from strikewave.reporting.output_options import Output
 

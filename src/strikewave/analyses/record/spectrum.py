@@ -5,26 +5,26 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import field
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from strikewave.analyses.record.rolling_window import Rolling
+from strikewave.analyses.record.options import Spectra
 from strikewave.base import declare
 from strikewave.base.declare import GivenUnits, Quantity
 from strikewave.base.shock_quantities import FREQUENCY, LENGTH, MICROSECONDS, RATIO, VELOCITY
-from strikewave.records import ChannelReading
+from strikewave.records import ChannelReading, Options, Request
 from strikewave.records.budget import Budget
 from strikewave.records.health_notice import HealthNotice, worst
 from strikewave.records.measured_uncertainty import AS_SPECTRUM, SpectrumUncertainty, spectrum_uncertainty
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.reporting.faces import heads_and_cells, text_of
+from strikewave.reporting.measured_files import Filtering, MeasurementOptions
 from strikewave.reporting.numbers import axis_unit, hertz
-from strikewave.reporting.options import Typed
 from strikewave.reporting.shown_result import Curve
 from strikewave.signal.srs import (
     FEWEST,
@@ -56,32 +56,39 @@ LEFT_OUT = ("gain-differs",)
 """Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
 
 
-class SpectrumOptions(NamedTuple):
-    """What else was asked: how the record begins, and what is given beside the spectra."""
+@dataclass(frozen=True)
+class SpectraAsked:
+    """What is asked of the spectra of measured files.
 
-    initial: str
-    rms: bool
-    resultant: bool
-    response: Typed | None
-    rolling: Rolling | None
-    budget: Budget | None = None
-
-
-class SpectrumRequest(NamedTuple):
-    """What was asked of the spectra: quality factor, frequencies, kinds, side, part of the shock and its end.
-
-    ``own_range``: whether each of several is computed up to what its own sampling carries too, to be judged by itself.
+    Attributes
+    ----------
+    stated, options, filters
+        What is stated of the channels, how the files are read, and a request with the filters that are taken.
+    budget : Budget or None
+        By which the uncertainties of the spectra are found.
+    own_range : bool
+        True if each of several is computed up to what its own sampling carries too, to be judged by itself.
     """
 
-    q: float
-    frequencies: list[Typed] | None
-    grid: tuple[float, Typed | None, float]
-    kinds: tuple[str, ...]
-    side: str
-    part: str
-    end: Typed | None
-    options: SpectrumOptions
+    files: Sequence[str]
+    stated: dict[str, dict[str, Any]]
+    options: Options
+    filters: Request
+    spectra: Spectra
+    budget: Budget | None = None
     own_range: bool = False
+
+    @classmethod
+    def of(
+        cls,
+        files: Sequence[str],
+        spectra: Spectra,
+        measurement: MeasurementOptions,
+        filtering: Filtering,
+        budget: Budget | None,
+    ) -> SpectraAsked:
+        """Return what the options say."""
+        return cls(files, measurement.calibration(), measurement.reading(), filtering.on(Request()), spectra, budget)
 
 
 @declare.dataclass

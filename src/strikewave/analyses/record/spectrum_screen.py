@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from strikewave.analyses.clauses import held_words
-from strikewave.analyses.record.file_spectra import FilesAsked, judged_spectra_of
-from strikewave.analyses.record.options import filtered_folder
+from strikewave.analyses.record.file_spectra import judged_spectra_of
+from strikewave.analyses.record.options import Spectra, filtered_folder
 from strikewave.analyses.record.rows import name_of
-from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
-from strikewave.analyses.record.verdicts import SpectraJudge, print_spectra_verdict
+from strikewave.analyses.record.spectrum import SpectraAsked, SpectrumResult
+from strikewave.analyses.record.verdicts import SpectraJudge, print_spectra_verdict, spectra_judge
 from strikewave.base.declare import KEY, MORE
 from strikewave.base.result import Source
 from strikewave.reporting import measured_files as measured
@@ -22,6 +23,9 @@ from strikewave.reporting.run_and_write import Command, drawing, run_and_write
 from strikewave.reporting.style import save, titled
 from strikewave.reporting.terminal import table, tell
 
+if TYPE_CHECKING:
+    from strikewave.specifications.reading import Specification
+
 MOST_SHOWN = 4
 """Spectra that a table on the screen lists beside what they come to; the files have all."""
 
@@ -31,16 +35,23 @@ SHOWN_ROWS = 24
 
 
 def compute_spectra(
-    asked: FilesAsked, wanted: SpectrumRequest, output: Output, judge: SpectraJudge | None = None
+    files: Sequence[str],
+    spectra: Spectra,
+    measurement: measured.MeasurementOptions,
+    filtering: measured.Filtering,
+    judging: measured.SpectraJudging,
+    specification: Specification | None,
+    output: Output,
 ) -> int:
     """Compute the spectra of files, write and print them, and return the exit code."""
-    asked = asked._replace(files=measured.ordered(asked.files))
+    asked = SpectraAsked.of(measured.ordered(files), spectra, measurement, filtering, judging.uncertainty)
     paths = [Path(measured.shown(file)) for file in asked.files]
     name = name_of(paths)
-    usual = f"srs-{name}" + ("" if judge is None else f"-{judge.specification.file_name}")
+    usual = f"srs-{name}" + ("" if specification is None else f"-{specification.file_name}")
     usual = filtered_folder(usual, asked.filters)
     origin = measured.source_of_records(name, paths, output, usual)
-    return run_and_write(SrsCommand(asked, wanted, origin, judge), output, usual, origin.text)
+    command = SrsCommand(asked, origin, spectra_judge(judging, specification))
+    return run_and_write(command, output, usual, origin.text)
 
 
 @dataclass(frozen=True)
@@ -49,14 +60,13 @@ class SrsCommand(Command[SpectrumResult]):
 
     indent: ClassVar[int | None] = None
 
-    asked: FilesAsked
-    wanted: SpectrumRequest
+    asked: SpectraAsked
     origin: Source
     judge: SpectraJudge | None = None
 
     def solve(self) -> SpectrumResult:
         """Return the spectra, the baselines of the records taken off."""
-        return judged_spectra_of(self.asked, self.wanted, self.origin, self.judge)
+        return judged_spectra_of(self.asked, self.origin, self.judge)
 
     def summary(self, result: SpectrumResult) -> str:
         """Say where the spectrum is largest."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.clauses import clause_columns, clause_words, decision_words, verdict_words, why_column
-from strikewave.analyses.record.spectrum import SpectrumRequest, SpectrumResult
+from strikewave.analyses.record.spectrum import SpectraAsked, SpectrumResult
 from strikewave.base.declare import KEY
 from strikewave.base.errors import InputError
 from strikewave.base.result import FAILED, WARNING, Notice
@@ -21,13 +21,22 @@ from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import Typed
 from strikewave.reporting.parts import Picture, Section
 from strikewave.reporting.terminal import print_rows, tell
-from strikewave.specifications.judged_records import Asked, JudgedSpectrum, SpectraVerdict, judge_records
+from strikewave.specifications.judged_records import (
+    Asked,
+    JudgedSpectrum,
+    SpectraVerdict,
+    asked_of_spectra,
+    judge_records,
+)
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, Clause
 from strikewave.specifications.reading import Specification
 from strikewave.specifications.spectrum_limits import judge_spectrum
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from strikewave.analyses.record.result import RecordResult
+    from strikewave.reporting.measured_files import SpectraJudging
 
 
 def with_verdict(result: RecordResult, specification: Specification, asked: Asked) -> RecordResult:
@@ -63,32 +72,32 @@ class SpectraJudge:
     specification: Specification
     asked: Asked
 
-    def wanted(self, request: SpectrumRequest) -> SpectrumRequest:
+    def wanted(self, asked: SpectraAsked) -> SpectraAsked:
         """Return what spectra are computed: those that the specification means, as far as sampling carries them."""
         limits = self.specification.spectrum_limits()
         first, last = limits.frequency[0], limits.frequency[-1]
-        if request.frequencies:
-            raise InputError("--frequency", request.frequencies[0].word, "none with --spec", FIXES)
-        low, high, per_octave = request.grid
+        request, stated = asked.spectra, cast("Sequence[Typed]", asked.spectra.frequencies)
+        if stated:
+            raise InputError("--frequency", stated[0].word, "none with --spec", FIXES)
         rows: tuple[tuple[str, Any, Any, Any], ...] = (
-            ("--kind", ", ".join(request.kinds), "", limits.kind),
+            ("--kind", ", ".join(request.each_kind), "", limits.kind),
             ("--q", request.q, 10.0, limits.q),
-            ("--from", low, 10.0, first),
-            ("--to", high, None, last),
-            ("--per-octave", per_octave, 12.0, limits.per_octave),
+            ("--from", request.low, 10.0, first),
+            ("--to", request.high, None, last),
+            ("--per-octave", request.per_octave, 12.0, limits.per_octave),
             ("--side", request.side, "maximax", limits.side),
             ("--part", request.part, "total", "total"),
         )
-        for option, value, usual, fixed in rows:
+        for option, value, usual, wanted in rows:
             is_typed = isinstance(value, Typed) or value != usual
-            same = value == fixed if isinstance(fixed, str) else value is not None and math.isclose(value, fixed)
+            same = value == wanted if isinstance(wanted, str) else value is not None and math.isclose(value, wanted)
             if is_typed and not same:
-                allowed = fixed if isinstance(fixed, str) else f"{fixed:g}{' Hz' * (option in ('--from', '--to'))}"
+                allowed = wanted if isinstance(wanted, str) else f"{wanted:g}{' Hz' * (option in ('--from', '--to'))}"
                 raise InputError(option, getattr(value, "word", value), f"{allowed} with this --spec", FIXES)
-        grid = (Typed(first, f"{first:g} Hz"), None, limits.per_octave)
-        known = Budget(()) if self.asked.budget is None and self.asked.from_record else self.asked.budget
-        options = request.options._replace(budget=known)
-        return request._replace(q=limits.q, grid=grid, side=limits.side, own_range=True, options=options)
+        fixed: dict[str, Any] = {"q": limits.q, "per_octave": limits.per_octave, "side": limits.side, "high": None}
+        spectra = dataclasses.replace(request, low=Typed(first, f"{first:g} Hz"), **fixed)
+        budget = Budget(()) if self.asked.budget is None and self.asked.from_record else self.asked.budget
+        return dataclasses.replace(asked, spectra=spectra, budget=budget, own_range=True)
 
     def judged(self, result: SpectrumResult) -> SpectrumResult:
         """Return a result with its verdict; a fail is a failed check."""
@@ -110,6 +119,13 @@ class SpectraJudge:
         verdict = SpectraVerdict(self.specification, limits, self.asked, tuple(spectra))
         notices = verdict_notices(self.specification.title, verdict.verdict, verdict.by_indicative, verdict.clauses)
         return dataclasses.replace(result, verdict=verdict, notices=(*result.notices, *notices))
+
+
+def spectra_judge(judging: SpectraJudging, specification: Specification | None) -> SpectraJudge | None:
+    """Return what judges spectra; None where no specification does."""
+    if specification is None:
+        return None
+    return SpectraJudge(specification, asked_of_spectra(judging.decision, judging.strict, judging.uncertainty))
 
 
 def spectra_sentence(found: SpectraVerdict) -> str:

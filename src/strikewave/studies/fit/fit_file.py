@@ -148,15 +148,13 @@ class ReadingTable(CaseTable):
 
     def options(self) -> SourceOptions:
         """Return it as commands have it."""
-        measurement = MeasurementOptions.in_python(
-            [self.channel] if self.channel != "" else [],
-            {},
-            self.rate,
-            None if self.time == "" else self.time,
-            self.time_unit or None,
+        calibration = {name: getattr(self, name) for name in OF_CALIBRATION}
+        channels = None if self.channel == "" else [self.channel]
+        time = None if self.time == "" else str(self.time)
+        measurement = MeasurementOptions(
+            channels, rate=self.rate, time=time, time_unit=self.time_unit or None, **calibration
         )
-        stated = MeasurementOptions(**{name: getattr(self, name) for name in OF_CALIBRATION}).calibration()
-        return SourceOptions(stated, measurement.reading(), low_pass_of(self.filter), band=False)
+        return SourceOptions(measurement.calibration(), measurement.reading(), low_pass_of(self.filter), band=False)
 
 
 class FitFile(CaseTable):

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 import typer
 
-from strikewave.analyses.record.options import complete_specification
 from strikewave.base.constants import material
 from strikewave.base.errors import InputError
+from strikewave.reporting.measured_files import complete_specification
 from strikewave.reporting.options import Changes, Running, complete_case, quantity
 from strikewave.reporting.output_options import StudyOutput
 from strikewave.studies.search import DISC, DROP_TABLE, REFERENCE, STIFFNESS

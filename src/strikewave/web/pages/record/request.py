@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+import strikewave
 from strikewave.base.texts import command_line, file_word
 
 FILTERS = ("filter", "high_pass", "ac_coupling")
@@ -14,6 +15,13 @@ STATED = ("unit", "sensitivity", "polarity", "rate", "time", "time_unit")
 """Options that state properties of the files and their channels."""
 COMPARED = ("unit", "sensitivity", "rate", "filter")
 """Options of these that `strikewave compare` takes."""
+GROUPS = {
+    "calibration": ("Calibration", ("sensitivity", "polarity")),
+    "reading": ("Reading", ("time", "time_unit")),
+    "filter": ("Filtering", ("cutoff", "cfc", "high_pass", "ac_coupling")),
+    "examination": ("Examination", ("base",)),
+}
+"""Groups of Python's keywords, with their classes and what each takes of these options."""
 
 
 def count_of_files(count: int) -> str:
@@ -66,17 +74,31 @@ class RecordRequest(NamedTuple):
     q: str = "10"
     beside: str = ""
 
-    def keywords(self) -> dict[str, Any]:
-        """Return what is said of the files, and the filters, as Python takes them.
+    def grouped(self, *leave: str) -> dict[str, Any]:
+        """Return what is said of the files, and the filters, by Python's keywords: a mapping for a group.
 
         Examples
         --------
-        >>> RecordRequest("", ("a.csv",), unit="g", channel="1").keywords()
-        {'unit': 'g', 'channels': ['1']}
+        >>> RecordRequest("", ("a.csv",), unit="g", channel="1", filter="CFC 1000", time="t").grouped()
+        {'channels': ['1'], 'unit': 'g', 'filter': 'CFC 1000', 'reading': {'time': 't'}}
         """
-        plain = {key: getattr(self, key) for key in (*STATED, *FILTERS)}
-        given = {key: value for key, value in plain.items() if value}
-        return {**given, **({"channels": [self.channel]} if self.channel else {})}
+        given = {
+            key: value for key in (*STATED, *FILTERS, "base") if key not in leave and (value := getattr(self, key))
+        }
+        if given.keys() & {"high_pass", "ac_coupling"} and "filter" in given:
+            low_pass = given.pop("filter").strip()
+            given |= {"cfc": low_pass[3:]} if low_pass.upper().startswith("CFC") else {"cutoff": low_pass}
+        plain = {key: given[key] for key in ("unit", "rate", "filter") if key in given}
+        groups = {group: {key: given[key] for key in keys if key in given} for group, (_, keys) in GROUPS.items()}
+        channels: dict[str, Any] = {"channels": [self.channel]} if self.channel else {}
+        return {**channels, **plain, **{group: values for group, values in groups.items() if values}}
+
+    def keywords(self, *leave: str) -> dict[str, Any]:
+        """Return what is said of the files, and the filters, as Python takes them, but for some options."""
+        return {
+            key: getattr(strikewave, GROUPS[key][0])(**value) if isinstance(value, dict) else value
+            for key, value in self.grouped(*leave).items()
+        }
 
     def commands(self, compared: str = "", alike: Sequence[str] = ()) -> list[tuple[str, str]]:
         """Return the lines that do the same.
@@ -102,8 +124,12 @@ class RecordRequest(NamedTuple):
             file = file_word(compared or self.names[0])
             place = f"{file}#{self.channel}" if self.channel else file
             lines.append(["compare", place, self.beside, *self._words(COMPARED)])
-        keywords = self.keywords() | {key: getattr(self, key) for key in ("base", "spec") if getattr(self, key)}
-        given = "".join(f", {key}={value!r}" for key, value in keywords.items())
+        given = ""
+        for key, value in {**self.grouped(), **({"spec": self.spec} if self.spec else {})}.items():
+            text = repr(value)
+            if isinstance(value, dict):
+                text = f"strikewave.{GROUPS[key][0]}({', '.join(f'{name}={each!r}' for name, each in value.items())})"
+            given += f", {key}={text}"
         python = f"import strikewave\n\nresult = strikewave.record({list(self.names)!r}{given})"
         return [("command line", "\n".join(map(command_line, lines))), ("Python", python)]
 

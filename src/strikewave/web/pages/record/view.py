@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -44,7 +44,7 @@ from strikewave.web.charts import (
 )
 from strikewave.web.jobs import Say
 from strikewave.web.markup import PageTable, page_table
-from strikewave.web.pages.record.request import COMPARED, FILTERS, RecordRequest, count_of_files, on_page
+from strikewave.web.pages.record.request import COMPARED, FILTERS, STATED, RecordRequest, count_of_files, on_page
 
 MOST_MARKED = 40
 """Pulses that are marked in one diagram."""
@@ -70,15 +70,12 @@ def _measured(request: RecordRequest, say: Say) -> dict[str, Any]:
     if not names:
         raise InputError("FILE", "no file", "one or more measured files", "drop them on the page")
     _check_beside(request.beside)
-    options = request.keywords()
     say(None, "reading and judging")
-    result = strikewave.record(names, spec=request.spec or None, base=request.base, **options)
+    result = strikewave.record(names, spec=request.spec or None, **request.keywords())
     plain = None
-    if any(key in options for key in FILTERS):
+    if any(getattr(request, key) for key in FILTERS):
         say(None, "the same without the filters")
-        plain = strikewave.record(
-            names, base=request.base, **{key: value for key, value in options.items() if key not in FILTERS}
-        )
+        plain = strikewave.record(names, **request.keywords(*FILTERS))
     units = units_of_channels(result) or [""]
     charts = [chart for unit in units for chart in (history_chart(result, unit), overlay_chart(result, unit, plain))]
     lead = [*([] if plain is None else [cost_table(result, plain)]), file_table(result)]
@@ -99,14 +96,16 @@ def _measured(request: RecordRequest, say: Say) -> dict[str, Any]:
                 notices.append(
                     ("info", "spectrum-of-one-unit", f"the spectrum is without {others}, in another unit or none")
                 )
-            spectrum = strikewave.shock_spectra(alike, kinds=("pseudo-velocity",), q=float(request.q), **options)
+            spectrum = strikewave.shock_spectra(
+                alike, spectra=strikewave.Spectra(q=request.q, kinds="pseudo-velocity"), **request.keywords("base")
+            )
             charts.append(four_axes(spectrum))
         except strikewave.StrikewaveError as error:
             notices.append(("warning", "no-spectrum", str(error)))
     if request.beside:
         say(None, "the simulation beside it")
         try:
-            compared = _compared(request, _best(result), options)
+            compared = _compared(request, _best(result))
             charts.append(beside_chart(compared))
             tables += map(page_table, agreement_tables(compared))
             notices += [(one.severity, one.code, one.message) for one in compared.notices]
@@ -140,9 +139,10 @@ def _check_beside(beside: str) -> None:
         raise InputError("beside", beside, "a built-in case, such as li-ma-2019:rigid", nearest(case, bundled_cases()))
 
 
-def _compared(request: RecordRequest, name: str, options: Mapping[str, Any]) -> CompareResult:
+def _compared(request: RecordRequest, name: str) -> CompareResult:
     """Return a record held against a built-in case that is run."""
-    kept = {key: value for key, value in options.items() if key in COMPARED}
+    kept = request.keywords("base", *({*STATED, *FILTERS} - {*COMPARED}))
+    kept.pop("channels", None)
     channel = f"#{request.channel}" if request.channel else ""
     return strikewave.compare(f"{name}{channel}", request.beside, **kept)
 
