@@ -19,7 +19,7 @@ from strikewave.base.result import BandMethod
 from strikewave.base.units import DIMENSIONS, ENDLESS, parse_quantity, parse_typed, take_apart, typed_number
 from strikewave.cases.case import FORM, dump_case, load_case, parse_case
 from strikewave.cases.files import bundled_cases
-from strikewave.records.calibration import Calibration, known_unit
+from strikewave.records.calibration import ChannelCalibration, known_unit
 from strikewave.reporting.bands import moved_rows
 from strikewave.reporting.measured_files import _time_constant, read_time_unit
 from strikewave.reporting.options import read_share
@@ -175,7 +175,9 @@ def test_what_is_typed_beside_a_case_takes_each_spelling() -> None:
     assert _time_constant("1.6E0ms", "") == _time_constant("1.6 ms", "") == 1.6e-3
     assert _time_constant("1e2Hz", "") == _time_constant("100 Hz", "")
     assert known_unit("1e3g") == known_unit("1000 g") == ("m/s^2", 9806.65)
-    assert Calibration(sensitivity="1.2E0mV/g").scale("V") == Calibration(sensitivity="1.2 mV/g").scale("V")
+    assert ChannelCalibration(sensitivity="1.2E0mV/g").scale("V") == ChannelCalibration(sensitivity="1.2 mV/g").scale(
+        "V"
+    )
     assert _millimetres("2.9e1mm") == _millimetres("29") == 29.0
     assert _millimetres("2.9 cm") == pytest.approx(29.0, rel=1e-15)
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
 from strikewave.records import Channel, Record, Request, calibrations_beside, read_file
-from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over, read_calibrations
+from strikewave.records.calibration import ChannelCalibration, calibrated, calibration_of, laid_over, read_calibrations
 
 G = 9.80665
 
@@ -46,7 +46,7 @@ G = 9.80665
     ],
 )
 def test_factor_is_the_one_computed_by_hand(parts, file_unit, factor, unit):
-    scale = Calibration(**parts).scale(file_unit)
+    scale = ChannelCalibration(**parts).scale(file_unit)
     assert scale.factor == pytest.approx(factor, rel=1e-12)
     assert scale.unit == unit
 
@@ -95,7 +95,7 @@ def test_factor_is_the_one_computed_by_hand(parts, file_unit, factor, unit):
 )
 def test_nonsense_is_refused_with_its_field(parts, field):
     with pytest.raises(InputError) as refused:
-        Calibration(**parts).scale("V", "calibration of board")
+        ChannelCalibration(**parts).scale("V", "calibration of board")
     assert refused.value.field == f"calibration of board.{field}"
     assert len(str(refused.value)) < 400
 
@@ -107,7 +107,7 @@ def test_nonsense_is_refused_with_its_field(parts, field):
     st.sampled_from([1, -1]),
 )
 def test_calibration_then_its_inverse_returns_the_values(values, sensitivity, gain, polarity):
-    given_ = Calibration(sensitivity=f"{sensitivity!r} mV/g", gain=repr(gain), polarity=polarity)
+    given_ = ChannelCalibration(sensitivity=f"{sensitivity!r} mV/g", gain=repr(gain), polarity=polarity)
     volts = Channel("board", np.array(values), 1e-5, unit="V")
     channel, _ = calibrated(volts, given_)
     assert channel.unit == "m/s^2"
@@ -116,7 +116,7 @@ def test_calibration_then_its_inverse_returns_the_values(values, sensitivity, ga
 
 
 def test_a_factor_beyond_the_largest_number_gives_no_warning():
-    channel, _ = calibrated(Channel("a", np.array([1e308, 1.0]), 1e-5), Calibration(unit="kN"))
+    channel, _ = calibrated(Channel("a", np.array([1e308, 1.0]), 1e-5), ChannelCalibration(unit="kN"))
     assert channel.values.tolist() == [math.inf, 1e3]
 
 
@@ -125,7 +125,7 @@ def test_a_factor_beyond_the_largest_number_gives_no_warning():
     [("mV", "g", True), ("m/s²", "m/s^2", False), ("", "g", False), ("counts", "g", False)],
 )
 def test_a_unit_that_overrules_that_of_the_file_is_reported(of_file, stated, said):
-    found = calibrated(Channel("board", np.array([1.0]), unit=of_file), Calibration(unit=stated))[1]
+    found = calibrated(Channel("board", np.array([1.0]), unit=of_file), ChannelCalibration(unit=stated))[1]
     assert [one.code for one in found] == ["unit-overrules"] * said
     assert not said or found[0].message == f"the unit that is stated, {stated}, overrules that of the file, {of_file}"
 
@@ -134,16 +134,16 @@ def test_a_unit_that_overrules_that_of_the_file_is_reported(of_file, stated, sai
     ("unit", "code"), [("", "unit-unknown"), ("bananas", "unit-unknown"), ("mV", "not-calibrated"), ("g", None)]
 )
 def test_what_is_not_in_si_is_said(unit, code):
-    _, findings = calibrated(Channel("a", np.ones(3), 1e-5, unit=unit), Calibration())
+    _, findings = calibrated(Channel("a", np.ones(3), 1e-5, unit=unit), ChannelCalibration())
     assert [finding.code for finding in findings] == ([code] if code else [])
     assert all(finding.severity == "good" for finding in findings)
 
 
 def test_a_channel_is_meant_by_name_or_number_over_all():
     stated = {"all": {"unit": "V", "polarity": -1}, "2": {"unit": "g"}, "frame": {"unit": "N"}}
-    assert calibration_of(stated, "board", 1) == Calibration(unit="V", polarity=-1)
-    assert calibration_of(stated, "board", 2) == Calibration(unit="g", polarity=-1)
-    assert calibration_of(stated, "frame", 1) == Calibration(unit="N", polarity=-1)
+    assert calibration_of(stated, "board", 1) == ChannelCalibration(unit="V", polarity=-1)
+    assert calibration_of(stated, "board", 2) == ChannelCalibration(unit="g", polarity=-1)
+    assert calibration_of(stated, "frame", 1) == ChannelCalibration(unit="N", polarity=-1)
 
 
 def test_a_later_layer_goes_first_whatever_it_calls_the_channel():
@@ -161,11 +161,11 @@ def test_files_beside_the_data_folder_then_file_then_what_is_typed(tmp_path):
     (tmp_path / "shot.csv.toml").write_text('[channel.frame]\nsensitivity = "2 mV/g"\n')
     assert calibrations_beside(tmp_path / "other.csv")["frame"] == {"sensitivity": "1 mV/g", "gain": "10"}
     beside = calibrations_beside(tmp_path / "shot.csv")
-    assert calibration_of(beside, "frame", 1) == Calibration(unit="V", sensitivity="2 mV/g", gain="10")
+    assert calibration_of(beside, "frame", 1) == ChannelCalibration(unit="V", sensitivity="2 mV/g", gain="10")
     record = Record("shot.csv", "text", (Channel("frame", np.ones(20), 1e-5),))
     asked = Request(calibrations={"frame": {"sensitivity": "4 mV/g"}})
     [reading] = read_file(record, beside, asked).channels
-    assert reading.calibration == Calibration(unit="V", sensitivity="4 mV/g", gain="10")
+    assert reading.calibration == ChannelCalibration(unit="V", sensitivity="4 mV/g", gain="10")
     assert reading.channel.values[0] == pytest.approx(G / 0.04)
 
 
@@ -175,7 +175,7 @@ def test_nothing_beside_the_data_states_nothing(tmp_path):
 
 
 def test_provenance_is_what_was_stated_as_typed():
-    stated = Calibration(sensitivity="1.20 mV/g", gain="10", polarity=-1).stated()
+    stated = ChannelCalibration(sensitivity="1.20 mV/g", gain="10", polarity=-1).stated()
     assert stated == {"sensitivity": "1.20 mV/g", "gain": "10", "polarity": -1}
     assert json.loads(json.dumps(stated)) == stated
 

@@ -8,7 +8,7 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.records import clock, noisy_pulse, reading, response, ringing, sample_store, tail
-from strikewave.records.calibration import Calibration
+from strikewave.records.calibration import ChannelCalibration
 from strikewave.records.clock import even
 from strikewave.records.health_notice import FIGURES, HealthNotice
 from strikewave.records.reading import (
@@ -393,7 +393,7 @@ def test_what_a_high_pass_leaves_of_a_velocity_change():
 
 def a_reading(values=None, pulses=(), findings=(), name="bar", number=1, **how):
     channel = Channel(name, np.zeros(40) if values is None else values, 1e-3, 3.0, "m/s^2")
-    return ChannelReading(channel, number, tuple(pulses), tuple(findings), Calibration(), **how)
+    return ChannelReading(channel, number, tuple(pulses), tuple(findings), ChannelCalibration(), **how)
 
 
 def test_figures_that_a_finding_harms_are_left_out():
@@ -570,7 +570,7 @@ def test_a_response_needs_samples_and_a_blow_of_its_base(monkeypatch, size, blow
     count = 2 * FEWEST if size == 2 else 2 * FEWEST - 1
     channel = Channel("top", np.sin(np.arange(float(count))), 1e-3, 3.0, "m/s^2")
     base = a_reading(pulses=[blow(3.002, 3.003, 3.004)] * blows)
-    found = reading.read_response(channel, 7, Calibration(), Request(), base)
+    found = reading.read_response(channel, 7, ChannelCalibration(), Request(), base)
     assert found.number == 7
     said = [
         f.message for f in found.findings if f.code == "no-response" and f.message.endswith("no response is measured")
@@ -579,7 +579,7 @@ def test_a_response_needs_samples_and_a_blow_of_its_base(monkeypatch, size, blow
     filtered = []
     monkeypatch.setattr(reading, "filtered_channel", lambda channel, request: filtered.append(request) or channel)
     for request in (Request(filter=Filter(50.0)), Request(high_pass=HighPass(50.0))):
-        reading.read_response(channel, 7, Calibration(), request, base)
+        reading.read_response(channel, 7, ChannelCalibration(), request, base)
     assert len(filtered) == (0 if words else 2)
     if words:
         assert words in said[0]

@@ -10,7 +10,7 @@ import pytest
 from strikewave.base.errors import InputError
 from strikewave.base.result import INFO, WARNING
 from strikewave.records import calibration, campaign, robust
-from strikewave.records.calibration import Calibration, check_part, known_unit, read_calibrations
+from strikewave.records.calibration import ChannelCalibration, check_part, known_unit, read_calibrations
 from strikewave.records.health_notice import HealthNotice
 
 NAN = math.nan
@@ -321,7 +321,7 @@ def test_a_file_without_a_blow_loses_what_was_found_of_it():
         HealthNotice("b", "", harms=("interval",)),
         HealthNotice("c", "", harms=("spectrum",)),
     )
-    one = ChannelReading(Channel("a", np.zeros(3), 1.0), 1, (blow(),), said, Calibration())
+    one = ChannelReading(Channel("a", np.zeros(3), 1.0), 1, (blow(),), said, ChannelCalibration())
     file = FileReading("a", "text", (one, dataclasses.replace(one, number=2)))
     found, other = campaign._with(file, 1, HealthNotice("no-pulse", "")).channels
     assert (found.pulses, [f.code for f in found.findings]) == ((), ["c", "no-pulse"])
@@ -431,7 +431,7 @@ def test_units_as_files_write_them(text, known):
     ],
 )  # fmt: skip
 def test_scales_are_those_worked_out_by_hand(parts, unit, factor, measured):
-    found = Calibration(**parts).scale(unit)
+    found = ChannelCalibration(**parts).scale(unit)
     assert (found.factor, found.unit) == (pytest.approx(factor, rel=1e-12), measured)
 
 
@@ -449,7 +449,7 @@ def test_scales_are_those_worked_out_by_hand(parts, unit, factor, measured):
 )  # fmt: skip
 def test_parts_that_do_not_fit_are_refused_by_their_field(parts, unit, field):
     with pytest.raises(InputError) as caught:
-        Calibration(**parts).scale(unit)
+        ChannelCalibration(**parts).scale(unit)
     assert caught.value.field == f"calibration.{field}"
 
 

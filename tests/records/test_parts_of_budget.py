@@ -411,7 +411,7 @@ def test_the_largest_blow_of_each_channel_is_checked_and_the_others_are_like_it(
     from types import SimpleNamespace
 
     from strikewave.records import reading
-    from strikewave.records.calibration import Calibration
+    from strikewave.records.calibration import ChannelCalibration
     from strikewave.records.reading import ChannelReading, FileReading
 
     done = []
@@ -429,7 +429,9 @@ def test_the_largest_blow_of_each_channel_is_checked_and_the_others_are_like_it(
     def file_of(number, *peaks, unit="m/s^2"):
         pulses = tuple(SimpleNamespace(peak=peak) for peak in peaks)
         return FileReading(
-            "f", "text", (ChannelReading(Channel("a", np.zeros(3), 1.0, unit=unit), number, pulses, (), Calibration()),)
+            "f",
+            "text",
+            (ChannelReading(Channel("a", np.zeros(3), 1.0, unit=unit), number, pulses, (), ChannelCalibration()),),
         )
 
     files = [file_of(1, 3.0, -7.0, 5.0), file_of(1, 6.0), file_of(2, 1.0), file_of(1)]

@@ -11,7 +11,7 @@ from strikewave.base.errors import InputError
 from strikewave.records import reading
 from strikewave.records import reading as readings
 from strikewave.records.baseline import LocalBaseline
-from strikewave.records.calibration import Calibration
+from strikewave.records.calibration import ChannelCalibration
 from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading, Request, read_file
@@ -39,7 +39,7 @@ def channel_of(values, **more):
 
 def reading_of(*pulses, findings=(), name="board", number=1):
     channel = dataclasses.replace(channel_of(np.zeros(900)), name=name)
-    return ChannelReading(channel, number, pulses, tuple(findings), Calibration())
+    return ChannelReading(channel, number, pulses, tuple(findings), ChannelCalibration())
 
 
 def test_times_of_a_channel():

@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from strikewave.records import Channel, FileReading, SampleStore, sample_store
-from strikewave.records.calibration import Calibration
+from strikewave.records.calibration import ChannelCalibration
 from strikewave.records.reading import ChannelReading
 
 
 def reading(*histories):
     channels = [
-        ChannelReading(Channel(f"{k}", values, 1e-5), k, (), (), Calibration())
+        ChannelReading(Channel(f"{k}", values, 1e-5), k, (), (), ChannelCalibration())
         for k, values in enumerate(histories, start=1)
     ]
     return FileReading("a.csv", "text", tuple(channels))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor
+from strikewave.sensors import Gasket, Mounting, Recorder, Sensor, SensorReading
 from strikewave.sensors import trial as module
 from strikewave.sensors.trial import (
     FULL_SCALE,
@@ -38,7 +38,7 @@ def channel(sensor=None, recorder=None):
 
 def reading(values, step=0.5, clipped=False):
     values = np.array(values, dtype=float)
-    return Reading(step * np.arange(values.size), values, False, clipped, 0.0, 0.0)
+    return SensorReading(step * np.arange(values.size), values, False, clipped, 0.0, 0.0)
 
 
 def test_the_shortest_period_is_that_of_the_highest_resonance_or_of_200_khz_through_a_buffer():
@@ -337,7 +337,7 @@ def test_three_samples_make_a_pulse_however_small_and_a_flat_top_is_as_high_as_i
 
     def pulse(values, clipped=False):
         values = np.array(values)
-        return module._pulse(Reading(np.arange(values.size), values, False, clipped, 0.0, 0.0), 1e-3)
+        return module._pulse(SensorReading(np.arange(values.size), values, False, clipped, 0.0, 0.0), 1e-3)
 
     assert pulse([2e-3, 6e-3, 2e-3]).peak == pytest.approx(5e-3, rel=1e-12)
     assert pulse([1.001, 5.001, 4.001]).peak == pytest.approx(5.0 + 9.0 / 40.0, rel=1e-12)

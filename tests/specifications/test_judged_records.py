@@ -11,7 +11,7 @@ from strikewave.base import declare
 from strikewave.base.documents import plain
 from strikewave.base.errors import InputError
 from strikewave.records.budget import RECORD, SAMPLING, of_share
-from strikewave.records.calibration import Calibration
+from strikewave.records.calibration import ChannelCalibration
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measured_uncertainty import BlowUncertainty, FigureUncertainty
 from strikewave.records.reading import ChannelReading, FileReading, Request, read_channel
@@ -52,7 +52,7 @@ def channel_of(peaks, name="table", unit="m/s^2", offset=0.0, start=0.0):
 
 
 def file_of(path, *channels):
-    readings = [read_channel(one, k, Calibration(), Request()) for k, one in enumerate(channels, start=1)]
+    readings = [read_channel(one, k, ChannelCalibration(), Request()) for k, one in enumerate(channels, start=1)]
     return FileReading(path, "text", tuple(readings))
 
 

@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from strikewave.records.calibration import Calibration, calibrations_beside
+    from strikewave.records.calibration import ChannelCalibration, calibrations_beside
     from strikewave.records.campaign import Campaign, Statistic, Trend, compare, summed
     from strikewave.records.health_notice import HealthNotice, unreadable, worst
     from strikewave.records.measuring import RecordedPulse, find_pulses
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from strikewave.records.sample_store import SampleStore
 
 _ROOMS = {
-    "calibration": ("Calibration", "calibrations_beside"),
+    "calibration": ("ChannelCalibration", "calibrations_beside"),
     "campaign": ("Campaign", "Statistic", "Trend", "compare", "summed"),
     "health_notice": ("HealthNotice", "unreadable", "worst"),
     "measuring": ("RecordedPulse", "find_pulses"),
@@ -26,9 +26,9 @@ _ROOMS = {
 _HOMES = {name: room for room, names in _ROOMS.items() for name in names}
 
 __all__ = [
-    "Calibration",
     "Campaign",
     "Channel",
+    "ChannelCalibration",
     "ChannelReading",
     "FileReading",
     "HealthNotice",

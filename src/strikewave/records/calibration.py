@@ -49,7 +49,7 @@ class Scale(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Calibration:
+class ChannelCalibration:
     """What turns the values of a channel into SI.
 
     Attributes
@@ -81,7 +81,7 @@ class Calibration:
 
         Examples
         --------
-        >>> Calibration(sensitivity="2 mV/N", gain="10").scale("V")
+        >>> ChannelCalibration(sensitivity="2 mV/N", gain="10").scale("V")
         Scale(factor=50.0, unit='N')
         """
         if self.polarity not in (1, -1) or isinstance(self.polarity, bool):
@@ -153,7 +153,7 @@ def check_unit(unit: str, field: str) -> None:
 
 
 def check_part(name: str, text: str, field: str) -> None:
-    """Refuse a part of a calibration, named as in `Calibration`, that can be none."""
+    """Refuse a part of a calibration, named as in `ChannelCalibration`, that can be none."""
     if name == "unit":
         check_unit(text, field)
     elif name == "sensitivity":
@@ -187,7 +187,7 @@ def ambiguous(unit: str) -> str:
 
 
 def calibrated(
-    channel: Channel, calibration: Calibration, field: str = "calibration"
+    channel: Channel, calibration: ChannelCalibration, field: str = "calibration"
 ) -> tuple[Channel, list[HealthNotice]]:
     """Return a channel in SI; its unit stays empty where the unit of the file is not known."""
     scale = calibration.scale(channel.unit, field)
@@ -301,7 +301,7 @@ def read_calibrations(file: Path) -> dict[str, dict[str, Any]]:
 
 
 def _checked(table: Any, field: str) -> dict[str, Any]:
-    known = {f.name: f.type for f in dataclasses.fields(Calibration)}
+    known = {f.name: f.type for f in dataclasses.fields(ChannelCalibration)}
     if not isinstance(table, Mapping):
         raise InputError(field, table, "a table")
     for key, value in table.items():
@@ -313,7 +313,7 @@ def _checked(table: Any, field: str) -> dict[str, Any]:
     return {key: str(value) if key == "gain" else value for key, value in table.items()}
 
 
-def calibration_of(stated: Mapping[str, Mapping[str, Any]], name: str, number: int) -> Calibration:
+def calibration_of(stated: Mapping[str, Mapping[str, Any]], name: str, number: int) -> ChannelCalibration:
     """Return the calibration of a channel: its own table, by name or by number, over the one for all.
 
     Where both its name and its number stand, the later goes over the earlier.
@@ -322,4 +322,4 @@ def calibration_of(stated: Mapping[str, Mapping[str, Any]], name: str, number: i
     for key, table in stated.items():
         if key in (str(number), name):
             merged |= table
-    return Calibration(**merged)
+    return ChannelCalibration(**merged)

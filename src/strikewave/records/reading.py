@@ -19,7 +19,7 @@ import numpy as np
 from strikewave.base.errors import InputError, nearest, show
 from strikewave.base.texts import first_few, frequency_text, percent
 from strikewave.records.budget import Budget
-from strikewave.records.calibration import Calibration, calibrated, calibration_of, laid_over
+from strikewave.records.calibration import ChannelCalibration, calibrated, calibration_of, laid_over
 from strikewave.records.clock import even
 from strikewave.records.health import examine
 from strikewave.records.health.ringing import ringing
@@ -87,7 +87,7 @@ class ChannelReading:
         Its blows.
     findings : tuple of HealthNotice
         Its health.
-    calibration : Calibration
+    calibration : ChannelCalibration
         Calibration that made SI of the file's numbers.
     unfiltered : tuple of RecordedPulse
         The blows before the filter; empty where there is none.
@@ -101,7 +101,7 @@ class ChannelReading:
     number: int
     pulses: tuple[RecordedPulse, ...]
     findings: tuple[HealthNotice, ...]
-    calibration: Calibration
+    calibration: ChannelCalibration
     unfiltered: tuple[RecordedPulse, ...] = ()
     responses: tuple[MeasuredResponse, ...] = ()
     uncertainties: tuple[BlowUncertainty, ...] = ()
@@ -208,7 +208,7 @@ class FileReading:
         ]
 
 
-def read_channel(channel: Channel, number: int, calibration: Calibration, request: Request) -> ChannelReading:
+def read_channel(channel: Channel, number: int, calibration: ChannelCalibration, request: Request) -> ChannelReading:
     """Calibrate a channel, resample it uniformly, find and measure its blows, and examine it."""
     channel, unit_findings = calibrated(channel, calibration, f"calibration of {channel.name}")
     holes = holes_of(channel)
@@ -379,7 +379,7 @@ def _lowered_blows(channel: Channel, place: int, shift: float) -> tuple[Recorded
 
 
 def read_response(
-    channel: Channel, number: int, calibration: Calibration, request: Request, base: ChannelReading
+    channel: Channel, number: int, calibration: ChannelCalibration, request: Request, base: ChannelReading
 ) -> ChannelReading:
     """Calibrate a response channel, resample it uniformly, and measure it against the blows of the base."""
     channel, unit_findings = calibrated(channel, calibration, f"calibration of {channel.name}")

@@ -31,10 +31,10 @@ class SampleStore:
 
     Examples
     --------
-    >>> from strikewave.records.calibration import Calibration
+    >>> from strikewave.records.calibration import ChannelCalibration
     >>> from strikewave.records.reading import ChannelReading, FileReading
     >>> from strikewave.records.record import Channel
-    >>> channel = ChannelReading(Channel("board", np.arange(3.0), 1e-5), 1, (), (), Calibration())
+    >>> channel = ChannelReading(Channel("board", np.arange(3.0), 1e-5), 1, (), (), ChannelCalibration())
     >>> with SampleStore(in_memory=2) as store:
     ...     kept = store.kept(FileReading("a.csv", "text", (channel,)))
     >>> kept.channels[0].channel.values.tolist()

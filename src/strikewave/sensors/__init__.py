@@ -2,9 +2,9 @@
 
 from strikewave.sensors.chain import (
     Accelerometer,
-    Reading,
     Recorder,
     Sensor,
+    SensorReading,
     accelerometer,
     accelerometers,
     oscilloscope,
@@ -18,9 +18,9 @@ __all__ = [
     "Accelerometer",
     "Gasket",
     "Mounting",
-    "Reading",
     "Recorder",
     "Sensor",
+    "SensorReading",
     "accelerometer",
     "accelerometers",
     "insertion_loss",

@@ -142,7 +142,7 @@ def oscilloscope(full_scale: float | None = None) -> Recorder:
     return Recorder(sampling_rate=SCOPE_RATE, bits=SCOPE_BITS, full_scale=full_scale)
 
 
-class Reading(NamedTuple):
+class SensorReading(NamedTuple):
     """What a recorder kept.
 
     Attributes
@@ -210,7 +210,7 @@ def read(
     start: float = 0.0,
     sample_phase: float = 0.0,
     steady: bool = False,
-) -> Reading:
+) -> SensorReading:
     """Return what a sensor and a recorder make of the acceleration of a surface.
 
     In order: mounting and seismic resonance (exact for an acceleration linear between samples), zero shift, the
@@ -267,7 +267,7 @@ def read(
         levels = 2 ** (recorder.bits - 1) - 1
         quantum = full_scale / levels
         values = np.rint(values / full_scale * levels) / levels * full_scale
-    return Reading(start + time, values, peak > sensor.range, recorder_clipped, peak, quantum)
+    return SensorReading(start + time, values, peak > sensor.range, recorder_clipped, peak, quantum)
 
 
 def _sampled(values: Array, step: float, rate: float, phase: float) -> tuple[Array, Array]:

@@ -15,7 +15,7 @@ from strikewave.base.declare import MAIN
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import ACCELERATION, MICROSECONDS, OF_CHANNEL, PULSE_WIDTH, RATIO
 from strikewave.base.texts import percent
-from strikewave.sensors.chain import Reading, Recorder, Sensor, output, read
+from strikewave.sensors.chain import Recorder, Sensor, SensorReading, output, read
 from strikewave.sensors.mounting import RESOLVED, band
 from strikewave.signal.oscillators import interpolate
 from strikewave.signal.pulse import WIDTH_FRACTION, Pulse, largest, measure_pulse
@@ -59,7 +59,7 @@ def settling_time(channel: SensorChannel) -> float:
     return FILTER_PERIODS / channel.recorder.cutoff
 
 
-def still_on(reading: Reading, at_rest: float = 0.0) -> bool:
+def still_on(reading: SensorReading, at_rest: float = 0.0) -> bool:
     """Tell whether a reading stands above a tenth of its peak where it ends: from where it began, from zero, from rest.
 
     ``at_rest`` is what it reads at rest, m/s^2: gravity, where its zero was taken in the fall.
@@ -80,7 +80,7 @@ def sensor_sources(channels: Sequence[SensorChannel]) -> list[str]:
     return ["smallwood-1981", "van-loan-1978", *(["patera-1984", "emmerich-korn-1987"] if buffered else [])]
 
 
-def sensor_pulse(reading: Reading) -> SensorPulse:
+def sensor_pulse(reading: SensorReading) -> SensorPulse:
     """Return peak, width and clipping of a reading."""
     values = reading.values
     if values.size == 0:
@@ -232,7 +232,7 @@ def _close(peak_left: float, width_left: float) -> bool:
     return abs(peak_left - 1.0) <= TOLERATED and not abs(width_left - 1.0) > TOLERATED
 
 
-def _readings(sensor: Sensor, recorder: Recorder, element: Array, step: float) -> Iterator[Reading]:
+def _readings(sensor: Sensor, recorder: Recorder, element: Array, step: float) -> Iterator[SensorReading]:
     """Return what is read of the output of the element, the recorder's instants at several places."""
     if recorder.cutoff >= 0.5 / step:  # above all that the motion holds
         recorder = dataclasses.replace(recorder, cutoff=math.inf)
@@ -241,7 +241,7 @@ def _readings(sensor: Sensor, recorder: Recorder, element: Array, step: float) -
         yield read(rest, recorder, element, step, sample_phase=phase)
 
 
-def _pulse(reading: Reading, shift: float) -> Pulse:
+def _pulse(reading: SensorReading, shift: float) -> Pulse:
     """Return the pulse of a reading, in its samples; nothing where none fell into it. A flat top is no parabola's."""
     values = reading.values - shift
     if values.size < 3 or not values.max() > 0.0:
@@ -250,5 +250,5 @@ def _pulse(reading: Reading, shift: float) -> Pulse:
     return found._replace(peak=float(values.max())) if reading.clipped else found
 
 
-def _interval(reading: Reading, step: float) -> float:
+def _interval(reading: SensorReading, step: float) -> float:
     return float(reading.time[1] - reading.time[0]) if reading.time.size > 1 else step

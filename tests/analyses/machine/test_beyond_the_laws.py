@@ -11,7 +11,7 @@ from strikewave.analyses.machine.build import release
 from strikewave.analyses.machine.observe import observe
 from strikewave.cases.files import bundled_cases
 from strikewave.cases.tables.stack import SensorTable
-from strikewave.sensors import Reading
+from strikewave.sensors import SensorReading
 from strikewave.sensors.trial import still_on
 
 CODES = {
@@ -189,7 +189,9 @@ def test_what_comes_to_rest_in_touch_is_not_called_cut():
 def test_a_reading_of_gravity_at_rest_is_not_called_cut():
     """A sensor zeroed in the fall reads 1 g once it lies: a fifth of a pulse of 5 g, and yet over."""
     time = np.arange(2000) * 1e-5
-    over = Reading(time, np.where(time < 11e-3, 5.0 * G * np.sin(np.pi * time / 11e-3), G), False, False, 5.0 * G, 0.0)
+    over = SensorReading(
+        time, np.where(time < 11e-3, 5.0 * G * np.sin(np.pi * time / 11e-3), G), False, False, 5.0 * G, 0.0
+    )
     assert still_on(over)
     assert not still_on(over, at_rest=G)
 

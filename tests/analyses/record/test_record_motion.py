@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from strikewave.analyses.record.rows import RecordMotion, moved
-from strikewave.records import Calibration, Channel, Request
+from strikewave.records import Channel, ChannelCalibration, Request
 from strikewave.records.reading import read_channel
 from strikewave.signal.motion import IntegratedMotion
 
@@ -25,7 +25,7 @@ def blow():
 
 def motion_of(values):
     channel = Channel("x", values, STEP, unit="m/s^2")
-    return moved("a.csv", read_channel(channel, 1, Calibration(), Request()))
+    return moved("a.csv", read_channel(channel, 1, ChannelCalibration(), Request()))
 
 
 def test_clean_half_sine_moves_by_its_closed_form():
@@ -101,4 +101,4 @@ def test_the_command_gives_histories_and_where_they_end(strikewave):
 
 def test_what_is_no_acceleration_does_not_move():
     channel = Channel("x", blow(), STEP, unit="N")
-    assert moved("a.csv", read_channel(channel, 1, Calibration(), Request())) is None
+    assert moved("a.csv", read_channel(channel, 1, ChannelCalibration(), Request())) is None

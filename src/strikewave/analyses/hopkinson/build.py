@@ -35,7 +35,7 @@ from strikewave.hopkinson import Pulses, Reduction, StressStrainCurve
 from strikewave.hopkinson.bars import Bar, BarMaterial, Bridge, Specimen, StrikerBar, elastic
 from strikewave.hopkinson.pulses import GaugeTrace, quieten
 from strikewave.records import Channel, Options, read_record
-from strikewave.records.calibration import Calibration, known_unit
+from strikewave.records.calibration import ChannelCalibration, known_unit
 from strikewave.records.clock import even
 from strikewave.records.health import examine
 from strikewave.records.health.limits import clipped
@@ -218,17 +218,17 @@ def build_reading(case: HopkinsonCase, table: AccelerometerTable) -> Acceleromet
     return AccelerometerSignal(GaugeTrace(channel.values * factor, channel.step, channel.start), scale.unit, findings)
 
 
-def _calibration(table: AccelerometerTable) -> Calibration:
+def _calibration(table: AccelerometerTable) -> ChannelCalibration:
     """Return what makes an acceleration of an accelerometer's volts, where its sensitivity is stated."""
     voltages = {"excitation": table.excitation, "rated_excitation": table.rated_excitation}
     if not table.sensitivity:
         for key, value in voltages.items():
             if value is not None:
                 raise InputError(f"accelerometer.{key}", value.typed, "nothing without a sensitivity that it scales")
-        return Calibration(table.unit)
+        return ChannelCalibration(table.unit)
     stated: dict[str, Any] = {key: f"{value.si!r} V" for key, value in voltages.items() if value is not None}
     gain = "" if table.gain is None else repr(table.gain.si)
-    return Calibration(table.unit, table.sensitivity, gain, **stated)
+    return ChannelCalibration(table.unit, table.sensitivity, gain, **stated)
 
 
 def _channel(case: HopkinsonCase, table: RecordedTable, path: str) -> tuple[Channel, list[HealthNotice]]:

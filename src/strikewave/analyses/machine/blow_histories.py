@@ -27,7 +27,7 @@ from strikewave.machines.blows import WINDOW_AFTER, WINDOW_BEFORE, Blow, pulse_w
 from strikewave.machines.machine import Machine
 from strikewave.machines.run import MachineRun
 from strikewave.machines.spans import StackSpan
-from strikewave.sensors import Reading, read
+from strikewave.sensors import SensorReading, read
 from strikewave.sensors.trial import SensorChannel, SensorPulse, sensor_pulse, settling_time, shortest_period, still_on
 from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest
@@ -131,7 +131,7 @@ class BlowHistory(NamedTuple):
     force: Array
     speed: Array
     total: Array
-    readings: tuple[Reading, ...]
+    readings: tuple[SensorReading, ...]
     routes: dict[tuple[int, str], Array]
     front: float
     followed: float
@@ -231,7 +231,7 @@ def blow_history(
 
 def _recorded(
     channel: SensorChannel, felt: Array, step: float, start: float, touched: float, launched: bool
-) -> Reading:
+) -> SensorReading:
     """Return what a channel keeps of a history from ``start`` on; a slow recorder may take no sample in it.
 
     ``touched`` is the time of first touch after a sampling instant of the recorder. Before the blow of a launched
@@ -244,7 +244,7 @@ def _recorded(
     at = (touched + start) * rate
     phase = min(math.ceil(at) - at, 1.0 - 1e-9)
     if phase / rate > (felt.size - 1) * step:
-        return Reading(np.empty(0), np.empty(0), False, False, math.nan, 0.0)
+        return SensorReading(np.empty(0), np.empty(0), False, False, math.nan, 0.0)
     return read(channel.sensor, channel.recorder, felt, step, start, phase, steady=launched)
 
 

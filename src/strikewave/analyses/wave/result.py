@@ -40,7 +40,7 @@ from strikewave.reporting.faces import amount, face_rows, face_table, numbers_of
 from strikewave.reporting.numbers import listed, spelled
 from strikewave.reporting.parts import Table
 from strikewave.reporting.shown_result import Curve, history_curve
-from strikewave.sensors import Reading
+from strikewave.sensors import SensorReading
 from strikewave.sensors.trial import SensorChannel, SensorPulse, sensor_pulse
 from strikewave.signal.pulse import largest
 from strikewave.waves import BarRun, Impactor, Tap
@@ -179,7 +179,7 @@ class WaveSolution(CaseResult):
         By tap and route: what the paper's routes say, where the tap lies between two fixtures.
     channels : tuple of SensorChannel
         The sensors.
-    readings : tuple of Reading
+    readings : tuple of SensorReading
         Recorded readings of the sensors; a sensor gets the acceleration before any filter.
     accuracy : (float, float)
         Error bounds of velocity and of acceleration (before any filter) over their largest values at the taps.
@@ -201,7 +201,7 @@ class WaveSolution(CaseResult):
     rigid: Array = field(repr=False)
     routes: dict[tuple[str, str], RouteHistory] = field(repr=False)
     channels: tuple[SensorChannel, ...]
-    readings: tuple[Reading, ...] = field(repr=False)
+    readings: tuple[SensorReading, ...] = field(repr=False)
     accuracy: tuple[float, float]
     layer_stress: tuple[float, ...]
     quoted: bool

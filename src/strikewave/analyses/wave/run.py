@@ -20,7 +20,7 @@ from strikewave.base.result import INFO, BandMethod, Notice
 from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import build_channels, build_stack, build_taps, check_route, need
 from strikewave.reporting.bands import lacking_notices
-from strikewave.sensors import Reading, Recorder, Sensor, read
+from strikewave.sensors import Recorder, Sensor, SensorReading, read
 from strikewave.sensors.trial import SensorChannel, sensor_sources
 from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest, measure_pulse
@@ -135,7 +135,7 @@ def _follow(case: Case, period: float, wanted_routes: Sequence[str]) -> tuple[Wa
     return solution, (Front(rise, peak, bandwidth), extremes, lasting)
 
 
-def _reading(sensor: Sensor, recorder: Recorder, felt: Array, step: float) -> Reading:
+def _reading(sensor: Sensor, recorder: Recorder, felt: Array, step: float) -> SensorReading:
     """Return what a sensor reads of a history that is at rest one step before its first sample.
 
     Where the load begins with a jump of velocity the first sample holds it, and counts from that step on.

@@ -27,7 +27,7 @@ from strikewave.base.shock_quantities import MICROSECONDS, PULSE_WIDTH
 from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import area_of, build_channels, need
 from strikewave.cases.tables.stack import GasketTable, SensorTable
-from strikewave.sensors import Gasket, Mounting, Reading, Recorder, Sensor, accelerometer, read
+from strikewave.sensors import Gasket, Mounting, Recorder, Sensor, SensorReading, accelerometer, read
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.sensors.trial import SensorChannel, shortest_period
 from strikewave.signal.pulse import largest, measure_pulse
@@ -249,7 +249,9 @@ def loads(mounting: Mounting) -> list[tuple[float, Gasket]]:
     return masses[::-1]
 
 
-def reading_of(site: MountingSite, stack: GasketStack, motion: BaseMotion, stiffer: Sequence[float] = ()) -> Reading:
+def reading_of(
+    site: MountingSite, stack: GasketStack, motion: BaseMotion, stiffer: Sequence[float] = ()
+) -> SensorReading:
     """Return what the recorder keeps of a blow with a stack under the sensor.
 
     Raises
@@ -260,7 +262,7 @@ def reading_of(site: MountingSite, stack: GasketStack, motion: BaseMotion, stiff
     return read_on(site, site.mounting(stack, stiffer), motion)
 
 
-def read_on(site: MountingSite, mounting: Mounting, motion: BaseMotion) -> Reading:
+def read_on(site: MountingSite, mounting: Mounting, motion: BaseMotion) -> SensorReading:
     """Return what the recorder keeps of a blow on a mounting."""
     recorder = site.channel.recorder
     phase = motion.phase(recorder.sampling_rate)
@@ -408,7 +410,7 @@ def blows_of(
     return Blows(motions, _chosen(blow, motions), warnings, observed.machine.struck.assembly_mass, verdict)
 
 
-def _motion(name: str, reading: Reading) -> BaseMotion:
+def _motion(name: str, reading: SensorReading) -> BaseMotion:
     """Return the motion that an ideal sensor read."""
     time = reading.time
     step = float(time[-1] - time[0]) / (time.size - 1)

@@ -26,7 +26,7 @@ from strikewave.reporting.faces import columns_of
 from strikewave.reporting.measured_files import UNKNOWN
 from strikewave.reporting.numbers import hertz
 from strikewave.reporting.shown_result import Curve, ShownResult, history_curve
-from strikewave.sensors import Reading
+from strikewave.sensors import SensorReading
 from strikewave.sensors.mounting import RESOLVED
 from strikewave.sensors.trial import SensorChannel, channel_notices, sensor_pulse, sensor_sources
 from strikewave.studies.buffer.mounting_site import (
@@ -235,7 +235,7 @@ class BufferStudy(ShownResult):
         """The sensor without gaskets."""
         return next(candidate for candidate in self.candidates if not candidate.stack)
 
-    def reading(self, candidate: BufferCandidate) -> Reading:
+    def reading(self, candidate: BufferCandidate) -> SensorReading:
         """Return what the recorder keeps with a stack."""
         return reading_of(self.site, candidate.stack, self.motion)
 

@@ -18,7 +18,7 @@ from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.errors import MISSING, InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.shock_quantities import LENGTH, PULSE_WIDTH, RATIO, STRESS
-from strikewave.sensors import Mounting, Reading, Sensor, output
+from strikewave.sensors import Mounting, Sensor, SensorReading, output
 from strikewave.sensors.mounting import PassBand, band
 from strikewave.sensors.trial import sensor_pulse
 from strikewave.signal.motion import integral
@@ -239,7 +239,7 @@ class BufferCandidate:
         return self.leading is not None and self.leading.robust
 
 
-def true_peak(reading: Reading) -> float:
+def true_peak(reading: SensorReading) -> float:
     """Return the largest magnitude of a reading; of the element where the reading is cut off, m/s^2.
 
     Examples
@@ -287,7 +287,7 @@ def assess_mounting(
     )
 
 
-def _velocity(reading: Reading, motion: BaseMotion, resonance: float) -> tuple[float, float]:
+def _velocity(reading: SensorReading, motion: BaseMotion, resonance: float) -> tuple[float, float]:
     """Return how far the velocity change is off at the end, and half its swing in the last period, both relative."""
     change = motion.velocity_change
     if abs(change) <= SMALL_CHANGE * float(np.sum(np.abs(motion.acceleration))) * motion.step or reading.time.size < 2:

@@ -88,7 +88,7 @@ class RecordRequest(NamedTuple):
         if given.keys() & {"high_pass", "ac_coupling"} and "filter" in given:
             low_pass = given.pop("filter").strip()
             given |= {"cfc": low_pass[3:]} if low_pass.upper().startswith("CFC") else {"cutoff": low_pass}
-        plain = {key: given[key] for key in ("unit", "rate", "filter") if key in given}
+        plain: dict[str, Any] = {key: given[key] for key in ("unit", "rate", "filter") if key in given}
         groups = {group: {key: given[key] for key in keys if key in given} for group, (_, keys) in GROUPS.items()}
         channels: dict[str, Any] = {"channels": [self.channel]} if self.channel else {}
         return {**channels, **plain, **{group: values for group, values in groups.items() if values}}
