@@ -18,7 +18,7 @@ from strikewave.base.texts import percent
 from strikewave.cases.case import Case, RotaryTables
 from strikewave.cases.contact_of_case import face_contact, or_else, refuse_sliding
 from strikewave.cases.stack_of_case import build_stack, build_taps
-from strikewave.cases.tables.machine import AnyObject, FeedTable, LaunchedTable, OwnStriker, RotaryTable
+from strikewave.cases.tables.machine import AnyObject, LaunchedTable, OwnStriker, RotaryTable
 from strikewave.contact import AnyContact
 from strikewave.machines import Arm, Feed, Launch, Machine, RotaryDrive, Striker, Strikers, StruckObject, Turntable
 from strikewave.machines import Striker as BuiltStriker
@@ -36,9 +36,7 @@ def build_machine(case: Case) -> Machine:
     return build_launched(case, kind) if isinstance(kind, LaunchedKind) else build_rotary(case)
 
 
-LONGEST_FOLLOWED = 10.0
-"""How long rebounds are followed where the case does not say, s: chosen; a ball let go at 1 m that keeps 0.8 of its
-speed rests after 4 s."""
+LONGEST_FOLLOWED = 10.0  # s of rebounds where the case states none: a ball let go at 1 m with e = 0.8 rests after 4 s
 
 
 def build_launched(case: Case, kind: LaunchedKind) -> Machine:
@@ -48,12 +46,13 @@ def build_launched(case: Case, kind: LaunchedKind) -> Machine:
     layered = layered_object(case)
     bodies = object_bodies(case, layered)
     mass = bodies.nose_mass + bodies.assembly_mass
-    start = kind.release(case, mass)
+    start, object_falls = kind.release(case, mass), kind.falls in ("object", "both")
     lines = [str(error) for error in (*kind.inconsistencies(case), *_inconsistencies(kind, case, start, mass))]
     if lines:
         raise InputErrors(lines)
     face = material(struck.material, "object.material")
-    gravity = _gravity(struck, kind)
+    # an object that falls on what strikes it falls against the blow
+    gravity = or_else(struck.gravity, -STANDARD_GRAVITY if object_falls else 0.0)
     flying = Striker(
         mass=striker.mass.si,
         mount_stiffness=or_else(striker.mount_stiffness, 0.0),
@@ -62,14 +61,14 @@ def build_launched(case: Case, kind: LaunchedKind) -> Machine:
     )
     return Machine(
         strikers=Strikers((flying,), contact.slowest_approach.si, contact.yields == "face"),
-        struck=_object(struck, bodies, gravity, kind.falls in ("object", "both")),
+        struck=_object(struck, bodies, gravity, object_falls),
         start=_launch(start, kind, gravity),
         layered=layered,
     )
 
 
 def release(case: Case, mass: float | None = None) -> Release:
-    """Return how the machine of a case comes to first touch; ``mass`` is that of the object where it is known, kg.
+    """Return the release of the machine of a case; ``mass`` is that of the object where it is known, kg.
 
     Examples
     --------
@@ -91,58 +90,39 @@ def line_collisions(start: Release) -> tuple[LineCollision, ...]:
     """Return the collisions of a release by the names of its bodies; none where there is no line of bodies."""
     if start.line is None:
         return ()
+    bodies, rows = start.bodies, start.line.collisions
     return tuple(
-        LineCollision(
-            time=c.time,
-            lower=start.bodies[c.pair],
-            upper=start.bodies[c.pair + 1],
-            lower_before=c.before[0],
-            upper_before=c.before[1],
-            lower_after=c.after[0],
-            upper_after=c.after[1],
-            impulse=c.impulse,
-            energy_lost=c.energy_lost,
-        )
-        for c in start.line.collisions
+        LineCollision(c.time, bodies[c.pair], bodies[c.pair + 1], *c.before, *c.after, c.impulse, c.energy_lost)
+        for c in rows
     )
-
-
-def _gravity(struck: AnyObject, kind: LaunchedKind) -> float:
-    """Return gravity along the blow on the object: against the blow where it falls on what strikes it."""
-    return or_else(struck.gravity, -STANDARD_GRAVITY if kind.falls in ("object", "both") else 0.0)
 
 
 def _launch(start: Release, kind: LaunchedKind, gravity: float) -> Launch:
     """Return the start, `BEFORE_TOUCH` of a touch with the speeds of a release; gravity acts from there on."""
-    dt = BEFORE_TOUCH
+    dt, pendulum, arm, rebounds = BEFORE_TOUCH, start.pendulum, None, None
     if kind.falls == "both":  # alike, whichever way they go
         speeds, pull = (start.striker - gravity * dt, start.object - gravity * dt), gravity
     else:
         pull = STANDARD_GRAVITY if kind.falls == "striker" else 0.0
         speeds = _before(start.striker, pull, dt), _before(start.object, gravity, dt)
-    return Launch(*speeds, _arm(start), pull, start.travel, longest_followed(kind), _rebounds(kind))
+    if pendulum is not None:  # slower than at first touch by what its weight still gives it
+        weight = pendulum.mass * STANDARD_GRAVITY * pendulum.centre
+        left = 1.0 - math.cos(start.arm * dt)
+        speed = math.sqrt(start.arm**2 - 2.0 * weight / pendulum.inertia * left)
+        arm = Arm(pendulum.inertia, pendulum.radius, speed, weight)
+    if _rebounds(kind):
+        rebounds = Rebounds(int(or_else(kind.brake_after, 1.0)) if kind.until == "brake" else None)
+    return Launch(*speeds, arm, pull, start.travel, longest_followed(kind), rebounds)
+
+
+def _rebounds(kind: LaunchedTable) -> bool:
+    """Tell whether a machine is followed over its rebounds."""
+    return kind.until not in (None, "time")
 
 
 def longest_followed(kind: LaunchedTable) -> float:
-    """Return how long a machine is followed after first touch at most, s."""
-    return kind.follow.si if kind.until in (None, "time") else or_else(kind.longest, LONGEST_FOLLOWED)
-
-
-def _rebounds(kind: LaunchedTable) -> Rebounds | None:
-    """Return how far a machine is followed over its rebounds, if it is."""
-    if kind.until in (None, "time"):
-        return None
-    return Rebounds(int(or_else(kind.brake_after, 1.0)) if kind.until == "brake" else None)
-
-
-def _arm(start: Release) -> Arm | None:
-    """Return the arm, slower than at first touch by what its weight still gives it."""
-    arm = start.pendulum
-    if arm is None:
-        return None
-    weight = arm.mass * STANDARD_GRAVITY * arm.centre
-    left = 1.0 - math.cos(start.arm * BEFORE_TOUCH)
-    return Arm(arm.inertia, arm.radius, math.sqrt(start.arm**2 - 2.0 * weight / arm.inertia * left), weight)
+    """Return the longest time for which a machine is followed after first touch, s."""
+    return or_else(kind.longest, LONGEST_FOLLOWED) if _rebounds(kind) else kind.follow.si
 
 
 def _before(speed: float, gravity: float, time: float) -> float:
@@ -151,7 +131,7 @@ def _before(speed: float, gravity: float, time: float) -> float:
 
 
 def _object(struck: AnyObject, bodies: Bodies, gravity: float, falls: bool) -> StruckObject:
-    """Return the object with what holds it; what is left out holds nothing."""
+    """Return the object with its supports; a support that is left out holds nothing."""
     return StruckObject(
         *bodies,
         spring=or_else(struck.spring, 0.0),
@@ -167,7 +147,7 @@ def _object(struck: AnyObject, bodies: Bodies, gravity: float, falls: bool) -> S
 
 
 def _inconsistencies(kind: LaunchedKind, case: Case, start: Release, mass: float) -> Iterator[InputError]:
-    """Yield an error for each thing that does not fit together in a machine without a drive, of whatever kind."""
+    """Yield an error for each pair of values that does not fit together in a machine without a drive of any kind."""
     struck = case.impact().object
     if struck.stiction is not None and struck.stiction.si < or_else(struck.friction, 0.0):
         allowed = f"at least object.friction ({or_else(struck.friction, 0.0):g} N)"
@@ -175,32 +155,22 @@ def _inconsistencies(kind: LaunchedKind, case: Case, start: Release, mass: float
     samples = longest_followed(kind) / case.solver.output_step.si
     if samples > MOST_SAMPLES:
         allowed = f"a step that keeps the run below {MOST_SAMPLES:.0e} samples (here {samples:.1e})"
-        field = "machine.follow" if _rebounds(kind) is None else "machine.longest"
+        field = "machine.longest" if _rebounds(kind) else "machine.follow"
         yield InputError("solver.output_step", case.solver.output_step.typed, allowed, f"or a shorter {field}")
     if kind.brake_after is not None and kind.until != "brake":
         allowed = 'only with machine.until = "brake": nothing else brakes'
         yield InputError("machine.brake_after", kind.brake_after.typed, allowed, "remove it")
-    if kind.longest is not None and _rebounds(kind) is None:
+    if kind.longest is not None and not _rebounds(kind):
         allowed = 'only with machine.until = "rest" or "brake"'
         yield InputError("machine.longest", kind.longest.typed, allowed, "machine.follow is the time after first touch")
-    if start.object != 0.0:
-        yield from _moving_inconsistencies(struck, kind.falls == "both")
-    else:
-        yield from _resting_inconsistencies(struck, mass)
-
-
-def _moving_inconsistencies(struck: AnyObject, falls_alike: bool) -> Iterator[InputError]:
-    """Yield an error for each support of an object that comes through the air, or for its own gravity in a line."""
-    for key in ("spring", "preload", "damper", "stop_stiffness", "stop_restitution"):
-        value = getattr(struck, key)
-        if value is not None:
-            yield InputError(f"object.{key}", value.typed, "none: nothing holds an object that moves", "remove it")
-    if falls_alike and struck.gravity is not None:
-        yield InputError("object.gravity", struck.gravity.typed, "none: the whole line falls alike", "remove it")
-
-
-def _resting_inconsistencies(struck: AnyObject, mass: float) -> Iterator[InputError]:
-    """Yield an error for each load on an object at rest that nothing bears."""
+    if start.object != 0.0:  # it comes through the air: it has no support, and in a line no gravity of its own
+        for key in ("spring", "preload", "damper", "stop_stiffness", "stop_restitution"):
+            value = getattr(struck, key)
+            if value is not None:
+                yield InputError(f"object.{key}", value.typed, "none: nothing holds an object that moves", "remove it")
+        if kind.falls == "both" and struck.gravity is not None:
+            yield InputError("object.gravity", struck.gravity.typed, "none: the whole line falls alike", "remove it")
+        return
     if struck.stop_stiffness is not None:
         weight = mass * or_else(struck.gravity, 0.0)
         if or_else(struck.preload, 0.0) <= weight:
@@ -216,26 +186,18 @@ def _resting_inconsistencies(struck: AnyObject, mass: float) -> Iterator[InputEr
 
 
 def guided_fall(height: Value, friction: Value | None, mass: float) -> tuple[float, float, float]:
-    """Return speed (m/s), time (s) and energy (J) of a fall from rest along a guide, its friction a share of weight.
-
-    Raises
-    ------
-    InputErrors
-        If the friction is no such share.
-    """
+    """Return speed (m/s), time (s) and energy (J) of a fall from rest along a guide, its friction a share of weight."""
     share = or_else(friction, 0.0)
     speed = float(checked("machine.friction", lambda: fall_speed(height.si, friction=share)))
     return speed, 2.0 * height.si / speed, 0.5 * mass * speed**2
 
 
 T = TypeVar("T")
-
-
 TableT = TypeVar("TableT", bound=BaseModel)
 
 
 def _strikers(tables: RotaryTables) -> Strikers:
-    """Return the strikers, each with what it has for itself."""
+    """Return the strikers, each with its own values where it has some."""
     face, count = material(tables.object.material, "object.material"), int(tables.machine.strikers.si)
     own: dict[int, OwnStriker] = {}
     for row in tables.striker.each:
@@ -244,9 +206,8 @@ def _strikers(tables: RotaryTables) -> Strikers:
             allowed = f"each of the strikers 1 to {count} once at most"
             raise InputError(f"striker.each.{number}.number", row.number.typed, allowed)
         own[number] = row
-    common = face_contact(tables.striker, tables.contact, face)
-    each = tuple(_striker(tables, own.get(number), common, face) for number in range(1, count + 1))
-    contact = tables.contact
+    contact, common = tables.contact, face_contact(tables.striker, tables.contact, face)
+    each = tuple([_striker(tables, own.get(number), common, face) for number in range(1, count + 1)])
     return Strikers(
         each,
         contact.slowest_approach.si,
@@ -257,7 +218,7 @@ def _strikers(tables: RotaryTables) -> Strikers:
 
 
 def _striker(tables: RotaryTables, own: OwnStriker | None, common: AnyContact, face: Material) -> BuiltStriker:
-    """Return one striker, as all are or with what it has for itself."""
+    """Return one striker, as all are or with its own values."""
     given = {key: value for key, value in own or () if isinstance(value, Value)}
     table, pair = _with_own(tables.striker, given), _with_own(tables.contact, given)
     its_own = bool({"nose_radius", "contact_length", "restitution"} & given.keys())
@@ -271,42 +232,33 @@ def _with_own(table: TableT, given: dict[str, Value]) -> TableT:
     return table.model_copy(update={key: value for key, value in given.items() if key in type(table).model_fields})
 
 
-def _turntable(table: RotaryTable) -> Turntable:
-    """Return the turntable; motor and belt as it would have them."""
-    return _filled(
-        Turntable,
-        table,
-        motor_inertia=or_else(table.motor_inertia, 0.0) * or_else(table.belt_ratio, 1.0) ** 2,
-        belt_stiffness=or_else(table.belt_stiffness, math.inf),
-        belt_damping=or_else(table.belt_damping, 0.0),
-        ripple=or_else(table.speed_ripple, 0.0),
-        ripple_order=or_else(table.ripple_order, 1.0),
-        ripple_phase=or_else(table.ripple_phase, 0.0),
-    )
-
-
 def build_rotary(case: Case) -> Machine:
     """Turn a case of the rotary machine into the machine that runs; see `build_machine`."""
-    tables = case.rotary_tables()
-    layered = layered_object(case)
-    bodies = object_bodies(case, layered)
+    tables, layered = case.rotary_tables(), layered_object(case)
+    drive, feed = tables.machine, tables.feed
+    turntable = _filled(
+        Turntable,
+        drive,
+        motor_inertia=or_else(drive.motor_inertia, 0.0) * or_else(drive.belt_ratio, 1.0) ** 2,  # as at the turntable
+        belt_stiffness=or_else(drive.belt_stiffness, math.inf),
+        belt_damping=or_else(drive.belt_damping, 0.0),
+        ripple=or_else(drive.speed_ripple, 0.0),
+        ripple_order=or_else(drive.ripple_order, 1.0),
+        ripple_phase=or_else(drive.ripple_phase, 0.0),
+    )
+    strokes = _filled(
+        Feed,
+        feed,
+        blows=int(feed.blows.si),
+        acceleration=or_else(feed.acceleration, 0.5),
+        cushion=or_else(feed.cushion, 0.5),
+        hold=or_else(feed.hold, math.inf),
+    )
+    angle, width = or_else(drive.blow_angle, 0.0), or_else(drive.face_width, math.inf)
     machine = Machine(
         strikers=_strikers(tables),
-        struck=_filled(
-            StruckObject,
-            tables.object,
-            **bodies._asdict(),
-            friction=or_else(tables.object.friction, 0.0),
-            stiction=None if tables.object.stiction is None else tables.object.stiction.si,
-            falls=False,
-        ),
-        start=RotaryDrive(
-            turntable=_turntable(tables.machine),
-            feed=_feed(tables.feed),
-            engagement=tables.machine.engagement.si,
-            blow_angle=or_else(tables.machine.blow_angle, 0.0),
-            face_width=or_else(tables.machine.face_width, math.inf),
-        ),
+        struck=_object(tables.object, object_bodies(case, layered), tables.object.gravity.si, falls=False),
+        start=RotaryDrive(turntable, strokes, drive.engagement.si, angle, width),
         layered=layered,
     )
     lines = [str(error) for error in rotary_inconsistencies(case, machine)]
@@ -321,25 +273,10 @@ def _filled(kind: type[T], table: BaseModel, **others: Any) -> T:
     return kind(**{name: others[name] if name in others else getattr(table, name).si for name in names})
 
 
-def _feed(table: FeedTable) -> Feed:
-    return _filled(
-        Feed,
-        table,
-        blows=int(table.blows.si),
-        acceleration=or_else(table.acceleration, 0.5),
-        cushion=or_else(table.cushion, 0.5),
-        hold=or_else(table.hold, math.inf),
-    )
-
-
-MOST_SAMPLES = 2e6
-"""Samples of the whole train beyond which a solution is refused."""
-LONGEST_INTERVAL = 0.5
-"""Longest time between strikers, s: the bodies between two blows are followed in full."""
-LARGEST_STRETCH = 0.1
-"""Share of the radius by which a striker may stretch its mount at set speed."""
-FASTEST_BELT = 1e5
-"""Highest rate at which turntable and motor may swing on the belt, rad/s: beyond it the belt is rigid."""
+MOST_SAMPLES = 2e6  # of the whole train: 16 MB a history; more is refused
+LONGEST_INTERVAL = 0.5  # s between strikers: the bodies between two blows are followed in full, which then takes long
+LARGEST_STRETCH = 0.1  # share of the radius by which a mount may stretch at set speed: the path is taken as a circle
+FASTEST_BELT = 1e5  # rad/s at which turntable and motor may swing on the belt: beyond it the belt is rigid
 
 
 def rotary_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]:
@@ -352,7 +289,7 @@ def rotary_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]
 
 
 def reach_beyond(machine: Machine, striker: Striker) -> float:
-    """Return how far a nose reaches beyond its place at the strike position while it is over the face, m.
+    """Return the reach of a nose beyond its place at the strike position while it is over the face, m.
 
     The largest f = R cos u - R0 cos a over the places s = R sin u + R0 sin a from the middle of the face: at its
     apex u = 0 if that lies over the face, else at the edge that it leaves by.
@@ -394,40 +331,30 @@ def _strike_inconsistencies(m: RotaryTable, machine: Machine) -> Iterator[InputE
         yield InputError("machine.face_width", m.face_width.typed, allowed)
 
 
-def _of(case: Case, number: int, key: str) -> str:
-    """Return the path of a value of one striker: its own where it has one, else that of all."""
-    rows = {int(row.number.si): row for row in case.rotary_tables().striker.each}
-    own = number in rows and getattr(rows[number], key) is not None
-    return f"striker.each.{number}.{key}" if own else f"striker.{key}"
-
-
-def _typed(case: Case, path: str) -> object:
-    value = case.values().get(path)
-    return MISSING if value is None else value.typed
-
-
 def _striker_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]:
     """Yield an error for each striker that its mount cannot hold, or that stands in another's place."""
     w, radius, half = machine.drive.turntable.speed, machine.radius, 0.5 * machine.pitch
-    lasts = 0.0
+    lasts, values = 0.0, case.values()
     if abs(math.cos(machine.drive.blow_angle) - machine.engagement / radius) <= 1.0:
         lasts = max(abs(machine.drive.first_touch), machine.drive.leaves)
     named: set[str] = set()
     for number, striker in enumerate(machine.strikers.each, start=1):
         stretch = striker.mass * w**2 / striker.mount_stiffness
-        path = _of(case, number, "mount_stiffness")
-        if stretch > LARGEST_STRETCH and path not in named:
-            named.add(path)
-            allowed = (
-                f"enough to hold the striker on its circle (it would stretch by {percent(stretch, 0)} of the radius)"
+        faults = {}
+        if stretch > LARGEST_STRETCH:
+            by = percent(stretch, 0)
+            faults["mount_stiffness"] = (
+                f"enough to hold the striker on its circle (it would stretch by {by} of the radius)"
             )
-            yield InputError(path, _typed(case, path), allowed)
-        path = _of(case, number, "angle_error")
-        beyond = striker.angle_error != 0.0 and abs(striker.angle_error) + lasts >= half
-        if beyond and path not in named:
-            named.add(path)
-            allowed = f"within {max(half - lasts, 0.0):.3g} rad: beyond, a blow falls into the time of the next striker"
-            yield InputError(path, _typed(case, path), allowed)
+        if striker.angle_error != 0.0 and abs(striker.angle_error) + lasts >= half:
+            most = max(half - lasts, 0.0)
+            faults["angle_error"] = f"within {most:.3g} rad: beyond, a blow falls into the time of the next striker"
+        for key, allowed in faults.items():  # of a value of all strikers once, of a striker's own by its number
+            own = f"striker.each.{number}.{key}"
+            path = own if own in values else f"striker.{key}"
+            if path not in named:
+                named.add(path)
+                yield InputError(path, values[path].typed if path in values else MISSING, allowed)
     yield from _overlaps(case, machine)
 
 
@@ -440,7 +367,7 @@ def _overlaps(case: Case, machine: Machine) -> Iterator[InputError]:
         following = (i + 1) % count
         apart = pitch - each[following].angle_error + each[i].angle_error
         chord = 2.0 * machine.radius * math.sin(0.5 * min(max(apart, 0.0), math.pi))
-        both = sum(own.get(k + 1, striker.nose_radius).si for k in (i, following))
+        both = own.get(i + 1, striker.nose_radius).si + own.get(following + 1, striker.nose_radius).si
         if chord <= both:
             allowed = f"fewer, or smaller noses: {i + 1} and {following + 1} overlap "
             allowed += f"({chord * 1e3:.3g} mm from axis to axis, noses of {both * 1e3:.3g} mm together)"
@@ -459,7 +386,7 @@ def _drive_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]
     if interval > LONGEST_INTERVAL:
         allowed = f"a striking interval of at most {LONGEST_INTERVAL:g} s (here {interval:.3g} s)"
         yield InputError("machine.speed", m.speed.typed, allowed, "turn faster, or take more strikers")
-    carried = sum(striker.mass * (disc.radius + striker.reach_error) ** 2 for striker in machine.strikers.each)
+    carried = sum([striker.mass * (disc.radius + striker.reach_error) ** 2 for striker in machine.strikers.each])
     if disc.inertia <= carried:
         allowed = f"more than that of the strikers alone ({carried:.4g} kg m^2)"
         yield InputError("machine.inertia", m.inertia.typed, allowed, "it includes them")
@@ -495,7 +422,7 @@ def _object_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError
 def _feed_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]:
     """Yield an error for a feed that does not clear the strikers, or whose times do not fit."""
     f, feed = case.rotary_tables().feed, machine.drive.feed
-    beyond = max(reach_beyond(machine, striker) for striker in machine.strikers.each)
+    beyond = max([reach_beyond(machine, striker) for striker in machine.strikers.each])
     least = machine.engagement + max(beyond, 0.0)
     if feed.stroke <= least:
         allowed = f"more than machine.engagement ({case.rotary_tables().machine.engagement.typed})"
@@ -511,10 +438,8 @@ def _feed_inconsistencies(case: Case, machine: Machine) -> Iterator[InputError]:
         yield InputError("solver.output_step", case.solver.output_step.typed, allowed)
 
 
-FINEST_STEP, COARSEST_STEP = 1e-9, 1e-6
-"""Time steps of a struck stack, s: finer ones take minutes, coarser ones lose the contact."""
-MOST_STACK_BLOWS = 100
-"""Most blows on a stack: about 1 MB of waves is kept of each."""
+FINEST_STEP, COARSEST_STEP = 1e-9, 1e-6  # s, of a struck stack: finer ones take minutes, coarser ones lose the contact
+MOST_STACK_BLOWS = 100  # about 1 MB of waves is kept of each
 _OF_BODIES = ("mass", "nose_mass", "frame_stiffness", "frame_damping")
 
 
@@ -585,17 +510,18 @@ def layered_object(case: Case) -> LayeredObject | None:
 
 
 def object_bodies(case: Case, layered: LayeredObject | None) -> Bodies:
-    """Return nose, frame and assembly: as the case gives them, or as they follow from the stack."""
+    """Return nose, frame and assembly, as stated in the case or as they follow from the stack."""
     if layered is not None:
         return Bodies(layered.nose_mass, layered.assembly_mass, layered.frame_stiffness, layered.frame_damping)
     table = case.impact().object
     if table.assembly:
         raise InputError("object.assembly", table.assembly, "only where the object is a stack", "add [[stack.layer]]")
-    missing = [f"object.{key}: missing; add {key}, or describe the object by [[stack.layer]]" for key in _OF_BODIES]
-    missing = [line for line, key in zip(missing, _OF_BODIES, strict=True) if getattr(table, key) is None]
+    missing = [key for key in _OF_BODIES if getattr(table, key) is None]
     if missing:
-        raise InputErrors(missing)
-    mass, nose, stiffness, damping = (getattr(table, key) for key in _OF_BODIES)
+        raise InputErrors(
+            [f"object.{key}: missing; add {key}, or describe the object by [[stack.layer]]" for key in missing]
+        )
+    mass, nose, stiffness, damping = [getattr(table, key) for key in _OF_BODIES]
     if nose.si >= mass.si:
         raise InputError("object.nose_mass", nose.typed, f"less than object.mass ({mass.typed})")
     return Bodies(nose.si, mass.si - nose.si, stiffness.si, damping.si)
