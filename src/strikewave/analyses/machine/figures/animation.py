@@ -77,9 +77,7 @@ NOTE = (
 def machine_page(solution: Solution) -> str | None:
     """Return a page that shows a run of the rotary machine; None for any other case.
 
-    Turntable, object and feed move, whole and close up, above contact force and rigid-body acceleration. The reader
-    chooses the whole run or one blow, and how much slower than the machine it plays. It stands alone, and
-    begins to play unless the reader asks for less motion.
+    The reader chooses the whole run or one blow, and how much slower than the machine it plays.
 
     Examples
     --------
@@ -98,8 +96,8 @@ def machine_animation(motion: MachineMotion) -> Animation:
     (second, milli), (metre, place) = axis_unit("s", "ms"), axis_unit("m", "mm")
     views = [PlayedSpan("whole", "whole run", motion.time[[0, -1]])]
     views += [
-        PlayedSpan(str(k), f"blow {one.blow.index} ({one.blow.kind})", np.array([one.begin, one.end]))
-        for k, one in enumerate(near)
+        PlayedSpan(str(k), f"blow {row.blow.index} ({row.blow.kind})", np.array([row.begin, row.end]))
+        for k, row in enumerate(near)
     ]
     return Animation(
         kicker="The machine in motion",
@@ -144,8 +142,9 @@ def machine_animation(motion: MachineMotion) -> Animation:
 def _panels(motion: MachineMotion) -> list[Panel]:
     """Return contact force, rigid-body acceleration and turntable speed, those of each blow sampled more finely."""
     near = motion.near
-    forces = [_history(motion.force), *(_history(one.force, one.begin) for one in near)]
-    accelerations = [_history(motion.acceleration), *(_history(one.acceleration, one.begin) for one in near)]
+    forces, accelerations = [PlayedHistory(*motion.force, 0.0)], [PlayedHistory(*motion.acceleration, 0.0)]
+    forces += [PlayedHistory(*row.force, row.begin) for row in near]
+    accelerations += [PlayedHistory(*row.acceleration, row.begin) for row in near]
     (newton, force_unit), (size, unit) = axis_unit("N", "kN"), axis_unit("m/s^2", "g")
     least = LEAST_SPEED_SPAN * float(np.abs(motion.speed).max())
     return [
@@ -177,10 +176,6 @@ def _panels(motion: MachineMotion) -> list[Panel]:
     ]
 
 
-def _history(trace: TimeHistory, begin: float = 0.0) -> PlayedHistory:
-    return PlayedHistory(trace.time, trace.values, begin)
-
-
 def _shapes(made: Outlines) -> list[Shape]:
     """Return path, outlines and connections from the lowest to the highest, as they cover one another."""
     turn = np.linspace(0.0, 2.0 * np.pi, CIRCLE_CORNERS)
@@ -195,7 +190,7 @@ def _shapes(made: Outlines) -> list[Shape]:
 
 
 def _shape(outline: Outline, blow_angle: float) -> Shape:
-    """Return an outline with what moves it; one on the disc as it stands where the turntable's angle is 0."""
+    """Return an outline with the track that moves it; one on the disc as it stands at the turntable's angle 0."""
     fill, edge, width = LOOKS[outline.look]
     if outline.group != DISC:
         ends = ((0.0, _track(outline.group)), (1.0, _track(outline.group)))
@@ -206,7 +201,7 @@ def _shape(outline: Outline, blow_angle: float) -> Shape:
 
 def _lines(connection: Connection) -> Sequence[Shape]:
     """Return the lines of a spring, damper or rod, which stretch between two parts."""
-    begin, end = ((at, _track(group)) for at, group in zip(connection.ends, connection.groups, strict=True))
+    begin, end = [(at, _track(group)) for at, group in zip(connection.ends, connection.groups, strict=True)]
     return [Shape(line, edge="#4a4a4a", width=1.3, closed=False, ends=(begin, end)) for line in connection.lines]
 
 
@@ -216,7 +211,7 @@ def _track(group: str) -> str:
 
 
 def near_limits(made: Outlines) -> tuple[float, float, float, float]:
-    """Return what the close-up of a moving machine takes: a little more than that of the drawing, m."""
+    """Return the limits of the close-up of a moving machine: a little more than those of the drawing, m."""
     left, right, bottom, top = close_limits(made.geometry)
     more = 0.15 * (right - left)
     return left - 0.2 * more, right + 1.8 * more, bottom - more, top + more
@@ -225,11 +220,11 @@ def near_limits(made: Outlines) -> tuple[float, float, float, float]:
 def frame_times(motion: MachineMotion) -> tuple[Array, NDArray[np.bool_]]:
     """Return the times of a GIF's frames, s, and which of them belong to the slow motion through the first blow."""
     last = float(motion.time[-1])
-    struck = [one for one in motion.near if one.blow.kind != "missed"]
-    if not struck:
+    struck = motion.near_struck
+    if struck is None:
         times = np.linspace(0.0, last, BEFORE_BLOW + IN_BLOW + AFTER_BLOW)
         return times, np.zeros(times.size, bool)
-    first = struck[0].blow.time
+    first = struck.blow.time
     slow = np.linspace(max(first - SLOW[0], 0.0), min(first + SLOW[1], last), IN_BLOW)
     before = np.linspace(0.0, slow[0], BEFORE_BLOW, endpoint=False)
     after = np.linspace(slow[-1], last, AFTER_BLOW + 1)[1:]
@@ -237,17 +232,7 @@ def frame_times(motion: MachineMotion) -> tuple[Array, NDArray[np.bool_]]:
 
 
 def write_machine_gif(solution: Solution, path: Path, progress: Callable[[float], None] | None = None) -> None:
-    """Write a run of the rotary machine as a GIF, slow through the first blow.
-
-    Parameters
-    ----------
-    solution : Solution
-        Solution of a rotary machine.
-    path : Path
-        Where it is written.
-    progress : callable, optional
-        Called with the share that is done, 0 to 1.
-    """
+    """Write a run of the rotary machine as a GIF, slow through the first blow."""
     motion = machine_motion(solution)
     if motion is None:
         raise ValueError("only a rotary machine can be shown")
@@ -264,7 +249,7 @@ def write_machine_gif(solution: Solution, path: Path, progress: Callable[[float]
 
 
 def _moving(motion: MachineMotion, title: str) -> tuple[Figure, Callable[[float, bool, float], None]]:
-    """Return a figure of machine, close-up and histories, and what brings it to a time."""
+    """Return a figure of machine, close-up and histories, and the function that brings it to a time."""
     figure = Figure(figsize=_SIZE, dpi=_DPI)
     figure.suptitle(textwrap.fill(printable(title), 90), x=0.01, y=0.995, ha="left", fontsize=10, parse_math=False)
     whole, scale = view(figure, (0.05, 2.6, 5.2, 2.95), whole_limits(motion.made))
@@ -273,7 +258,7 @@ def _moving(motion: MachineMotion, title: str) -> tuple[Figure, Callable[[float,
     close.patch.set_visible(True)
     panels = [figure.add_axes((0.085, bottom, 0.9, 0.125)) for bottom in (0.25, 0.075)]
     clock = figure.text(0.01, 0.418, "", fontsize=9, family="monospace")
-    struck = next((one for one in motion.near if one.blow.kind != "missed"), None)
+    struck = motion.near_struck
     drawn: list[Any] = []
     cursors: list[Any] = []
     before: list[bool] = []
@@ -318,10 +303,7 @@ def _draw_histories(panels: Any, motion: MachineMotion, near: NearBlow | None) -
 
 
 def frame_words(motion: MachineMotion, time: float, slowed: float) -> str:
-    """Say when a frame is, which blow was the last, how fast the turntable turns, and how much slower it is shown.
-
-    Time and speed are those of the solution.
-    """
+    """Return the words below a frame: time, last blow, speed of the turntable, place of the face, slowness."""
     done = [blow for blow in motion.blows if blow.time <= time]
     blow = f"blow {done[-1].index}" if done else "no blow yet"
     turns = in_unit(float(np.interp(time, motion.time, motion.speed)), "rad/s", "rpm")
@@ -354,12 +336,12 @@ class TimeHistory(NamedTuple):
     values: Array
 
     def at(self, time: float) -> float:
-        """Return the value at a time, on the line between its neighbours."""
+        """Return the value at a time, interpolated."""
         return float(np.interp(time, self.time, self.values)) if self.time.size else 0.0
 
 
 class NearBlow(NamedTuple):
-    """A blow from near by: what it was, when it is shown, contact force (N) and rigid-body acceleration (m/s^2)."""
+    """A blow from near by: the time in which it is shown, contact force (N) and rigid-body acceleration (m/s^2)."""
 
     blow: Blow
     begin: float
@@ -370,24 +352,10 @@ class NearBlow(NamedTuple):
 
 @dataclass(frozen=True)
 class MachineMotion:
-    """A run as it moves.
+    """A run as it moves: outlines of the parts, and their tracks at times (s after the valve signal).
 
-    Attributes
-    ----------
-    made : Outlines
-        Outlines of the parts that are drawn.
-    time : ndarray
-        Times at which places are kept, s after the valve signal.
-    angle, speed : ndarray
-        Angle and speed of the turntable, rad and rad/s.
-    nose, assembly, carriage : ndarray
-        Places, m; see `Pose`.
-    force, acceleration : TimeHistory
-        Contact force and rigid-body acceleration over the whole run.
-    blows : tuple of Blow
-        All of them.
-    near : tuple of NearBlow
-        Those that can be looked at closely.
+    Angle and speed are those of the turntable, rad and rad/s; nose, assembly and carriage places, m, as in `Pose`;
+    force and acceleration the histories of the whole run; ``near`` holds the blows that are shown closely.
     """
 
     made: Outlines
@@ -403,9 +371,14 @@ class MachineMotion:
     near: tuple[NearBlow, ...]
 
     def pose(self, time: float) -> Pose:
-        """Return where everything is at a time."""
+        """Return the pose at a time."""
         tracks = (self.angle, self.nose, self.assembly, self.carriage)
-        return Pose(*(float(np.interp(time, self.time, track)) for track in tracks))
+        return Pose(*[float(np.interp(time, self.time, track)) for track in tracks])
+
+    @property
+    def near_struck(self) -> NearBlow | None:
+        """The first blow from near by that touched the object; None where none did."""
+        return next((row for row in self.near if row.blow.kind != "missed"), None)
 
     @property
     def rest(self) -> float:
@@ -414,14 +387,16 @@ class MachineMotion:
 
 
 def machine_motion(solution: Solution) -> MachineMotion | None:
-    """Return what moves in a run of the rotary machine; None for any other case."""
+    """Return a run of the rotary machine as it moves; None for any other case."""
     outline = outlines(solution.case)
     if outline is None:
         return None
     data = solution.arrays
     time = data["time"].values
     near = tuple(_near(solution, row) for row in detailed(solution.blows))
-    rows = _kept_rows(time, near)
+    wanted = [np.linspace(0.0, time[-1], min(WHOLE_PLACES, time.size))]  # evenly over the run, more densely about blows
+    wanted += [np.linspace(row.begin, row.end, BLOW_PLACES) for row in near]
+    rows = np.unique(np.searchsorted(time, np.concatenate(wanted)).clip(0, time.size - 1))
     return MachineMotion(
         made=outline,
         time=time[rows],
@@ -472,13 +447,5 @@ def _joined(solution: Solution, row: int, shown: tuple[float, float], train: str
     parts += [TimeHistory(*thin(fine[within], pulsed[within], PULSE_COLUMNS))]
     parts += [TimeHistory(*thin(fine[~within], pulsed[~within], REST_COLUMNS))] if not within.all() else []
     parts += [TimeHistory(coarse[coarse > fine[-1]], values[coarse > fine[-1]])]
-    whole = [TimeHistory(*thin(*part, PULSE_COLUMNS)) if part.time.size else part for part in parts]
-    return TimeHistory(np.concatenate([part.time for part in whole]), np.concatenate([part.values for part in whole]))
-
-
-def _kept_rows(time: Array, near: tuple[NearBlow, ...]) -> NDArray[np.int64]:
-    """Return the rows at which places are kept: evenly over the run, more densely about blows."""
-    wanted = [np.linspace(0.0, time[-1], min(WHOLE_PLACES, time.size))]
-    wanted += [np.linspace(one.begin, one.end, BLOW_PLACES) for one in near]
-    rows = np.searchsorted(time, np.concatenate(wanted)).clip(0, time.size - 1)
-    return np.unique(rows)
+    parts = [TimeHistory(*thin(*part, PULSE_COLUMNS)) if part.time.size else part for part in parts]
+    return TimeHistory(np.concatenate([part.time for part in parts]), np.concatenate([part.values for part in parts]))

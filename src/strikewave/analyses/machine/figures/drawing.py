@@ -1,21 +1,14 @@
 """The drawings of machines: a rotary machine, whole and its strike close up, and the schematic of a launched one.
 
-Those of a rotary machine are to scale. A schematic is of symbols, not to scale: a kind of machine draws its own with a
-few of them in a field 10 wide. Each drawing is as wide as a phone shows without scrolling; balloons number the parts,
-whose numbers stand in a table beside it.
-
-The drawings of a rotary machine with its numbers: the whole, and the strike close up. Each is as wide as a phone
-shows without scrolling; the numbers of the parts stand in a table beside them.
-
-A schematic of a launched machine: symbols, not to scale; its parts with their numbers stand in a table beside it. A
-kind draws its own with a few symbols in a field 10 wide; balloons number the parts, as in the drawing of the rotary
-machine.
+Those of a rotary machine are to scale. A schematic is of symbols, not to scale: a kind of machine draws its own in a
+field 10 wide. Each drawing is as wide as a phone shows without scrolling; balloons number the parts, whose numbers
+stand in a table beside it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -92,7 +85,7 @@ def view(
 
 
 def whole_limits(made: Outlines) -> tuple[float, float, float, float]:
-    """Return what the whole machine takes: left, right, bottom, top, m."""
+    """Return the limits of the whole machine: left, right, bottom, top, m."""
     radius, places = made.geometry.radius, made.places
     out = radius + made.geometry.nose_radius + 0.12 * radius
     y, half = made.geometry.strike_position[1], 0.5 * (made.geometry.face_width or 0.0)
@@ -101,7 +94,7 @@ def whole_limits(made: Outlines) -> tuple[float, float, float, float]:
 
 
 def close_limits(geometry: StrikeGeometry) -> tuple[float, float, float, float]:
-    """Return what the strike takes, from first touch to the strike position: left, right, bottom, top, m."""
+    """Return the limits of the strike, from first touch to the strike position: left, right, bottom, top, m."""
     x, y = geometry.strike_position
     angle = geometry.touch_angle()
     touch = geometry.noses(0.0 if math.isnan(angle) else angle)[0]
@@ -112,7 +105,7 @@ def close_limits(geometry: StrikeGeometry) -> tuple[float, float, float, float]:
 
 
 def draw_machine(axes: Any, made: Outlines, pose: Pose, thickness: float = 1.0) -> list[Any]:
-    """Draw a machine in a pose; return what was drawn."""
+    """Draw a machine in a pose, and return its artists."""
     drawn: list[Any] = []
     for connection in made.connections:
         for line in stretched(connection, pose):
@@ -185,8 +178,7 @@ def _draw_radius(axes: Any, case: Case, geometry: StrikeGeometry, angle: float) 
     """Dimension the path from the axis to a nose that stands clear of the strike; return its angle, rad."""
     end = _clear_nose(geometry, angle, 1.2)
     axes.annotate("", end, (0.0, 0.0), arrowprops={**_ARROW, "arrowstyle": "-|>", "color": INK}, zorder=4)
-    (entry,) = length_entry("R", case.rotary_tables().machine.radius)
-    _dimensioned(axes, tuple(0.45 * end), f"R {entry.shown}")
+    _dimensioned(axes, tuple(0.45 * end), f"R {written_value(case.rotary_tables().machine.radius, 'mm')}")
     return math.atan2(end[1], end[0])
 
 
@@ -234,27 +226,28 @@ def _draw_stroke(axes: Any, case: Case, made: Outlines) -> None:
     if case.feed is None:
         return
     stroke = case.feed.stroke
-    (entry,) = length_entry("s", stroke)
     y, shown = places.floor - 0.06 * geometry.radius, min(stroke.si, LONGEST_STROKE * geometry.radius)
     right = places.wall
     for x in (right, right + shown):
         axes.plot([x, x], [places.floor - 0.1 * geometry.radius, places.floor + 0.1 * geometry.radius], **_EXTENSION)
     axes.annotate("", (right + shown, y), (right, y), arrowprops={**_ARROW, "color": INK}, zorder=5)
-    words = "stroke s " + entry.shown + (" (not to scale)" if stroke.si > shown else "")
-    _dimensioned(axes, (right - 0.02 * geometry.radius, y), words, "right")
+    label = f"stroke s {written_value(stroke, 'mm')}" + (" (not to scale)" if stroke.si > shown else "")
+    _dimensioned(axes, (right - 0.02 * geometry.radius, y), label, "right")
 
 
 _EXTENSION: dict[str, Any] = {"color": GREY, "linewidth": 0.7, "zorder": 4}
 _PLAIN: dict[str, Any] = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.8}
 
 
-def _dimensioned(axes: Any, place: tuple[float, ...], words: str, side: str = "center") -> None:
+def _dimensioned(axes: Any, place: tuple[float, ...], label: str, side: str = "center") -> None:
     """Write a dimension."""
-    axes.text(*place, words, fontsize=8, ha=side, va="center", color=INK, bbox=_PLAIN, zorder=6)
+    axes.text(*place, label, fontsize=8, ha=side, va="center", color=INK, bbox=_PLAIN, zorder=6)
 
 
 def _draw_close(axes: Any, case: Case, made: Outlines, magnified: float) -> None:
     """Draw the strike itself: a nose at first touch and at the strike position, the face between, the engagement."""
+    from matplotlib.patches import Rectangle
+
     geometry, machine = made.geometry, case.rotary_tables().machine
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
@@ -278,7 +271,8 @@ def _draw_close(axes: Any, case: Case, made: Outlines, magnified: float) -> None
     axes.plot([geometry.reach] * 2, [y, level], **_EXTENSION)
     _draw_engagement(axes, machine.engagement, (face, geometry.reach), level, size)
     axes.set_title(f"The strike, magnified × {significant(magnified, 2)}", fontsize=9, loc="left", pad=-8, zorder=9)
-    axes.add_patch(_frame(left, bottom, right - left, top - bottom))
+    frame = Rectangle((left, bottom), right - left, top - bottom, fill=False, edgecolor=GREY, linewidth=0.8, zorder=8)
+    axes.add_patch(frame)
 
 
 def _draw_touch(axes: Any, geometry: StrikeGeometry, angle: float, size: float) -> None:
@@ -302,25 +296,19 @@ def _draw_touch(axes: Any, geometry: StrikeGeometry, angle: float, size: float) 
 
 def _draw_engagement(axes: Any, value: Any, ends: tuple[float, float], y: float, size: float) -> None:
     """Dimension the engagement; the arrows stand outside where it is too small for them."""
-    (entry,) = length_entry("q", value)
+    label = f"q {written_value(value, 'mm')}"
     if ends[1] - ends[0] > 0.3 * size:
         axes.annotate("", (ends[1], y), (ends[0], y), arrowprops={**_ARROW, "color": INK}, zorder=6)
-        _dimensioned(axes, (0.5 * (ends[0] + ends[1]), y - 0.06 * size), f"q {entry.shown}")
+        _dimensioned(axes, (0.5 * (ends[0] + ends[1]), y - 0.06 * size), label)
         return
     for end, side in zip(ends, (-1.0, 1.0), strict=True):
         begin = (end + side * 0.1 * size, y)
         axes.annotate("", (end, y), begin, arrowprops={**_ARROW, "arrowstyle": "-|>", "color": INK}, zorder=6)
-    _dimensioned(axes, (ends[0] - 0.12 * size, y), f"q {entry.shown}", "right")
-
-
-def _frame(left: float, bottom: float, width: float, height: float) -> Any:
-    from matplotlib.patches import Rectangle
-
-    return Rectangle((left, bottom), width, height, fill=False, edgecolor=GREY, linewidth=0.8, zorder=8)
+    _dimensioned(axes, (ends[0] - 0.12 * size, y), label, "right")
 
 
 def scale_words(case: Case, made: Outlines) -> list[str]:
-    """Say what is drawn to scale and what is not."""
+    """Return the sentences on what is drawn to scale and what is not."""
     geometry, stack = made.geometry, bool(case.stack.layer)
     striker = case.rotary_tables().striker
     layers = ["layers"] if stack and made.to_scale else []
@@ -331,31 +319,23 @@ def scale_words(case: Case, made: Outlines) -> list[str]:
     symbols = ["disc", "mounts", "spring", "damper", "stop", "carriage"]
     symbols += ([] if noses else ["noses"]) + ([] if stroke else ["stroke"])
     symbols += [] if layers else ["layers' lengths and diameters" if stack else "lengths of the object"]
-    words = [f"To scale: {', '.join(scaled)}.", f"Not to scale: {', '.join(symbols)}."]
+    sentences = [f"To scale: {', '.join(scaled)}.", f"Not to scale: {', '.join(symbols)}."]
     if geometry.face_width is None:
         across = significant(geometry.touch_distance * 1e3, 3)
-        words.append(
+        sentences.append(
             f"The case sets no width of the face: it is taken to reach {across} mm to the side, where a nose first "
             "touches it."
         )
-    return words
+    return sentences
 
 
-FIELD = 10.0
-"""Width of the field in which symbols stand."""
-HEIGHT = 4.0
-"""Height of a schematic, inches: its field is 8.2 high."""
+FIELD, HEIGHT = 10.0, 4.0
+"""Width of the field in which symbols stand; height of a schematic, inches: its field is 8.2 high."""
 Point = tuple[float, float]
 
 
 class Schematic:
-    """A field of symbols beside a list of parts.
-
-    Parameters
-    ----------
-    parts : sequence of PartEntry
-        The parts with their numbers; balloons bear their places in this list, from 1.
-    """
+    """A field of symbols beside a list of parts, by whose places, from 1, balloons are numbered."""
 
     def __init__(self, parts: Sequence[PartEntry]) -> None:
         self.parts = parts
@@ -387,7 +367,7 @@ class Schematic:
         self.axes.plot(x, y, color=GREY if dashed else INK, linewidth=1.1, dashes=(6, 3) if dashed else (), zorder=1.5)
 
     def ground(self, left: Point, right: Point) -> None:
-        """Draw what nothing moves: a line with hatches on its right-hand side, seen from its left end."""
+        """Draw the ground: a line with hatches on its right-hand side, seen from its left end."""
         self.line(left, right)
         along = np.subtract(right, left)
         length = float(np.hypot(*along))
@@ -420,8 +400,7 @@ class Schematic:
 
     def dimension(self, begin: Point, end: Point, words: str) -> None:
         """Draw a dimension between two points, with words beside its middle."""
-        arrow = {"arrowstyle": "<|-|>", "shrinkA": 0.0, "shrinkB": 0.0, "linewidth": 0.9, "mutation_scale": 8}
-        self.axes.annotate("", end, begin, arrowprops={**arrow, "color": INK}, zorder=3)
+        self.axes.annotate("", end, begin, arrowprops={**_ARROW, "color": INK}, zorder=3)
         x, y = 0.5 * (begin[0] + end[0]), 0.5 * (begin[1] + end[1])
         upright = abs(end[1] - begin[1]) > abs(end[0] - begin[0])
         place = (x + 0.15, y) if upright else (x, y + 0.25)
@@ -430,12 +409,11 @@ class Schematic:
 
     def number(self, part: str, place: Point) -> None:
         """Draw the balloon of a part."""
-        names = [entry.place for entry in self.parts]
         if part:
-            balloon(self.axes, names.index(part) + 1, place)
+            balloon(self.axes, [entry.place for entry in self.parts].index(part) + 1, place)
 
     def drawing(self, what: str) -> Drawing:
-        """Return the schematic with its parts, of what it shows in words."""
+        """Return the schematic of a machine, named in words, with its parts."""
         words = provenance_words(self.parts)
         caption = f"{what}: schematic, not to scale; the table gives its numbers. {words}"
         return Drawing([Picture(self.figure, caption, f"{what}. {words}")], self.parts)
@@ -444,44 +422,61 @@ class Schematic:
 def striker_part(case: Case, name: str) -> PartEntry:
     """Return [striker] as a part, called as its machine calls it."""
     striker = case.impact().striker
-    entries = [*mass_entry("mass", striker.mass), *number_entry("nose radius", striker.nose_radius, "mm")]
-    entries += [
-        *stiffness_entry("mount", striker.mount_stiffness),
-        *damping_entry("mount, damping", striker.mount_damping),
-    ]
-    return PartEntry("striker", name, entries)
+    numbers = part_numbers(
+        ("mass", striker.mass, MASS),
+        ("nose radius", striker.nose_radius, "mm"),
+        ("mount", striker.mount_stiffness, STIFFNESS),
+        ("mount, damping", striker.mount_damping, "N s/m"),
+    )
+    return PartEntry("striker", name, numbers)
 
 
 def object_part(case: Case, name: str) -> PartEntry:
     """Return [object] as a part, called as its machine calls it."""
     struck = case.impact().object
-    entries = [*mass_entry("mass", struck.mass), *mass_entry("of it the nose", struck.nose_mass)]
-    entries += [
-        *stiffness_entry("frame", struck.frame_stiffness),
-        *damping_entry("frame, damping", struck.frame_damping),
-    ]
-    entries += [*stiffness_entry("spring", struck.spring), *damping_entry("damper", struck.damper)]
-    entries += stiffness_entry("stop", struck.stop_stiffness)
-    return PartEntry("object", name, entries)
+    numbers = part_numbers(
+        ("mass", struck.mass, MASS),
+        ("of it the nose", struck.nose_mass, MASS),
+        ("frame", struck.frame_stiffness, STIFFNESS),
+        ("frame, damping", struck.frame_damping, "N s/m"),
+        ("spring", struck.spring, STIFFNESS),
+        ("damper", struck.damper, "N s/m"),
+        ("stop", struck.stop_stiffness, STIFFNESS),
+    )
+    return PartEntry("object", name, numbers)
 
 
 def contact_part(case: Case, name: str) -> PartEntry:
     """Return [contact] as a part, called as its machine calls it."""
     contact = case.impact().contact
-    entries = [*number_entry("restitution", contact.restitution)]
-    entries += number_entry("force at depth", contact.reference_force, "kN")
-    entries += [*number_entry("depth", contact.reference_depth, "mm"), *number_entry("exponent", contact.exponent)]
     law, pad = contact.law, contact.cushion
+    numbers = part_numbers(
+        ("restitution", contact.restitution, ""),
+        ("force at depth", contact.reference_force, "kN"),
+        ("depth", contact.reference_depth, "mm"),
+        ("exponent", contact.exponent, ""),
+    )
     if pad is not None:
         law = f"{contact.law} ({pad.material or pad.law})"
-        entries += [*number_entry("thickness", pad.thickness, "mm"), *number_entry("diameter", pad.diameter, "mm")]
-        entries += [*number_entry("area", pad.area, "cm^2"), *number_entry("plateau", pad.plateau, "MPa")]
-        entries += [*number_entry("modulus", pad.modulus, "MPa"), *number_entry("stress", pad.stress, "MPa")]
-    return PartEntry("contact", f"{name}, {law}", entries)
+        numbers += part_numbers(
+            ("thickness", pad.thickness, "mm"),
+            ("diameter", pad.diameter, "mm"),
+            ("area", pad.area, "cm^2"),
+            ("plateau", pad.plateau, "MPa"),
+            ("modulus", pad.modulus, "MPa"),
+            ("stress", pad.stress, "MPa"),
+        )
+    return PartEntry("contact", f"{name}, {law}", numbers)
+
+
+def fall_part(place: str, name: str, height: Value, friction: Value | None, *more: PartRow) -> PartEntry:
+    """Return a fall as a part: its height, the friction on the way as a share of the weight, and further numbers."""
+    drop = (DROP_HEIGHT.label, height, DROP_HEIGHT.usual)
+    return PartEntry(place, name, part_numbers(drop, ("friction of weight", friction, ""), *more))
 
 
 def bearing(sketch: Schematic, case: Case, foot: Point, top: Point) -> None:
-    """Draw what holds an object at rest: a spring to the ground, or nothing."""
+    """Draw the bearing of an object at rest: a spring to the ground, or nothing."""
     struck = case.impact().object
     along = np.sign(np.subtract(top, foot))
     if struck.spring is not None or struck.stop_stiffness is not None:
@@ -492,8 +487,11 @@ def bearing(sketch: Schematic, case: Case, foot: Point, top: Point) -> None:
 
 DRAWN = {"deg": "°", "gram": "g", "rpm": "r/min"}
 """Units that drawings spell otherwise than sentences do."""
-MOST_LAYERS = 6
-"""Layers of a stack that are listed one by one."""
+MOST_LAYERS = 6  # of a stack that are listed one by one: more would make the table longer than a page
+MASS, STIFFNESS = "mass", "stiffness"
+"""Units by the size of a number: g below a tenth of a kilogram, MN/m from a million N/m on."""
+PartRow = tuple[str, Value | None, str]
+"""A number of a part: its name, its value in the case, and its unit, `MASS` or `STIFFNESS`."""
 
 
 def significant(value: float, digits: int = 4) -> str:
@@ -507,45 +505,27 @@ def significant(value: float, digits: int = 4) -> str:
     return written(value + 0.0, digits)  # no zero has a sign
 
 
-def number_entry(name: str, value: Value | None, unit: str = "") -> list[PartNumber]:
-    """Return one entry for a value of a case in a unit, none where it is absent."""
-    return [] if value is None else [PartNumber(name, written_value(value, unit), value.provenance)]
+def part_numbers(*rows: PartRow) -> list[PartNumber]:
+    """Return the numbers of a part, without those that the case leaves out."""
+    numbers = []
+    for name, value, unit in rows:
+        if value is not None:
+            numbers.append(PartNumber(name, written_value(value, unit), value.provenance))
+    return numbers
 
 
 def written_value(value: Value, unit: str) -> str:
     """Write a value of a case in a unit, as a drawing shows it."""
+    if unit == MASS:
+        unit = "gram" if value.si < 0.1 else "kg"
+    elif unit == STIFFNESS:
+        unit = "kN/m" if value.si < 1e6 else "MN/m"
     number = in_unit(value.si, dict(USUAL.keys())[unit], unit) if unit else value.si
     return f"{significant(float(number))}{'' if unit in ('', 'deg') else ' '}{DRAWN.get(unit, spelled(unit))}"
 
 
-def length_entry(name: str, value: Value | None) -> list[PartNumber]:
-    """Return an entry in mm."""
-    return number_entry(name, value, "mm")
-
-
-def stiffness_entry(name: str, value: Value | None) -> list[PartNumber]:
-    """Return an entry in kN/m, from a million on in MN/m."""
-    unit = "kN/m" if value is None or value.si < 1e6 else "MN/m"
-    return number_entry(name, value, unit)
-
-
-def damping_entry(name: str, value: Value | None) -> list[PartNumber]:
-    """Return an entry in N s/m."""
-    return number_entry(name, value, "N s/m")
-
-
-def mass_entry(name: str, value: Value | None) -> list[PartNumber]:
-    """Return an entry in kg, below a tenth in g."""
-    return number_entry(name, value, "gram" if value is not None and value.si < 0.1 else "kg")
-
-
-def fall_entries(height: Value | None, friction: Value | None) -> list[PartNumber]:
-    """Return the entries of a free fall: its height, and the friction on the way as a share of the weight."""
-    return [*number_entry(DROP_HEIGHT.label, height, DROP_HEIGHT.usual), *number_entry("friction of weight", friction)]
-
-
 def provenance_words(parts: Sequence[PartEntry]) -> str:
-    """Say how many of the numbers of some parts have each provenance."""
+    """Return the sentence on how many numbers of some parts have each provenance."""
     marks = [entry.provenance for part in parts for entry in part.entries if entry.provenance != "computed"]
     counted = [f"{marks.count(word)} {word}" for word in PROVENANCES if word in marks]
     return f"Of the {len(marks)} numbers shown {', '.join(counted)}."
@@ -553,79 +533,59 @@ def provenance_words(parts: Sequence[PartEntry]) -> str:
 
 def machine_parts(case: Case, geometry: StrikeGeometry) -> list[PartEntry]:
     """Return the parts of a rotary machine in the order in which a blow runs through them."""
-    return [*_struck_by(case, geometry), *_object(case), *_held_by(case)]
-
-
-def _struck_by(case: Case, geometry: StrikeGeometry) -> Iterator[PartEntry]:
-    """Yield turntable, strikers and the strike itself."""
-    tables = case.rotary_tables()
-    machine, striker = tables.machine, tables.striker
-    yield PartEntry(
-        "turntable",
-        "turntable",
-        [
-            *number_entry("speed", machine.speed, "rpm"),
-            *number_entry("inertia", machine.inertia, "kg m^2"),
-            *number_entry("drive, at most", machine.torque, "N m"),
-        ],
-    )
-    yield PartEntry(
-        "striker",
-        "strikers",
-        [
-            *number_entry("count", machine.strikers),
-            *length_entry("path radius R", machine.radius),
-            *length_entry("nose radius", striker.nose_radius),
-            *mass_entry("moving mass, each", striker.mass),
-            *stiffness_entry("mount", striker.mount_stiffness),
-        ],
-    )
+    tables, layers = case.rotary_tables(), case.stack.layer
+    machine, striker, struck, feed = tables.machine, tables.striker, tables.object, tables.feed
     angle, approach = geometry.touch_angle(), geometry.approach(machine.speed.si)
     meets = "none" if math.isnan(angle) else f"{significant(-math.degrees(angle), 3)}°"
     speed = "none" if math.isnan(approach) else f"{significant(approach, 4)} m/s"
-    yield PartEntry(
-        "strike",
-        "strike",
-        [
-            *length_entry("engagement q", machine.engagement),
-            *number_entry("blow to radius", machine.blow_angle, "deg"),
-            *length_entry("face width", machine.face_width),
-            PartNumber("angle from first touch", meets, "computed"),
-            PartNumber("approach, nominal", speed, "computed"),
-        ],
+    turntable = part_numbers(
+        ("speed", machine.speed, "rpm"),
+        ("inertia", machine.inertia, "kg m^2"),
+        ("drive, at most", machine.torque, "N m"),
     )
-
-
-def _object(case: Case) -> Iterator[PartEntry]:
-    """Yield nose, frame and assembly, or the layers of a stack."""
-    struck, layers = case.rotary_tables().object, case.stack.layer
+    strikers = part_numbers(
+        ("count", machine.strikers, ""),
+        ("path radius R", machine.radius, "mm"),
+        ("nose radius", striker.nose_radius, "mm"),
+        ("moving mass, each", striker.mass, MASS),
+        ("mount", striker.mount_stiffness, STIFFNESS),
+    )
+    strike = part_numbers(
+        ("engagement q", machine.engagement, "mm"),
+        ("blow to radius", machine.blow_angle, "deg"),
+        ("face width", machine.face_width, "mm"),
+    )
+    strike.append(PartNumber("angle from first touch", meets, "computed"))
+    strike.append(PartNumber("approach, nominal", speed, "computed"))
+    parts = [PartEntry("turntable", "turntable", turntable), PartEntry("striker", "strikers", strikers)]
+    parts.append(PartEntry("strike", "strike", strike))
     for layer in layers[:MOST_LAYERS]:
-        entries = length_entry("length", layer.length)
-        entries += length_entry("diameter", layer.diameter)
-        entries += number_entry("area", layer.area, "mm^2") if layer.diameter is None else []
-        yield PartEntry(f"layer {layer.name}", shortened(layer.name, 16), entries)
-    if layers:
-        if len(layers) > MOST_LAYERS:
-            yield PartEntry("", f"{len(layers) - MOST_LAYERS} further layers", [])
-        return
-    entries = [*mass_entry("mass of the object", struck.mass), *mass_entry("of it the nose", struck.nose_mass)]
-    yield PartEntry("nose", "nose", entries)
-    entries = [*stiffness_entry("stiffness", struck.frame_stiffness), *damping_entry("damping", struck.frame_damping)]
-    yield PartEntry("frame", "frame", entries)
-    yield PartEntry("assembly", "assembly with sensor", [])
-
-
-def _held_by(case: Case) -> Iterator[PartEntry]:
-    """Yield what holds and feeds the object."""
-    tables = case.rotary_tables()
-    struck, feed = tables.object, tables.feed
-    preload = number_entry("preload", struck.preload, "N")
-    yield PartEntry("spring", "heavy-load spring", [*stiffness_entry("rate", struck.spring), *preload])
-    yield PartEntry("damper", "damper", damping_entry("damping", struck.damper))
-    restitution = number_entry("restitution", struck.stop_restitution)
-    yield PartEntry("stop", "stop", [*stiffness_entry("stiffness", struck.stop_stiffness), *restitution])
-    carried = number_entry("gravity along blow", struck.gravity, "m/s^2")
-    carried += number_entry("friction of the rails", struck.friction, "N")
-    yield PartEntry("carriage", "carriage", carried)
-    time = number_entry("stroke time", feed.stroke_time, "ms")
-    yield PartEntry("feed", "feed", [*length_entry("stroke s", feed.stroke), *time])
+        area = layer.area if layer.diameter is None else None
+        sizes = ("length", layer.length, "mm"), ("diameter", layer.diameter, "mm"), ("area", area, "mm^2")
+        parts.append(PartEntry(f"layer {layer.name}", shortened(layer.name, 16), part_numbers(*sizes)))
+    if len(layers) > MOST_LAYERS:
+        parts.append(PartEntry("", f"{len(layers) - MOST_LAYERS} further layers", []))
+    holders: dict[tuple[str, str], tuple[PartRow, ...]] = {
+        ("spring", "heavy-load spring"): (("rate", struck.spring, STIFFNESS), ("preload", struck.preload, "N")),
+        ("damper", "damper"): (("damping", struck.damper, "N s/m"),),
+        ("stop", "stop"): (
+            ("stiffness", struck.stop_stiffness, STIFFNESS),
+            ("restitution", struck.stop_restitution, ""),
+        ),
+        ("carriage", "carriage"): (
+            ("gravity along blow", struck.gravity, "m/s^2"),
+            ("friction of the rails", struck.friction, "N"),
+        ),
+        ("feed", "feed"): (("stroke s", feed.stroke, "mm"), ("stroke time", feed.stroke_time, "ms")),
+    }
+    bodies: dict[tuple[str, str], tuple[PartRow, ...]] = {
+        ("nose", "nose"): (("mass of the object", struck.mass, MASS), ("of it the nose", struck.nose_mass, MASS)),
+        ("frame", "frame"): (
+            ("stiffness", struck.frame_stiffness, STIFFNESS),
+            ("damping", struck.frame_damping, "N s/m"),
+        ),
+        ("assembly", "assembly with sensor"): (),
+    }
+    for (place, name), rows in (holders if layers else {**bodies, **holders}).items():
+        parts.append(PartEntry(place, name, part_numbers(*rows)))
+    return parts

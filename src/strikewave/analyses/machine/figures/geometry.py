@@ -1,4 +1,4 @@
-"""Where everything of a rotary machine stands and how it moves: outlines that a picture or a page can draw.
+"""Geometry of a rotary machine and its motion: outlines that a picture or a page can draw.
 
 The blow points along x. The axis of the turntable is the origin, and it turns from x to y. The strikers' noses are
 circles about centres that run on the path, so that a nose whose centre reaches x touches a plane at x plus the
@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
+from strikewave.cases.contact_of_case import or_else
 from strikewave.cases.tables.machine import RotaryTable, StrikerTable
 
 if TYPE_CHECKING:
@@ -33,25 +34,12 @@ STACK_LENGTHS, STACK_HEIGHTS = (0.3, 0.8), (0.1, 0.5)
 
 @dataclass(frozen=True)
 class StrikeGeometry:
-    """The path of the noses and the face that stands in it, m and rad.
+    """The path of the noses' centres and the face that stands in it, m and rad.
 
-    Attributes
-    ----------
-    radius : float
-        Radius of the path of the noses' centres.
-    strikers : int
-        How many, at equal angles.
-    engagement : float
-        How far the face at rest stands inside the reach of a nose at the strike position.
-    nose_radius : float
-        Radius of a nose.
-    blow_angle : float
-        Between the outward radius at the strike position and the direction of the blow: 0 for a cam, pi/2 for a
-        tangential strike.
-    face_width : float or None
-        Width of the face, in the plane of the turntable; None where the case sets no limit.
-    errors : tuple of (float, float)
-        How far each striker stands ahead of its place, and beyond the path; none where they are all alike.
+    ``engagement`` is the depth of the face at rest inside the reach of a nose at the strike position; ``blow_angle``
+    that between the outward radius there and the blow, 0 for a cam, pi/2 for a tangential strike; ``face_width`` is
+    None where the case sets no limit; ``errors`` holds angle ahead and reach beyond the path of each striker, and
+    nothing where all are alike.
     """
 
     radius: float
@@ -69,12 +57,12 @@ class StrikeGeometry:
 
     @property
     def strike_position(self) -> tuple[float, float]:
-        """Where the centre of a nose is at the strike position."""
+        """Centre of a nose at the strike position."""
         return self.radius * math.cos(self.blow_angle), -self.radius * math.sin(self.blow_angle)
 
     @property
     def reach(self) -> float:
-        """How far the nose of a striker at the strike position reaches along the blow."""
+        """Reach along the blow of the nose of a striker at the strike position."""
         return self.strike_position[0] + self.nose_radius
 
     def noses(self, angle: float) -> Array:
@@ -100,14 +88,14 @@ class StrikeGeometry:
 
     @property
     def half_face(self) -> float:
-        """How far the face reaches to either side; without a width just beyond where a nose first touches it."""
+        """Half the width of the face; where none is set, just beyond the place of first touch."""
         if self.face_width is not None:
             return 0.5 * self.face_width
         return self.touch_distance + 0.5 * self.nose_radius
 
     @property
     def touch_distance(self) -> float:
-        """How far across the blow the face is first touched from the strike position, m; 0 where no nose reaches it.
+        """Distance across the blow from the strike position to first touch, m; 0 where no nose reaches the face.
 
         Examples
         --------
@@ -149,23 +137,24 @@ def strike_geometry(case: Case) -> StrikeGeometry | None:
         strikers=count,
         engagement=machine.engagement.si,
         nose_radius=min(striker.nose_radius.si, LARGEST_NOSE * radius),
-        blow_angle=0.0 if angle is None else angle.si,
+        blow_angle=or_else(angle, 0.0),
         face_width=None if width is None else width.si,
         errors=_errors(striker, count),
     )
 
 
 def _errors(striker: StrikerTable, count: int) -> tuple[tuple[float, float], ...]:
-    """Return how far each striker stands ahead of its place and beyond the path, rad and m."""
-    own = {int(row.number.si): (row.angle_error, row.reach_error) for row in striker.each}
-    if not any(part is not None for row in own.values() for part in row):
-        return ()
-    errors = (own.get(k + 1, (None, None)) for k in range(count))
-    return tuple((0.0 if a is None else a.si, 0.0 if r is None else r.si) for a, r in errors)
+    """Return angle ahead of its place and reach beyond the path of each striker, rad and m."""
+    own = {
+        int(row.number.si): (or_else(row.angle_error, 0.0), or_else(row.reach_error, 0.0))
+        for row in striker.each
+        if row.angle_error is not None or row.reach_error is not None
+    }
+    return tuple(own.get(number, (0.0, 0.0)) for number in range(1, count + 1)) if own else ()
 
 
 class Pose(NamedTuple):
-    """How far each part has moved: angle of the turntable (rad), places of nose, assembly and carriage (m).
+    """Displacement of each part: angle of the turntable (rad), places of nose, assembly and carriage (m).
 
     Nose and assembly count from where a face at the reach of the noses would be; the carriage is at 0 when fed.
     """
@@ -176,13 +165,12 @@ class Pose(NamedTuple):
     carriage: float
 
     def shift(self, group: str) -> float:
-        """Return how far along the blow the parts of a group have moved, m."""
-        moved = {NOSE: self.nose, ASSEMBLY: self.assembly, CARRIAGE: self.carriage}
-        return moved.get(group, 0.0)
+        """Return the displacement of the parts of a group along the blow, m."""
+        return {NOSE: self.nose, ASSEMBLY: self.assembly, CARRIAGE: self.carriage}.get(group, 0.0)
 
 
 class Outline(NamedTuple):
-    """A closed outline: what it moves with, how it looks, and its corners, shape (N, 2), m."""
+    """A closed outline: the group that it moves with, its look, and its corners, shape (N, 2), m."""
 
     group: str
     look: str
@@ -190,7 +178,7 @@ class Outline(NamedTuple):
 
 
 class Connection(NamedTuple):
-    """What stretches between two parts: where it ends on each, and its lines, x as a share of the way, y in m."""
+    """A spring, damper or rod between two parts: its end on each, and its lines, x as a share of the way, y in m."""
 
     groups: tuple[str, str]
     ends: tuple[float, float]
@@ -198,7 +186,7 @@ class Connection(NamedTuple):
 
 
 class LabelPlaces(NamedTuple):
-    """Where things are that words point at, m, at rest in the strike position."""
+    """Places of the parts that words point at, m, at rest in the strike position."""
 
     half_height: float
     face: float
@@ -209,10 +197,7 @@ class LabelPlaces(NamedTuple):
 
 
 class Outlines(NamedTuple):
-    """A machine as it is drawn.
-
-    ``to_scale`` says whether the layers of a stack are; the lengths of two bodies never are.
-    """
+    """A machine as it is drawn; ``to_scale`` is True where the layers of a stack are, the lengths of bodies never."""
 
     geometry: StrikeGeometry
     shapes: tuple[Outline, ...]
@@ -249,7 +234,7 @@ def outlines(case: Case) -> Outlines | None:
 
 
 class Lengths(NamedTuple):
-    """Where its frame and the object end, half its height, and the middles of its named parts, m from the face."""
+    """Ends of the object's frame, its own end, half its height, and the middles of its named parts, m from the face."""
 
     frame: tuple[float, float] | None
     end: float
@@ -279,14 +264,15 @@ def _object(case: Case, geometry: StrikeGeometry) -> tuple[list[Outline], Length
 def _layers(case: Case, geometry: StrikeGeometry) -> tuple[list[Outline], Lengths, bool]:
     """Return the layers of a stack, drawn to scale where that can be read."""
     layers, radius = case.stack.layer, geometry.radius
-    total, widest = sum(layer.length.si for layer in layers), max(_diameter(layer) for layer in layers)
+    diameters = [_diameter(layer) for layer in layers]
+    total, widest = sum([layer.length.si for layer in layers]), max(diameters)
     along = min(max(total / radius, STACK_LENGTHS[0]), STACK_LENGTHS[1]) * radius / total
     across = min(max(widest / radius, STACK_HEIGHTS[0]), STACK_HEIGHTS[1]) * radius / widest
     assembly = case.object.assembly if case.object is not None else ""
     first = next((k for k, layer in enumerate(layers) if layer.name == assembly), 0)
     shapes, begin, names = [], 0.0, {}
     for k, layer in enumerate(layers):
-        end, half = begin + along * layer.length.si, 0.5 * across * _diameter(layer)
+        end, half = begin + along * layer.length.si, 0.5 * across * diameters[k]
         group, look = (NOSE if k < first else ASSEMBLY), ("body" if k % 2 == 0 else "body 2")
         shapes.append(_block(geometry, group, look, (begin, end), (-half, half)))
         names[f"layer {layer.name}"], begin = 0.5 * (begin + end), end
@@ -330,7 +316,7 @@ def _turntable(geometry: StrikeGeometry) -> list[Outline]:
 
 
 class Levels(NamedTuple):
-    """Where what holds the object begins and ends: x from the struck face at rest, y from the line of the blow, m.
+    """Levels of the parts that hold the object: x from the struck face at rest, y from the line of the blow, m.
 
     ``unit`` is a hundredth of the path's radius, in which symbols are sized.
     """
@@ -346,7 +332,7 @@ class Levels(NamedTuple):
 
 
 def _levels(case: Case, geometry: StrikeGeometry, lengths: Lengths) -> Levels:
-    """Return where carriage, stop and feed stand; the cylinder is clear of a carriage that is back."""
+    """Return the levels of carriage, stop and feed; the cylinder is clear of a carriage that is back."""
     stroke = case.feed.stroke.si if case.feed is not None else 0.0
     unit = 0.01 * geometry.radius
     high, end = max(lengths.half_height, 12.0 * unit), lengths.end
@@ -402,7 +388,7 @@ def _connections(geometry: StrikeGeometry, at: Levels, frame: tuple[float, float
 
 
 def _places(geometry: StrikeGeometry, at: Levels, names: dict[str, float]) -> LabelPlaces:
-    """Return where words and numbers stand."""
+    """Return the places of words and numbers."""
     y, face, unit = geometry.strike_position[1], geometry.reach - geometry.engagement, at.unit
     behind = face + 0.5 * (at.end + at.wall)
     middles = {name: (face + x, y) for name, x in names.items()}
@@ -446,7 +432,7 @@ def placed(shape: Outline, pose: Pose, blow_angle: float) -> Array:
 
 def stretched(connection: Connection, pose: Pose) -> list[Array]:
     """Return the lines of a spring, damper or rod in a pose, m."""
-    begin, end = (at + pose.shift(group) for at, group in zip(connection.ends, connection.groups, strict=True))
+    begin, end = [at + pose.shift(group) for at, group in zip(connection.ends, connection.groups, strict=True)]
     return [np.column_stack([begin + line[:, 0] * (end - begin), line[:, 1]]) for line in connection.lines]
 
 

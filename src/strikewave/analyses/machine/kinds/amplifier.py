@@ -118,14 +118,13 @@ class Amplifier(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import drawing as s
-        from strikewave.analyses.machine.figures.drawing import fall_entries, length_entry, mass_entry, number_entry
 
-        drop = fall_entries(self.height, self.friction)
-        drop += number_entry("restitution, floor", self.restitution)
-        parts = [PartEntry("floor", "fall and floor", drop)]
+        floor = ("restitution, floor", self.restitution, "")
+        parts = [s.fall_part("floor", "fall and floor", self.height, self.friction, floor)]
         for row in self.body:
-            entries = [*mass_entry("mass", row.mass), *number_entry("restitution above", row.restitution)]
-            parts.append(PartEntry(row.name, row.name, [*entries, *length_entry("gap above", row.gap)]))
+            gap = ("gap above", row.gap, "mm")
+            numbers = s.part_numbers(("mass", row.mass, s.MASS), ("restitution above", row.restitution, ""), gap)
+            parts.append(PartEntry(row.name, row.name, numbers))
         parts += [s.striker_part(case, "striker"), s.contact_part(case, "contact"), s.object_part(case, "object")]
         sketch = s.Schematic(parts)
         sketch.ground((1.6, 0.6), (8.4, 0.6))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import DROP_HEIGHT, Drawing, LaunchedKind, PartEntry, Release
+from strikewave.analyses.machine.kind import DROP_HEIGHT, Drawing, LaunchedKind, Release
 from strikewave.base.errors import checked
 from strikewave.base.quantities import DropHeight, MaybePositiveForce, MaybeShare, MaybeSpringRate
 
@@ -52,17 +52,13 @@ class Drop(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import drawing as s
-        from strikewave.analyses.machine.figures.drawing import (
-            fall_entries,
-            number_entry,
-            stiffness_entry,
-            written_value,
-        )
 
-        drop = fall_entries(self.height, self.friction)
-        drop += number_entry("cords, force at the anvil", self.cord_force, "N")
-        drop += stiffness_entry("cords, stiffness", self.cord_stiffness)
-        parts = [PartEntry("fall", "fall", drop), s.object_part(case, "table with load")]
+        cords = (
+            ("cords, force at the anvil", self.cord_force, "N"),
+            ("cords, stiffness", self.cord_stiffness, s.STIFFNESS),
+        )
+        parts = [s.fall_part("fall", "fall", self.height, self.friction, *cords)]
+        parts.append(s.object_part(case, "table with load"))
         sketch = s.Schematic([*parts, s.contact_part(case, "shaper"), s.striker_part(case, "anvil")])
         for x in (2.4, 7.6):
             sketch.line((x, 1.6), (x, 8.0))
@@ -71,7 +67,7 @@ class Drop(LaunchedKind):
         sketch.block((4.4, 1.6), (5.6, 2.0), "stop")
         sketch.number("contact", (6.1, 2.0))
         sketch.block((1.6, 0.7), (8.4, 1.6), "striker", "striker")
-        sketch.dimension((3.4, 2.0), (3.4, 5.2), written_value(self.height, DROP_HEIGHT.usual))
+        sketch.dimension((3.4, 2.0), (3.4, 5.2), s.written_value(self.height, DROP_HEIGHT.usual))
         sketch.number("fall", (3.0, 3.6))
         sketch.line((3.1, 2.0), (4.4, 2.0), dashed=True)
         sketch.arrow((5.0, 5.1), (5.0, 3.6), "falls")

@@ -95,26 +95,17 @@ class DualMassAmplifier(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import drawing as s
-        from strikewave.analyses.machine.figures.drawing import (
-            damping_entry,
-            fall_entries,
-            number_entry,
-            stiffness_entry,
-            written_value,
-        )
 
-        drop = fall_entries(self.height, self.friction)
-        shaper = [
-            *stiffness_entry("stiffness", self.shaper_stiffness),
-            *number_entry("restitution", self.shaper_restitution),
-        ]
-        cushions = [
-            *stiffness_entry("stiffness, all", self.cushion_stiffness),
-            *damping_entry("damping, all", self.cushion_damping),
-        ]
-        cushions += number_entry("gap to the pad", self.gap, "mm")
+        shaper = s.part_numbers(
+            ("stiffness", self.shaper_stiffness, s.STIFFNESS), ("restitution", self.shaper_restitution, "")
+        )
+        cushions = s.part_numbers(
+            ("stiffness, all", self.cushion_stiffness, s.STIFFNESS),
+            ("damping, all", self.cushion_damping, "N s/m"),
+            ("gap to the pad", self.gap, "mm"),
+        )
         parts = [
-            PartEntry("fall", "fall", drop),
+            s.fall_part("fall", "fall", self.height, self.friction),
             PartEntry("shaper", "pulse shaper", shaper),
             s.striker_part(case, "table"),
             PartEntry("cushions", "cushions", cushions),
@@ -135,9 +126,9 @@ class DualMassAmplifier(LaunchedKind):
             sketch.spring((x, 4.7), (x, 6.2))
         sketch.number("cushions", (7.65, 5.4))
         sketch.block((2.4, 6.2), (7.6, 7.0), "body", "object")
-        sketch.dimension((3.6, 1.9), (3.6, 3.9), written_value(self.height, DROP_HEIGHT.usual))
+        sketch.dimension((3.6, 1.9), (3.6, 3.9), s.written_value(self.height, DROP_HEIGHT.usual))
         sketch.number("fall", (3.2, 2.9))
-        sketch.dimension((4.9, 5.0), (4.9, 6.2), written_value(self.gap, "mm"))
+        sketch.dimension((4.9, 5.0), (4.9, 6.2), s.written_value(self.gap, "mm"))
         sketch.arrow((5.0, 3.8), (5.0, 2.6), "both fall")
         sketch.blow((8.9, 5.0), (8.9, 6.4))
         return sketch.drawing("The dual-mass shock amplifier")

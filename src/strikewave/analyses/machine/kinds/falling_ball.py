@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ClassVar, Literal
 
-from strikewave.analyses.machine.kind import DROP_HEIGHT, FREE_OBJECT, Drawing, LaunchedKind, PartEntry, Release
+from strikewave.analyses.machine.kind import DROP_HEIGHT, FREE_OBJECT, Drawing, LaunchedKind, Release
 from strikewave.base.quantities import DropHeight, MaybeShare
 
 if TYPE_CHECKING:
@@ -40,15 +40,17 @@ class FallingBall(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import drawing as s
-        from strikewave.analyses.machine.figures.drawing import fall_entries, written_value
 
-        drop = fall_entries(self.height, self.friction)
-        parts = [PartEntry("fall", "fall", drop), s.striker_part(case, "ball"), s.contact_part(case, "contact")]
+        parts = [
+            s.fall_part("fall", "fall", self.height, self.friction),
+            s.striker_part(case, "ball"),
+            s.contact_part(case, "contact"),
+        ]
         sketch = s.Schematic([*parts, s.object_part(case, "object")])
         sketch.ball((5.0, 6.8), 0.6, "striker", "striker")
         sketch.arrow((5.0, 6.0), (5.0, 4.4), "falls")
         sketch.blow((8.6, 5.2), (8.6, 3.6))
-        sketch.dimension((3.2, 3.0), (3.2, 6.2), written_value(self.height, DROP_HEIGHT.usual))
+        sketch.dimension((3.2, 3.0), (3.2, 6.2), s.written_value(self.height, DROP_HEIGHT.usual))
         sketch.number("fall", (2.8, 4.6))
         sketch.line((2.9, 6.2), (4.6, 6.2), dashed=True)
         sketch.block((3.6, 2.2), (6.4, 3.0), "body", "object")

@@ -95,15 +95,15 @@ class GasGun(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import drawing as s
-        from strikewave.analyses.machine.figures.drawing import length_entry, number_entry
 
-        gas = [*number_entry("speed", self.speed, "m/s"), *number_entry("pressure", self.pressure, "bar")]
-        gas += [
-            *number_entry("volume", self.volume, "cm^3"),
-            *length_entry("bore", self.bore),
-            *length_entry("barrel", self.length),
-        ]
-        gas += number_entry("friction", self.friction, "N")
+        gas = s.part_numbers(
+            ("speed", self.speed, "m/s"),
+            ("pressure", self.pressure, "bar"),
+            ("volume", self.volume, "cm^3"),
+            ("bore", self.bore, "mm"),
+            ("barrel", self.length, "mm"),
+            ("friction", self.friction, "N"),
+        )
         parts = [PartEntry("gun", "gun", gas), s.striker_part(case, "projectile"), s.contact_part(case, "contact")]
         sketch = s.Schematic([*parts, s.object_part(case, "object")])
         sketch.block((0.3, 3.2), (2.2, 4.8), "disc", "gun")

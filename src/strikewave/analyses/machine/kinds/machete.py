@@ -107,14 +107,18 @@ class Machete(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import drawing as s
-        from strikewave.analyses.machine.figures.drawing import length_entry, mass_entry, number_entry
 
-        arm = [*number_entry("teeth", self.teeth), *number_entry("teeth of the wheel", self.wheel_teeth)]
-        arm += [*number_entry("inertia", self.inertia, "kg m^2"), *length_entry("shaft to head", self.radius)]
-        arm += [*mass_entry("mass", self.mass), *length_entry("shaft to centre", self.centre)]
-        arm += number_entry("strike angle", self.strike_angle, "deg")
-        arm += number_entry("friction", self.friction, "N m")
-        weight = [*mass_entry("mass", self.weight), *length_entry("radius of its drum", self.drum)]
+        arm = s.part_numbers(
+            ("teeth", self.teeth, ""),
+            ("teeth of the wheel", self.wheel_teeth, ""),
+            ("inertia", self.inertia, "kg m^2"),
+            ("shaft to head", self.radius, "mm"),
+            ("mass", self.mass, s.MASS),
+            ("shaft to centre", self.centre, "mm"),
+            ("strike angle", self.strike_angle, "deg"),
+            ("friction", self.friction, "N m"),
+        )
+        weight = s.part_numbers(("mass", self.weight, s.MASS), ("radius of its drum", self.drum, "mm"))
         parts = [PartEntry("arm", "arm and ratchet", arm), PartEntry("weight", "weight", weight)]
         parts += [s.object_part(case, "object in the head"), s.contact_part(case, "contact")]
         sketch = s.Schematic([*parts, s.striker_part(case, "anvil")])
@@ -142,13 +146,7 @@ class Machete(LaunchedKind):
 
 
 def _turning_time(hammer: launch.MacheteHammer, teeth: int) -> float:
-    """Return how long an arm turns from rest, s: the integral of da/w(a), w from the energy given by then.
-
-    Raises
-    ------
-    InputErrors
-        If the arm does not start, or stops on the way.
-    """
+    """Return the time that an arm turns from rest, s: the integral of da/w(a), w from the energy given by then."""
     import numpy as np
     from scipy.integrate import quad
 

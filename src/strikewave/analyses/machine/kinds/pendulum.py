@@ -86,11 +86,15 @@ class Pendulum(LaunchedKind):
     def drawing(self, case: Case) -> Drawing:
         """Return a schematic."""
         from strikewave.analyses.machine.figures import drawing as s
-        from strikewave.analyses.machine.figures.drawing import length_entry, mass_entry, number_entry
 
-        arm = [*number_entry("release angle", self.angle, "deg"), *mass_entry("mass", self.mass)]
-        arm += [*length_entry("pivot to centre", self.centre), *length_entry("pivot to striker", self.radius)]
-        arm += [*number_entry("inertia", self.inertia, "kg m^2"), *number_entry("period", self.period, "s")]
+        arm = s.part_numbers(
+            ("release angle", self.angle, "deg"),
+            ("mass", self.mass, s.MASS),
+            ("pivot to centre", self.centre, "mm"),
+            ("pivot to striker", self.radius, "mm"),
+            ("inertia", self.inertia, "kg m^2"),
+            ("period", self.period, "s"),
+        )
         parts = [PartEntry("arm", "arm", arm), s.striker_part(case, "striker"), s.contact_part(case, "contact")]
         sketch = s.Schematic([*parts, s.object_part(case, "object")])
         pivot, reach = (5.0, 7.2), 5.0

@@ -65,8 +65,11 @@ class Rotary(RotaryTable, MachineKind):
         if made is None or not figures:
             return None
         parts = machine_parts(case, made.geometry)
-        words = provenance_words(parts)
-        whole = f"The machine at first touch; the table gives its numbers. {words} {' '.join(scale_words(case, made))}"
-        close = "The strike: a nose at first touch, and dashed at the strike position; q is the engagement."
-        captions = (whole, close)
-        return Drawing([Picture(*pair) for pair in zip(figures, captions, strict=True)], parts)
+        notes = " ".join([provenance_words(parts), *scale_words(case, made)])
+        pictures = [
+            Picture(figures[0], f"The machine at first touch; the table gives its numbers. {notes}"),
+            Picture(
+                figures[1], "The strike: a nose at first touch, and dashed at the strike position; q is the engagement."
+            ),
+        ]
+        return Drawing(pictures, parts)
