@@ -69,14 +69,7 @@ class LocalBaseline(NamedTuple):
 def baseline_before(values: Array, first: int, width: int, earliest: int = 0) -> LocalBaseline | None:
     """Return the baseline under a blow; None where no room lies before it.
 
-    Parameters
-    ----------
-    values : ndarray
-        The record.
-    first, width : int
-        Where the blow stands out, and over how many samples.
-    earliest : int, optional
-        Where the blow before it ends.
+    The blow stands out of ``width`` samples from ``first`` on; the one before it ends at ``earliest``.
     """
     end = first - width
     begin = max(end - MOST * width, earliest + 2 * width if earliest else 0)

@@ -46,34 +46,16 @@ FINER = 5.0  # times that Monte Carlo is better than that (JCGM 101, 8.2)
 
 @dataclass(frozen=True)
 class InputQuantity:
-    """An uncertain input, about an estimate.
+    """An uncertain input, about an estimate."""
 
-    Attributes
-    ----------
-    name : str
-        Name of the quantity.
-    spread : float
-        Half-width of its distribution; of a normal one, its standard uncertainty.
-    distribution : str
-        ``normal``, ``rectangular``, ``triangular`` or ``u-shaped``.
-    estimate : float
-        Its middle.
-    """
-
-    name: str
-    spread: float
-    distribution: str = NORMAL
-    estimate: float = 0.0
+    name: str  # name of the quantity
+    spread: float  # half-width of its distribution; of a normal one, its standard uncertainty
+    distribution: str = NORMAL  # ``normal``, ``rectangular``, ``triangular`` or ``u-shaped``
+    estimate: float = 0.0  # its middle
 
     @property
     def standard(self) -> float:
-        """Its standard uncertainty.
-
-        Examples
-        --------
-        >>> round(InputQuantity("temperature", 0.03, "rectangular").standard, 5)  # 0.03 / sqrt(3)
-        0.01732
-        """
+        """Its standard uncertainty."""
         return self.spread / DIVISORS[self.distribution]
 
     def drawn(self, generator: np.random.Generator, count: int) -> Array:
@@ -160,17 +142,7 @@ def monte_carlo(
 ) -> Simulated:
     """Return mean, standard uncertainty and coverage interval by the adaptive Monte Carlo procedure.
 
-    Parameters
-    ----------
-    model, inputs
-        As of `law_of_propagation`.
-    seed : int, optional
-        Equal seeds give equal results.
-    tolerance : float, optional
-        To what mean, standard uncertainty and ends of the interval are known (twice their standard deviations over the
-        batches), in standard uncertainties.
-    most : int, optional
-        Trials after which it ends in any case.
+    Trials end where all four are known to ``tolerance`` standard uncertainties, or after ``most`` of them.
     """
     generator = np.random.default_rng(seed)
     batches: list[Array] = []
@@ -216,48 +188,25 @@ PADDED = 1.25
 
 @dataclass(frozen=True)
 class Contribution:
-    """One contribution of a budget, in SI.
+    """One contribution of a budget, in SI."""
 
-    Attributes
-    ----------
-    kind : str
-        Kind of contribution; one of `KINDS`.
-    name : str
-        Name of the contribution.
-    spread : float
-        Half-width of its distribution, standard uncertainty of a normal one: a share; of offset, drift and noise the
-        unit of the record unless ``relative``; of a whole effect that is not corrected (resonance, AC coupling) 1.
-    distribution : str
-        See `InputQuantity`.
-    relative : bool
-        True if an added amount is a share of the peak.
-    status, source : str
-        How its number is known, and from whom.
-    typed : str
-        The number as it stands in the budget.
-    frequency : float
-        Cutoff of a filter, lowest resonance, Hz.
-    order, quality : float
-        Poles of the filter; quality factor of the resonance.
-    tolerances : tuple of (float, float)
-        Frequency, Hz, and share by which the response may be off there.
-    time_constant : float
-        Time constant of an AC coupling that is not taken off, s.
-    """
-
-    kind: str
-    name: str
+    kind: str  # kind of contribution; one of `KINDS`
+    name: str  # name of the contribution
+    # Half-width of its distribution, standard uncertainty of a normal one: a share; of offset, drift and noise the unit
+    # of the record unless ``relative``; of a whole effect that is not corrected (resonance, AC coupling) 1
     spread: float
-    distribution: str = NORMAL
-    relative: bool = True
+    distribution: str = NORMAL  # see `InputQuantity`
+    relative: bool = True  # true if an added amount is a share of the peak
+    # How its number is known, and from whom
     status: str = ""
     source: str = ""
-    typed: str = ""
-    frequency: float = math.nan
+    typed: str = ""  # the number as it stands in the budget
+    frequency: float = math.nan  # cutoff of a filter, lowest resonance, Hz
+    # Poles of the filter; quality factor of the resonance
     order: float = math.nan
     quality: float = math.nan
-    tolerances: tuple[tuple[float, float], ...] = ()
-    time_constant: float = math.nan
+    tolerances: tuple[tuple[float, float], ...] = ()  # frequency, Hz, and share by which the response may be off there
+    time_constant: float = math.nan  # time constant of an AC coupling that is not taken off, s
 
     @property
     def input(self) -> InputQuantity:

@@ -50,11 +50,6 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
 
     A file that holds no blow beside theirs loses what was taken for one. Another sign, gain, length, unit, name or
     sampling rate, and outliers, are found.
-
-    Examples
-    --------
-    >>> compare([])
-    []
     """
     changed = list(files)
     if len(changed) < 2:
@@ -374,16 +369,7 @@ def statistic(values: ArrayLike, files: ArrayLike | None = None) -> Statistic:
     Blows of one file are alike, so that where several files hold several blows the mean is that of the means of
     the files, and the bounds count files: Student's t for the mean, Vangel's for the scatter of all blows.
 
-    Parameters
-    ----------
-    values : array_like
-        One a blow.
-    files : array_like, optional
-        Number of the file of each blow; all blows are independent by default.
-
-    Notes
-    -----
-    Source: ``vangel-1996``.
+    ``files`` is the number of the file of each blow; all are independent by default. Source: ``vangel-1996``.
     """
     sample = np.asarray(values, dtype=float)
     means = _file_means(np.zeros(sample.size) if files is None else np.asarray(files), sample)[1]
@@ -436,12 +422,7 @@ def summed(files: Sequence[FileReading], number: int | None = None) -> Campaign 
 
     Bad records, and figures that a finding harms, are left out and named.
 
-    Parameters
-    ----------
-    files : sequence of FileReading
-        In the order of the test.
-    number : int, optional
-        Channel, by its place in the files, from 1; the first that was read by default.
+    ``number`` is the place of the channel in the files, from 1; the first that was read by default.
     """
     have = []
     for k, file in enumerate(files):

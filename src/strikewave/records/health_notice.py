@@ -53,13 +53,7 @@ class HealthNotice:
 
 
 def worst(notices: Iterable[HealthNotice]) -> str:
-    """Return the worst severity of several notices; ``good`` for none.
-
-    Examples
-    --------
-    >>> worst([HealthNotice("offset", "", severity="good"), HealthNotice("clipped", "", severity="bad")])
-    'bad'
-    """
+    """Return the worst severity of several notices; ``good`` for none."""
     return max((notice.severity for notice in notices), key=STATUSES.index, default="good")
 
 

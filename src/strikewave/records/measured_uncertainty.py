@@ -253,17 +253,7 @@ def blow_uncertainty(
 ) -> BlowUncertainty:
     """Return the uncertainty of the figures of a blow.
 
-    Parameters
-    ----------
-    channel, pulse
-        Its record, uniformly sampled, and the blow.
-    budget : Budget
-        Contributions beyond those that the record itself tells, which are its noise and baseline and the instants of
-        its samples.
-    trials : bool, optional
-        True to validate the law of propagation by Monte Carlo, whose interval counts where the law fails.
-    seed : int, optional
-        Seed of the draws.
+    With ``trials``, Monte Carlo validates the law of propagation, and its interval counts where that fails.
     """
     measured = _prepared(channel, pulse)
     inputs = _inputs(channel, pulse, budget, measured)

@@ -140,14 +140,7 @@ def least_error(raw: Array, pulse: Array, windows: list[SmoothingWindow], noise:
 def without_noise(raw: Array, pulse: Array, noise: Array, width: int) -> Array:
     """Return a stretch about a blow without its noise.
 
-    Parameters
-    ----------
-    raw, pulse : ndarray
-        The stretch, and the smooth pulse that was fitted to it.
-    noise : ndarray
-        Samples of the noise alone.
-    width : int
-        Samples of the box of the blow.
+    ``pulse`` is the smooth pulse fitted to it, ``noise`` are samples of the noise alone, ``width`` those of the blow.
     """
     windows = windows_up_to(max(width // LONGEST, 2))
     best, beside = least_error(raw, pulse, windows, noise)

@@ -118,14 +118,7 @@ def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[
 
     A small one has less than a fifth of the largest area, and more than a twentieth.
 
-    Parameters
-    ----------
-    values : ndarray
-        The record.
-    line : Baseline
-        Its baseline.
-    single : float
-        Standard deviation of the noise of a single sample.
+    ``single`` is the standard deviation of the noise of a sample.
     """
     boxes_by_sign = {sign: _standing_out(values, line, sign) for sign in (1, -1)}
     best = {sign: max(boxes, key=_energy, default=None) for sign, boxes in boxes_by_sign.items()}

@@ -480,15 +480,6 @@ def _louder(reading: ChannelReading, begin: float) -> bool:
 def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: Request) -> FileReading:
     """Return the wanted channels of a record, evaluated.
 
-    Parameters
-    ----------
-    record : Record
-        As `read_record` gives it.
-    stated : mapping
-        Calibrations found beside the file; those of the request go first.
-    request : Request
-        Evaluation that is wanted.
-
     Examples
     --------
     >>> import numpy as np
@@ -497,6 +488,8 @@ def read_file(record: Record, stated: Mapping[str, Mapping[str, Any]], request: 
     >>> file = read_file(Record("a.csv", "text", (Channel("board", values, 1e-5, unit="g"),)), {}, Request())
     >>> file.status, round(file.channels[0].pulses[0].peak)
     ('good', 981)
+
+    ``stated`` are the calibrations beside the file; those of the request go first.
     """
     wanted = record.only(request.channels).channels
     places = {id(channel): number for number, channel in enumerate(record.channels, start=1)}

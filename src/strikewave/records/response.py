@@ -317,16 +317,7 @@ def measure_responses(
 ) -> tuple[MeasuredResponse, ...]:
     """Measure a channel against the blows of another one: after each, until the next.
 
-    Parameters
-    ----------
-    values : ndarray
-        The channel, finite.
-    step, start : float
-        Time between samples, and of the first, s.
-    blows : sequence of BaseBlow
-        Blows of the base, in the order of time.
-    same_unit : bool, optional
-        True if base and channel have the same unit, so that a ratio makes sense.
+    Times are in s; ``same_unit`` says that base and channel have one unit, so that a ratio makes sense.
     """
     places = [min(max(round((blow.begin - start) / step), 0), max(values.size - FEWEST, 0)) for blow in blows]
     zero = zero_before(values, places[0]) if places else 0.0

@@ -323,14 +323,7 @@ def _missed_at_tip(rest: Array, pulse: SmoothPulse, step: float) -> float:
 def rigid_pulse(stretch: Stretch, frequency: float, last: RigidPulse | None = None) -> RigidPulse | None:
     """Return the pulse without its ringing; None where nothing rings, or no model of it fits.
 
-    Parameters
-    ----------
-    stretch : Stretch
-        The record around the blow.
-    frequency : float
-        At which it rings, Hz, as `strikewave.records.ringing.ringing_of` says; NaN where it does not.
-    last : RigidPulse, optional
-        That of the blow before it in a train, whose ringing is alike.
+    ``frequency`` is that of `ringing_of`; ``last`` the pulse of the blow before it in a train, whose ringing is alike.
     """
     if not frequency > 0.0:
         return None

@@ -39,19 +39,7 @@ def spread_of(values: ArrayLike) -> float:
 def outliers(values: ArrayLike, false_alarm: float) -> list[int]:
     """Return the places of outliers by the generalized extreme studentized deviate, the farthest first.
 
-    Parameters
-    ----------
-    values : array_like
-        Normal but for outliers, at most one in four; five or more.
-    false_alarm : float
-        Share of samples without an outlier in which one is found.
-
-    Notes
-    -----
-    How far off a value is shows only beside the scatter of the others: of copies, or of a figure that takes few
-    values, none is an outlier where the others are equal.
-
-    Source: ``rosner-1983``.
+    Where the others are equal, as copies are, none is an outlier. Source: ``rosner-1983``.
     """
     sample = np.asarray(values, dtype=float)
     if sample.size < FEWEST_FOR_OUTLIERS:
@@ -81,16 +69,7 @@ def median_line(x: Array, y: Array, confidence: float) -> tuple[float, float, fl
 
     The bounds hold for any distribution of the errors: they are those of Kendall's rank correlation.
 
-    Parameters
-    ----------
-    x, y : ndarray
-        Points; no two of the same ``x``.
-    confidence : float
-        Confidence level of the bounds.
-
-    Notes
-    -----
-    Source: ``sen-1968``.
+    No two points have the same ``x``. Source: ``sen-1968``.
     """
     if x.size > MOST_OF_LINE:
         size = -(-x.size // MOST_OF_LINE)
@@ -131,12 +110,7 @@ def alike_as_one(rest: Array, most: float = 0.9) -> float:
 
     That of a process of first order, whose mean is uncertain by as much more than that of white noise, squared.
 
-    Parameters
-    ----------
-    rest : ndarray
-        Residuals of a fit, in order.
-    most : float, optional
-        Bound of r: a few values do not tell a longer memory.
+    ``most`` bounds r: a few values do not tell a longer memory.
     """
     power = float(np.sum(rest**2))
     alike = float(np.sum(rest[1:] * rest[:-1])) / power if power > 0.0 else 0.0

@@ -24,21 +24,7 @@ class SampleStore:
     Readings that it gives back read as before: their samples are views of what lies on disk, read when they are looked
     at. The files are gone with the last of the readings.
 
-    Parameters
-    ----------
-    in_memory : int, optional
-        Samples that stay in memory.
-
-    Examples
-    --------
-    >>> from strikewave.records.calibration import ChannelCalibration
-    >>> from strikewave.records.reading import ChannelReading, FileReading
-    >>> from strikewave.records.record import Channel
-    >>> channel = ChannelReading(Channel("board", np.arange(3.0), 1e-5), 1, (), (), ChannelCalibration())
-    >>> with SampleStore(in_memory=2) as store:
-    ...     kept = store.kept(FileReading("a.csv", "text", (channel,)))
-    >>> kept.channels[0].channel.values.tolist()
-    [0.0, 1.0, 2.0]
+    ``in_memory`` are samples that stay in memory.
     """
 
     def __init__(self, in_memory: int = IN_MEMORY) -> None:

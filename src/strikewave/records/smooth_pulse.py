@@ -67,13 +67,7 @@ class SmoothPulse(NamedTuple):
     misfit: float = 0.0  # root mean square of what is left, over the peak
 
     def at(self, time: Array) -> Array:
-        """Return the pulse at some times.
-
-        Examples
-        --------
-        >>> SmoothPulse(2.0, 0.0, 1.0, 0.5, 1.0).at(np.array([-1.0, 0.5, 0.75])).round(4)
-        array([0.    , 2.    , 1.4142])
-        """
+        """Return the pulse at some times."""
         return _pulses_at(np.ravel(time), np.array([self[:5]]))[0].reshape(np.shape(time))
 
     @property
@@ -146,14 +140,7 @@ class SmoothPulse(NamedTuple):
         return (slopes / speeds[:, None]).T, speeds
 
     def through(self, filter_: Filter) -> Effect:
-        """Return what a filter leaves of the pulse.
-
-        Examples
-        --------
-        >>> from strikewave.signal.filters import Filter
-        >>> round(SmoothPulse(1.0, 0.0, 1e-3, 0.5, 1.0).through(Filter(2500.0)).width, 3)
-        1.019
-        """
+        """Return what a filter leaves of the pulse."""
         from strikewave.signal.filters import effect_on_pulse
 
         step = min(self.length / FILTERED, 0.02 / filter_.cutoff)
@@ -180,12 +167,7 @@ def _pulses_at(time: Array, rows: Array) -> Array:
 def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float) -> SmoothPulse:
     """Fit a smooth positive pulse by least squares, beginning from a guess of its begin and length.
 
-    Parameters
-    ----------
-    time, values : ndarray
-        Samples around one pulse, its baseline taken off, s.
-    begin, length : float
-        Where the pulse is thought to lie, s.
+    Times are in s; the baseline of the values is taken off.
     """
     factor = -(-values.size // MOST_SAMPLES)
     whole = values.size // factor * factor

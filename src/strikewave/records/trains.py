@@ -33,18 +33,7 @@ def mains_period(times: Array, widths: Array, locked: bool = False) -> float:
 
     Contacts too short for the mains are none of it, whatever their period.
 
-    Parameters
-    ----------
-    times, widths : ndarray
-        Times and widths of the contacts, s.
-    locked : bool, optional
-        They come in it more regularly than grids keep their frequency.
-
-    Examples
-    --------
-    >>> times, wide = np.array([3e-3, 23e-3, 43.01e-3, 63e-3]), np.full(4, 2e-3)
-    >>> mains_period(times, wide, locked=True), mains_period(times, 0.1 * wide), mains_period(times[:2], wide[:2])
-    (0.02, nan, nan)
+    Times and widths are in s; ``locked`` asks for more regularity than grids have, where nothing else shows blips.
     """
     gaps = np.diff(times)
     if gaps.size < OfTrains.FEWEST_GAPS:
@@ -78,15 +67,7 @@ class Contacts(NamedTuple):
 
 
 def find_train(times: Array, peaks: Array) -> BlowTrain | None:
-    """Return the chain of contacts, one or a few periods apart, that holds most of the peaks; None where none does.
-
-    Parameters
-    ----------
-    times : ndarray
-        Times of all contacts, rising.
-    peaks : ndarray
-        Their sizes, positive.
-    """
+    """Return the chain of contacts, one or a few periods apart, that holds most of the peaks; None where none does."""
     if times.size < OfTrains.FEWEST_GAPS + 1:
         return None
     weights = peaks**2  # a rebound weighs little
@@ -113,12 +94,7 @@ def find_train(times: Array, peaks: Array) -> BlowTrain | None:
 def sort_contacts(times: Array, peaks: Array, widths: Array, small: Sequence[bool]) -> Contacts:
     """Tell blows from what belongs to them.
 
-    Parameters
-    ----------
-    times, peaks, widths : ndarray
-        Times, peaks and widths of all contacts in the order of time; peaks positive.
-    small : sequence of bool
-        Contacts too small for a blow unless a train asks for one there.
+    ``small`` marks contacts too small for a blow unless a train asks for one there.
     """
     large = np.flatnonzero(~np.asarray(small, dtype=bool))
     train = find_train(times, peaks)

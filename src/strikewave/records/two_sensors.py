@@ -121,16 +121,7 @@ def paired_motion(
 ) -> PairedMotion:
     """Compare two channels that were sampled together, about the blows of one of them.
 
-    Parameters
-    ----------
-    first, second : ndarray
-        Finite, of one unit, equally long.
-    step : float
-        Time between samples, s.
-    blows : sequence of RecordedPulse
-        At least one, of either channel.
-    start : float, optional
-        Time of the first sample, s.
+    Both are finite, of one unit and equally long; the blows, one at least, are those of either channel.
     """
     every = [_window(first, second, step, start, blows, k) for k in range(len(blows))]
     windows = [window for window in every if window is not None]

@@ -117,16 +117,7 @@ def _effects(record: BlowRecord, pulse: RecordedPulse) -> dict[str, float]:
 
 
 def mains_hum(record: BlowRecord) -> tuple[float, float] | None:
-    """Return frequency and amplitude of the hum of the mains; None where none is distinct.
-
-    Examples
-    --------
-    >>> t = np.arange(20_000) * 1e-5
-    >>> noise = np.random.default_rng(1).normal(size=t.size)
-    >>> frequency, amplitude = mains_hum(BlowRecord(3.0 * np.sin(2.0 * np.pi * 50.0 * t) + noise, 1e-5))
-    >>> frequency, round(amplitude, 1)
-    (50.0, 3.0)
-    """
+    """Return frequency and amplitude of the hum of the mains; None where none is distinct."""
     spans = [(pulse.begin, pulse.end) for pulse in record.pulses]
     return hum_beside(record.values, record.step, record.start, spans)
 

@@ -40,14 +40,7 @@ UNIQUE = 1e-9  # share of the span below which two values are one: the rounding 
 def effects_of_level(pulse: RecordedPulse, level: float, after_peak: bool = False) -> dict[str, float]:
     """Return what a level added under a blow does to its figures, over themselves.
 
-    Parameters
-    ----------
-    pulse : RecordedPulse
-        The blow.
-    level : float
-        Level under the blow that is not its own, in the unit of the record.
-    after_peak : bool, optional
-        The level is there from the peak on only: one foot stands on it, and half of the area.
+    With ``after_peak`` the level is there from the peak on only: one foot stands on it, and half of the area.
     """
     share = level / pulse.peak
     half = 0.5 if after_peak else 1.0
@@ -72,32 +65,17 @@ def with_unit(value: float, unit: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class SampledRecord:
-    """A uniformly sampled record.
+    """A uniformly sampled record."""
 
-    Attributes
-    ----------
-    kind : str
-        Object of the checks that apply to it, such as the blows; see `Check.of`.
-    figures : tuple of str
-        Figures that notices on it may harm.
-    jumping : tuple of str
-        Figures that may be uncertain without the record being suspect for it.
-    values : ndarray
-        Finite samples.
-    step, start : float
-        Time between samples, and of the first, s.
-    unit : str
-        SI unit of the values; empty where it is not known.
-    """
+    kind: ClassVar[str]  # object of the checks that apply to it, such as the blows; see `Check.of`
+    figures: ClassVar[tuple[str, ...]]  # figures that notices on it may harm
+    jumping: ClassVar[tuple[str, ...]] = ()  # figures that may be uncertain without the record being suspect for it
 
-    kind: ClassVar[str]
-    figures: ClassVar[tuple[str, ...]]
-    jumping: ClassVar[tuple[str, ...]] = ()
-
-    values: Array
+    values: Array  # finite samples
+    # Time between samples, and of the first, s
     step: float
     start: float = 0.0
-    unit: str = ""
+    unit: str = ""  # SI unit of the values; empty where it is not known
 
     @cached_property
     def _made(self) -> dict[Callable[[Any], Any], Any]:
@@ -124,21 +102,13 @@ class SampledRecord:
 
 @dataclass(frozen=True, eq=False)
 class BlowRecord(SampledRecord):
-    """A record with the blows found in it; see `SampledRecord`.
-
-    Attributes
-    ----------
-    pulses : sequence of RecordedPulse
-        As `find_pulses` gives them.
-    drop_height : float
-        Stated height of the fall before the blow, m; NaN where none was stated.
-    """
+    """A record with the blows found in it; see `SampledRecord`."""
 
     kind = OF_BLOWS
     figures = FIGURES
 
-    pulses: tuple[RecordedPulse, ...] = ()
-    drop_height: float = math.nan
+    pulses: tuple[RecordedPulse, ...] = ()  # as `find_pulses` gives them
+    drop_height: float = math.nan  # stated height of the fall before the blow, m; NaN where none was stated
 
     @property
     def largest(self) -> RecordedPulse | None:
@@ -169,18 +139,7 @@ class BlowRecord(SampledRecord):
 
     @cached_property
     def tail(self) -> TailModel | None:
-        """What the zero does after the blows; None where too little follows them.
-
-        Examples
-        --------
-        >>> from strikewave.signal.filters import ac_coupled
-        >>> u = np.arange(4000) * 1e-3 - 1.0
-        >>> blow = np.where((u > 0.0) & (u < 0.1), 1e3 * np.sin(10.0 * np.pi * u), 0.0)
-        >>> values = ac_coupled(blow, 1e-5, 2e-3) + np.random.default_rng(1).normal(size=4000)
-        >>> tail = BlowRecord(values, 1e-5, pulses=tuple(find_pulses(values, 1e-5))).tail
-        >>> tail.kind, round(1e3 * tail.constant, 2)
-        ('ac-coupling', 2.0)
-        """
+        """What the zero does after the blows; None where too little follows them."""
         tail = tail_of(self.values, self.step, self.start, self.pulses)
         return None if tail is None else model_of(tail)
 
@@ -212,16 +171,7 @@ class BlowRecord(SampledRecord):
 
     @cached_property
     def scatter(self) -> float:
-        """Standard deviation of noise of any colour: of what lies before the first blow, where some does.
-
-        Examples
-        --------
-        >>> values = np.where(np.arange(900) < 500, 0.0, 1e3 * np.sin(np.pi * np.arange(900) / 400.0) ** 2)
-        >>> slow = np.sin(0.1 * np.arange(900.0))  # the difference of neighbours is small
-        >>> seen = BlowRecord(values + slow, 1e-5, pulses=tuple(find_pulses(values + slow, 1e-5)))
-        >>> seen.noise < 0.2 < 0.6 < seen.scatter < 0.8
-        True
-        """
+        """Standard deviation of noise of any colour: of what lies before the first blow, where some does."""
         if not self.pulses:
             return self.noise
         first = min(self.pulses, key=lambda pulse: pulse.begin)
@@ -233,25 +183,15 @@ class BlowRecord(SampledRecord):
 
 @dataclass(frozen=True, eq=False)
 class ResponseRecord(SampledRecord):
-    """A response channel with what was measured of it; see `SampledRecord`.
-
-    Attributes
-    ----------
-    blows : sequence of BaseBlow
-        Blows of the base.
-    responses : sequence of MeasuredResponse
-        As `measure_responses` gives them: at least one.
-    base : ndarray or None
-        Samples of the base, at the same times; None where they are not.
-    """
+    """A response channel with what was measured of it; see `SampledRecord`."""
 
     kind = OF_RESPONSES
     figures = RESPONSE_FIGURES
     jumping = JUMPING
 
-    blows: Sequence[BaseBlow] = ()
-    responses: Sequence[MeasuredResponse] = ()
-    base: Array | None = None
+    blows: Sequence[BaseBlow] = ()  # blows of the base
+    responses: Sequence[MeasuredResponse] = ()  # as `measure_responses` gives them: at least one
+    base: Array | None = None  # samples of the base, at the same times; None where they are not
 
     @cached_property
     def largest(self) -> MeasuredResponse:

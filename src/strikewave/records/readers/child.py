@@ -38,14 +38,7 @@ LONGEST_HINT = 200  # characters of a library's own words in an error: a line or
 def isolated(reader: str, path: Path, options: Options) -> Record:
     """Let a child process call ``parse_FORMAT`` of a format, and return its record.
 
-    Parameters
-    ----------
-    reader : str
-        Name of the format; its module has ``parse_FORMAT`` with the arguments and result of ``read_FORMAT``.
-    path : Path
-        The file.
-    options : Options
-        Statements of the user about it.
+    Its module has ``parse_FORMAT`` with the arguments and the result of ``read_FORMAT``.
     """
     size = path.stat().st_size
     seconds = SECONDS + size / BYTES_PER_SECOND

@@ -91,13 +91,7 @@ def refuse(path: Path, allowed: str, hint: str = "") -> InputError:
 
 
 def encoding_of(head: bytes) -> str | None:
-    r"""Return the encoding of text by its first bytes, or None where they are no text.
-
-    Examples
-    --------
-    >>> encoding_of(b"t;a [\xb5V]"), encoding_of("t;a [µV]".encode()), encoding_of(b"\0\1\2")
-    ('cp1252', 'utf-8', None)
-    """
+    r"""Return the encoding of text by its first bytes, or None where they are no text."""
     for bom, name in ((codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be")):
         if head.startswith(bom):
             text = codecs.getincrementaldecoder(name)("replace").decode(head)
@@ -217,14 +211,7 @@ def _decimals_behind_commas(rows: list[list[str]], width: int) -> bool:
 def parse(region: Region, grid: CellLayout, expected: int) -> ParsedColumns:
     """Read columns of numbers in blocks; blocks that are not clean are read again line by line.
 
-    Parameters
-    ----------
-    region : Region
-        Where in the file.
-    grid : CellLayout
-        How lines are cut, and what is wanted.
-    expected : int
-        About how many lines there are.
+    ``expected`` is about how many lines there are.
     """
     store = _Store(region.path, len(grid.wanted), expected)
     line = region.line + region.skip

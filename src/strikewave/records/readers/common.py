@@ -91,14 +91,7 @@ def check_count(path: Path, count: int) -> None:
 def guard(path: Path, claimed: float, compressed: bool = True) -> None:
     """Refuse a file that claims more bytes than it can hold, or more than fit.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    claimed : float
-        Bytes of samples that its header promises, as float64 where they are compressed, else as stored.
-    compressed : bool
-        True if the format can hold more than its size.
+    ``claimed`` are bytes of samples, as float64 where they are ``compressed`` and may exceed the size of the file.
     """
     size = path.stat().st_size
     if not compressed and claimed > size:
@@ -176,14 +169,7 @@ def floats(values: Any) -> Array:
 class Scaled:
     """Slices of an array with scale, offset and fill value of the CF conventions applied.
 
-    Parameters
-    ----------
-    load : callable
-        Returns a slice as a new array of float64.
-    attribute : callable
-        Returns an attribute by its name, None where there is none.
-    shape : tuple of int
-        Shape of the array.
+    ``load`` returns a slice as a new float64 array, ``attribute`` what a name stands for, None for none.
     """
 
     def __init__(
@@ -315,19 +301,7 @@ def begin_together(
 ) -> tuple[list[Channel], list[HealthNotice]]:
     """Lay channels on one clock: each begins as much later as its clock time is after the earliest one.
 
-    Parameters
-    ----------
-    channels : sequence of Channel
-        Each over a time from its own begin.
-    origins : sequence of int or None
-        Clock time from which each counts, ps; None where the file states none, and the channel is left as it is.
-
-    Returns
-    -------
-    list of Channel
-        Over one time.
-    list of HealthNotice
-        What was moved, or cannot be known.
+    ``origins`` are clock times, ps; None where the file states none, and the channel is left as it is.
     """
     stated = [origin for origin in origins if origin is not None]
     if len(set(stated)) < 2:

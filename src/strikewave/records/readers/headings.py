@@ -60,13 +60,7 @@ _COARSE = 4.0  # printed digits within a step below which the step is taken over
 
 
 def seconds_in(unit: str) -> float | None:
-    """Return how many seconds a unit of time has; None for what is no unit of time.
-
-    Examples
-    --------
-    >>> seconds_in("µs"), seconds_in("V")
-    (1e-06, None)
-    """
+    """Return how many seconds a unit of time has; None for what is no unit of time."""
     return _SECONDS.get(unit.strip().lower().replace("µ", "u").replace("μ", "u"))
 
 
@@ -122,12 +116,7 @@ def rises_evenly(values: Array, digit: float) -> bool:
 def step_of(stamps: Array, digit: float) -> float:
     """Return the step of time stamps: from end to end where they are even within rounding, else the median.
 
-    Parameters
-    ----------
-    stamps : ndarray
-        Times, s.
-    digit : float
-        Worth of the last digit they are printed with, s.
+    ``digit`` is the worth of the last digit they are printed with, s.
     """
     if stamps.size < 2:
         return math.nan
@@ -168,13 +157,7 @@ def _typical(stamps: Array) -> tuple[float, bool]:
 
 
 def said_step(lines: Sequence[str]) -> tuple[float, float]:
-    """Return the step and the start, s, that lines above the data name; NaN for a step they do not name.
-
-    Examples
-    --------
-    >>> said_step(["Sampling rate: 200 kHz", "t0 = -1 ms"])
-    (5e-06, -0.001)
-    """
+    """Return the step and the start, s, that lines above the data name; NaN for a step they do not name."""
     interval = _stated(lines, "interval")
     rate = _stated(lines, "rate")
     step = interval if interval > 0.0 else 1.0 / rate if rate > 0.0 else math.nan
@@ -304,16 +287,7 @@ def is_counter(name: str, unit: str) -> bool:
 def find_headings(above: Sequence[str], marks: Marks, width: int, filled: Sequence[int]) -> Headings:
     """Find names and units in the lines above the data.
 
-    Parameters
-    ----------
-    above : sequence of str
-        Those lines.
-    marks : Marks
-        Marks of the data.
-    width : int
-        Number of columns.
-    filled : sequence of int
-        Columns that hold numbers.
+    ``filled`` are the columns that hold numbers.
     """
     lines = _whole([line for line in above if line.strip()])
     rows = [_row(line, marks, width) for line in lines if not is_comment(line) and not _setting(line, marks, filled)]
@@ -579,14 +553,6 @@ def below_start_and_increment(lines: Sequence[str], marks: Marks) -> tuple[float
 
 
 def counted_samples(lines: Sequence[str]) -> int:
-    """Return how many samples lines above the data count; 0 where they do not, or say different numbers.
-
-    Examples
-    --------
-    >>> counted_samples(["Sampling rate: 50 kHz", "Record Length,2500,Points"])
-    2500
-    >>> counted_samples(["Samples per second: 9"]), counted_samples(["Points: 9", "Samples: 8"])
-    (0, 0)
-    """
+    """Return how many samples lines above the data count; 0 where they do not, or say different numbers."""
     counts = {int(match[1]) for line in lines if (match := _COUNT.fullmatch(line.strip()[:_LONGEST]))}
     return counts.pop() if len(counts) == 1 else 0

@@ -76,25 +76,13 @@ class Labels(NamedTuple):
 
 
 def may_count(heading: str, cell: str) -> bool:
-    """Tell whether a column of numbers may name channels, by its heading and one cell: most are known not to at once.
-
-    Examples
-    --------
-    >>> may_count("acc", "3"), may_count("channel", "3"), may_count("", "3.5")
-    (False, True, False)
-    """
+    """Tell whether a column of numbers may name channels, by its heading and one cell: most are refused at once."""
     known = any(pattern.fullmatch(heading) for pattern in (_OF_CHANNEL, _OF_MEASUREMENT)) if heading else True
     return known and re.fullmatch(r"[+-]?\d{1,6}(?:\.0*)?", cell) is not None
 
 
 def may_be_labels(heading: str, cells: Sequence[str], are_numbers: bool) -> bool:
-    """Tell whether cells of some lines may name channels: few different ones, each many times.
-
-    Examples
-    --------
-    >>> may_be_labels("", ["A", "B"] * 8, False), may_be_labels("note", ["start"] + [""] * 9, False)
-    (True, False)
-    """
+    """Tell whether cells of some lines may name channels: few different ones, each many times."""
     filled = [cell for cell in cells if cell]
     if not are_numbers and filled and _SURELY_OF_CHANNEL.fullmatch(heading):
         return True
@@ -118,12 +106,7 @@ def labels_of(heading: str, values: Array) -> Labels:
 def as_long_table(record: Record, columns: Sequence[Labels]) -> Record | None:
     """Return the channels, and the measurements, of a long table; None for a table that is none.
 
-    Parameters
-    ----------
-    record : Record
-        Its channels hold the lines of all, over stamps that all share, or over none.
-    columns : sequence of Labels
-        Columns that may name channels, measurements or units.
+    The channels hold the lines of all, over stamps that all share, or over none.
     """
     if not record.channels:
         return None

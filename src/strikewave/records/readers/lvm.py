@@ -224,15 +224,7 @@ def _origins(path: Path, segment: Segment, columns: Sequence[tuple[int, int | No
 
 
 def _clock_time(day: str, time: str) -> int | None:
-    """Return date and time as one number, ps.
-
-    Examples
-    --------
-    >>> _clock_time("2026/01/02", "10:00:00,003") - _clock_time("2026/01/02", "10:00:00")
-    3000000000
-    >>> _clock_time("1903/12/31", "19:00:00") is None
-    True
-    """
+    """Return date and time as one number, ps."""
     on, at = _DATE.fullmatch(day), _TIME.fullmatch(time)
     if on is None or at is None or int(on[1]) < _FIRST_YEAR:
         return None

@@ -126,14 +126,7 @@ class NumberLayout(NamedTuple):
 def look_at(path: Path, part: tuple[int, int, int] | None = None, encoding: str | None = None) -> Look:
     """Look at the beginning, the middle and the end of a text file, or of a part of it.
 
-    Parameters
-    ----------
-    path : Path
-        The file.
-    part : (int, int, int), optional
-        First byte and end of a part, and the line in which it begins.
-    encoding : str, optional
-        Encoding of the whole file, for a part of it.
+    ``part`` are its first byte, its end, and the line in which it begins; ``encoding`` is that of the whole file.
     """
     begin, end = (0, path.stat().st_size) if part is None else part[:2]
     size = end - begin
