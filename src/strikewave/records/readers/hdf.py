@@ -15,22 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from strikewave.records.readers import Options
+from strikewave.records.readers import Options, common
 from strikewave.records.readers.child import isolated
-from strikewave.records.readers.common import (
-    MOST_ARRAYS,
-    MOST_COLUMNS,
-    ArrayColumn,
-    Scaled,
-    array_columns,
-    assemble,
-    damaged,
-    grid_of,
-    guard,
-    left_out,
-    on_grids,
-    text,
-)
 from strikewave.records.readers.headings import is_time
 from strikewave.records.record import Record
 
@@ -53,14 +39,13 @@ def read_hdf(path: Path, options: Options) -> Record:
 def parse_hdf(path: Path, options: Options) -> Record:
     """Read an HDF5 file in this process."""
     h5py = importlib.import_module("h5py")
-    columns: list[ArrayColumn] = []
+    columns: list[common.ArrayColumn] = []
     skipped: list[str] = []
     attributes: dict[str, list[tuple[str, Any]]] = {}
     with h5py.File(path, "r") as file:
         attributes[""] = _attributes(file)
         for count, (folder, name, data) in enumerate(_datasets(file, h5py), start=1):
-            if count > MOST_ARRAYS:
-                raise damaged(path, f"it has more than {MOST_ARRAYS} arrays", "a file with fewer arrays")
+            common.check_count(path, count)
             if data.size == 1 and data.dtype.kind in "biuf":
                 attributes.setdefault(folder, _attributes(data.parent)).append((name, data[()]))
             elif dataset_columns := _columns(path, folder, name, data):
@@ -69,14 +54,21 @@ def parse_hdf(path: Path, options: Options) -> Record:
                 skipped.append(f"{folder}{name}")
         for folder in {column.folder for column in columns} - set(attributes):
             attributes[folder] = _attributes(file[folder])
-        return assemble(path, "hdf", on_grids(columns, attributes), options, grid_of(attributes[""]), left_out(skipped))
+        return common.assemble(
+            path,
+            "hdf",
+            common.on_grids(columns, attributes),
+            options,
+            common.grid_of(attributes[""]),
+            common.left_out(skipped),
+        )
 
 
 def _datasets(group: Any, h5py: Any, folder: str = "", depth: int = 0) -> Iterator[tuple[str, str, Any]]:
     """Yield the datasets of a group that lie in the file itself, each once."""
     if depth > DEEPEST:
         return
-    for name in list(group)[: MOST_ARRAYS + 1]:
+    for name in list(group)[: common.MOST_ARRAYS + 1]:
         link = group.get(name, getlink=True)
         if not isinstance(link, h5py.HardLink) or name == "#refs#":
             continue
@@ -98,33 +90,33 @@ def _own(data: Any) -> bool:
     )
 
 
-def _columns(path: Path, folder: str, name: str, data: Any) -> list[ArrayColumn]:
+def _columns(path: Path, folder: str, name: str, data: Any) -> list[common.ArrayColumn]:
     """Return what a dataset holds; nothing for coordinates without time, text and arrays of more dimensions."""
     named = dict(_attributes(data))
-    scale = text(named.get("CLASS")) == "DIMENSION_SCALE"
-    if data.size == 0 or text(named.get("MATLAB_class")) == "char" or (scale and not is_time(name, "")):
+    scale = common.text(named.get("CLASS")) == "DIMENSION_SCALE"
+    if data.size == 0 or common.text(named.get("MATLAB_class")) == "char" or (scale and not is_time(name, "")):
         return []
     if data.chunks:
-        guard(path, float(np.prod(data.chunks, dtype=np.float64)) * data.dtype.itemsize)
+        common.guard(path, float(np.prod(data.chunks, dtype=np.float64)) * data.dtype.itemsize)
     if data.dtype.kind == "V":
         return _fields(folder, name, data)
     names = _block_names(data)
-    step, start = grid_of(named.items())
+    step, start = common.grid_of(named.items())
     index = name == "axis1" and data.dtype.kind == "f"
-    scaled = Scaled(lambda key: data.astype(np.float64)[key], data.attrs.get, data.shape)
-    columns = array_columns(folder + name, scaled, _unit(named), folder, step=step, start=start, time=index)
+    scaled = common.Scaled(lambda key: data.astype(np.float64)[key], data.attrs.get, data.shape)
+    columns = common.array_columns(folder + name, scaled, _unit(named), folder, step=step, start=start, time=index)
     return [c._replace(name=folder + names[k] if len(names) == len(columns) else c.name) for k, c in enumerate(columns)]
 
 
-def _fields(folder: str, name: str, data: Any) -> list[ArrayColumn]:
+def _fields(folder: str, name: str, data: Any) -> list[common.ArrayColumn]:
     """Return the numeric fields of a table."""
-    columns: list[ArrayColumn] = []
+    columns: list[common.ArrayColumn] = []
     place = f"{folder}{name}/"
-    for field in (data.dtype.names or ())[:MOST_COLUMNS]:
+    for field in (data.dtype.names or ())[: common.MOST_COLUMNS]:
         kind = data.dtype[field]
         if len(data.shape) == 1 and kind.base.kind in "biuf" and len(kind.shape) <= 1:
             index = field == "index" and kind.base.kind == "f"
-            columns += array_columns(place + field, _Field(data, field), folder=place, time=index)
+            columns += common.array_columns(place + field, _Field(data, field), folder=place, time=index)
     return columns
 
 
@@ -146,9 +138,9 @@ def _block_names(data: Any) -> list[str]:
     if not name.endswith("_values") or type(data.parent.get(beside, getlink=True)).__name__ != "HardLink":
         return []
     items = data.parent[beside]
-    if not hasattr(items, "shape") or items.dtype.kind != "S" or items.size > MOST_COLUMNS:
+    if not hasattr(items, "shape") or items.dtype.kind != "S" or items.size > common.MOST_COLUMNS:
         return []
-    return [text(value) for value in items[()]]
+    return [common.text(value) for value in items[()]]
 
 
 def _attributes(node: Any) -> list[tuple[str, Any]]:
@@ -163,7 +155,7 @@ def _attributes(node: Any) -> list[tuple[str, Any]]:
 
 
 def _unit(named: dict[str, Any]) -> str:
-    return next((text(named[name]) for name in ("units", "unit", "Units", "Unit") if name in named), "")
+    return next((common.text(named[name]) for name in ("units", "unit", "Units", "Unit") if name in named), "")
 
 
 def sniff_netcdf(head: bytes) -> bool:
@@ -178,7 +170,7 @@ def read_netcdf(path: Path, options: Options) -> Record:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", category=RuntimeWarning, module=r"scipy\.io")
         with netcdf_file(path, "r", mmap=True) as file:
-            columns: list[ArrayColumn] = []
+            columns: list[common.ArrayColumn] = []
             skipped, scalars = [], list(vars(file).get("_attributes", {}).items())
             for name, variable in file.variables.items():
                 numeric = variable.data.dtype.kind in "iuf"
@@ -186,17 +178,21 @@ def read_netcdf(path: Path, options: Options) -> Record:
                     scalars.append((name, variable.data[()]))
                     continue
                 own = variable._attributes
-                step, start = grid_of(own.items())
-                unit = text(own.get("units", own.get("unit")))
+                step, start = common.grid_of(own.items())
+                unit = common.text(own.get("units", own.get("unit")))
                 variable_columns = (
-                    array_columns(name, _scaled(variable.data, own), unit, step=step, start=start) if numeric else []
+                    common.array_columns(name, _scaled(variable.data, own), unit, step=step, start=start)
+                    if numeric
+                    else []
                 )
                 columns += variable_columns
                 skipped += [name] * (not variable_columns)
-            record = assemble(path, "netcdf", columns, options, grid_of(scalars), left_out(skipped))
+            record = common.assemble(
+                path, "netcdf", columns, options, common.grid_of(scalars), common.left_out(skipped)
+            )
             del variable, columns, variable_columns
             return record
 
 
-def _scaled(data: Any, attributes: dict[str, Any]) -> Scaled:
-    return Scaled(lambda key: np.array(data[key], np.float64), attributes.get, data.shape)
+def _scaled(data: Any, attributes: dict[str, Any]) -> common.Scaled:
+    return common.Scaled(lambda key: np.array(data[key], np.float64), attributes.get, data.shape)

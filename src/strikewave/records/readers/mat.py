@@ -14,17 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from strikewave.records.readers import Options
-from strikewave.records.readers.common import (
-    MOST_ARRAYS,
-    array_columns,
-    assemble,
-    damaged,
-    grid_of,
-    guard,
-    left_out,
-    on_grids,
-)
+from strikewave.records.readers import Options, common
 from strikewave.records.record import Record
 
 DEEPEST = 8  # structs in structs: measured files have two or three, and a hostile one could nest for ever
@@ -56,18 +46,19 @@ def read_mat(path: Path, options: Options) -> Record:
     new = content[124:128].tobytes() in (b"\x00\x01IM", b"\x01\x00MI")
     for variable in _variables(path, content, skipped) if new else _old_variables(path, content):
         arrays.append(variable)
-        if len(arrays) + len(skipped) > MOST_ARRAYS:
-            raise damaged(path, f"it has more than {MOST_ARRAYS} arrays", "a file with fewer arrays")
+        common.check_count(path, len(arrays) + len(skipped))
     scalars: dict[str, list[tuple[str, Any]]] = {"": []}
     columns = []
     for folder, name, array in arrays:
         if array.size == 1:
             scalars.setdefault(folder, []).append((name, array))
-        elif fresh := array_columns(folder + name, array, folder=folder):
+        elif fresh := common.array_columns(folder + name, array, folder=folder):
             columns += fresh
         else:
             skipped.append(folder + name)
-    return assemble(path, "mat", on_grids(columns, scalars), options, grid_of(scalars[""]), left_out(skipped))
+    return common.assemble(
+        path, "mat", common.on_grids(columns, scalars), options, common.grid_of(scalars[""]), common.left_out(skipped)
+    )
 
 
 def _variables(path: Path, content: memoryview, skipped: list[str]) -> Iterator[_Variable]:
@@ -78,7 +69,7 @@ def _variables(path: Path, content: memoryview, skipped: list[str]) -> Iterator[
         kind, size = struct.unpack(order + "II", content[at : at + 8])
         body = content[at + 8 : at + 8 + size]
         if len(body) < size:
-            raise damaged(path, "it ends within an array")
+            raise common.damaged(path, "it ends within an array")
         if kind == _COMPRESSED:
             kind, body = _unpacked(path, body, order)
         if kind == _MATRIX:
@@ -91,9 +82,9 @@ def _unpacked(path: Path, body: memoryview, order: str) -> tuple[int, memoryview
     stream = zlib.decompressobj()
     head = stream.decompress(body, 8)
     if len(head) < 8:
-        raise damaged(path, "a compressed array is empty")
+        raise common.damaged(path, "a compressed array is empty")
     kind, size = struct.unpack(order + "II", head)
-    guard(path, size)
+    common.guard(path, size)
     rest = stream.decompress(stream.unconsumed_tail, max(size, 1))
     return kind, memoryview(rest)
 
@@ -134,7 +125,7 @@ def _matrix(
     elif kind in _NUMBERS and not flags & _COMPLEX and (stored := next(parts, (0, body))) and stored[0] in _TYPES:
         numbers = np.frombuffer(stored[1], order + _TYPES[stored[0]])
         if numbers.size != count:
-            raise damaged(path, f"{numbers.size} numbers for a shape of {shape}")
+            raise common.damaged(path, f"{numbers.size} numbers for a shape of {shape}")
         if numbers.size:
             yield _Variable(folder, name, numbers.reshape(shape, order="F"))
     else:
@@ -162,13 +153,13 @@ def _old_variables(path: Path, content: memoryview) -> Iterator[_Variable]:
     at = 0
     while at < len(content):
         if (head := _old_head(content, at)) is None:
-            raise damaged(path, f"no array begins at byte {at}")
+            raise common.damaged(path, f"no array begins at byte {at}")
         kind, shape, begin, imaginary, length = head
         name = bytes(content[begin : begin + length - 1]).decode("ascii")
         size = shape[0] * shape[1] * np.dtype(kind).itemsize
         begin += length
         if begin + size > len(content):
-            raise damaged(path, "it ends within an array")
+            raise common.damaged(path, "it ends within an array")
         if size and not imaginary:
             yield _Variable("", name, np.frombuffer(content[begin : begin + size], kind).reshape(shape, order="F"))
         at = begin + size * (2 if imaginary else 1)

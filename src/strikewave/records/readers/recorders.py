@@ -27,20 +27,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from strikewave.records.health_notice import HealthNotice
-from strikewave.records.readers import Options
+from strikewave.records.readers import Options, common
 from strikewave.records.readers.child import isolated
-from strikewave.records.readers.common import (
-    MOST_ARRAYS,
-    ArrayColumn,
-    assemble,
-    damaged,
-    extra,
-    floats,
-    guard,
-    left_out,
-    number,
-    text,
-)
 from strikewave.records.readers.headings import PICO, seconds_in
 from strikewave.records.record import Record
 
@@ -59,7 +47,7 @@ def sniff_tdms(head: bytes) -> bool:
 
 def read_tdms(path: Path, options: Options) -> Record:
     """Read the numeric channels of a TDMS file, in a child process where it has many segments."""
-    extra("nptdms", path)
+    common.extra("nptdms", path)
     return isolated("tdms", path, options) if _has_many_segments(path) else parse_tdms(path, options)
 
 
@@ -79,10 +67,10 @@ def _has_many_segments(path: Path) -> bool:
 
 def parse_tdms(path: Path, options: Options) -> Record:
     """Read the numeric channels of a TDMS file; an index file beside it is not looked at."""
-    nptdms = extra("nptdms", path)
+    nptdms = common.extra("nptdms", path)
     logging.getLogger("nptdms").setLevel(logging.CRITICAL)
     with path.open("rb") as opened, nptdms.TdmsFile.open(opened, raw_timestamps=True) as file:
-        columns: list[ArrayColumn] = []
+        columns: list[common.ArrayColumn] = []
         skipped: list[str] = []
         for channel in (channel for group in file.groups() for channel in group.channels()):
             name = f"{channel.group_name}/{channel.name}"
@@ -91,36 +79,36 @@ def parse_tdms(path: Path, options: Options) -> Record:
             if (channel.dtype.kind not in "biuf" and not is_stamp) or not len(channel) or not _is_over_time(channel):
                 skipped.append(name)
                 continue
-            guard(path, len(channel) * max(raw.itemsize, 1), compressed=False)
+            common.guard(path, len(channel) * max(raw.itemsize, 1), compressed=False)
             columns.append(_stamps(channel, name) if is_stamp else _tdms_column(channel, name))
-        return assemble(path, "tdms", columns, options, findings=left_out(skipped))
+        return common.assemble(path, "tdms", columns, options, findings=common.left_out(skipped))
 
 
 def _is_over_time(channel: Any) -> bool:
     """Tell whether a channel is a waveform over time, or has no grid; a spectrum has a grid of frequencies."""
     properties = channel.properties
-    unit = text(properties.get("wf_xunit_string"))
-    return not unit or not number(properties.get("wf_increment")) > 0.0 or seconds_in(unit) is not None
+    unit = common.text(properties.get("wf_xunit_string"))
+    return not unit or not common.number(properties.get("wf_increment")) > 0.0 or seconds_in(unit) is not None
 
 
-def _tdms_column(channel: Any, name: str) -> ArrayColumn:
+def _tdms_column(channel: Any, name: str) -> common.ArrayColumn:
     """Return a channel with the grid, the clock time of its begin and the unit of its properties."""
     properties = channel.properties
-    scale = seconds_in(text(properties.get("wf_xunit_string"))) or 1.0
-    step = number(properties.get("wf_increment")) * scale
-    start = number(properties.get("wf_start_offset")) * scale
-    unit = text(properties.get("unit_string")) or text(properties.get("NI_UnitDescription"))
+    scale = seconds_in(common.text(properties.get("wf_xunit_string"))) or 1.0
+    step = common.number(properties.get("wf_increment")) * scale
+    start = common.number(properties.get("wf_start_offset")) * scale
+    unit = common.text(properties.get("unit_string")) or common.text(properties.get("NI_UnitDescription"))
     grid = step if step > 0.0 else float("nan")
     origin = _clock_time(properties.get("wf_start_time")) if step > 0.0 else None
     folder = f"{channel.group_name}/"
-    return ArrayColumn(name, len(channel), channel.read_data, unit, grid, start, folder, origin=origin)
+    return common.ArrayColumn(name, len(channel), channel.read_data, unit, grid, start, folder, origin=origin)
 
 
-def _stamps(channel: Any, name: str) -> ArrayColumn:
+def _stamps(channel: Any, name: str) -> common.ArrayColumn:
     """Return a channel of clock times, as time since the first of them."""
     folder = f"{channel.group_name}/"
     origin = _clock_time(channel[0])
-    return ArrayColumn(
+    return common.ArrayColumn(
         name, len(channel), lambda: channel.read_data().as_datetime64("ns"), folder=folder, time=True, origin=origin
     )
 
@@ -144,15 +132,15 @@ def sniff_mdf(head: bytes) -> bool:
 
 def read_mdf(path: Path, options: Options) -> Record:
     """Read the numeric channels of an MDF file."""
-    extra("asammdf", path)
+    common.extra("asammdf", path)
     return isolated("mdf", path, options)
 
 
 def parse_mdf(path: Path, options: Options) -> Record:
     """Read an MDF file in this process."""
     logging.disable(logging.CRITICAL)
-    asammdf = extra("asammdf", path)
-    columns: list[ArrayColumn] = []
+    asammdf = common.extra("asammdf", path)
+    columns: list[common.ArrayColumn] = []
     skipped: list[str] = []
     raw: list[str] = []
     # An open file has no name with an ending that would have it unpacked.
@@ -160,19 +148,18 @@ def parse_mdf(path: Path, options: Options) -> Record:
         groups = range(len(file.groups))
         for group in groups:
             for index, channel in enumerate(file.groups[group].channels):
-                if len(columns) + len(skipped) > MOST_ARRAYS:
-                    raise damaged(path, f"it has more than {MOST_ARRAYS} channels", "a file with fewer channels")
+                common.check_count(path, len(columns) + len(skipped))
                 channel_columns = _signal_columns(file, group, index, channel, raw)
                 columns += channel_columns
                 skipped += [channel.name] * (not channel_columns)
-        findings = [*left_out(skipped)]
+        findings = [*common.left_out(skipped)]
         if raw:
             listed = ", ".join(raw[:8])
             findings.append(HealthNotice("not-converted", f"their conversion is text or a formula: {listed}", len(raw)))
-        return assemble(path, "mdf", columns, options, findings=findings)
+        return common.assemble(path, "mdf", columns, options, findings=findings)
 
 
-def _signal_columns(file: Any, group: int, index: int, channel: Any, raw: list[str]) -> list[ArrayColumn]:
+def _signal_columns(file: Any, group: int, index: int, channel: Any, raw: list[str]) -> list[common.ArrayColumn]:
     """Return a channel; the master channel of its group is its time."""
     signal = file.get(group=group, index=index, raw=True, ignore_invalidation_bits=True)
     values = signal.samples
@@ -184,17 +171,17 @@ def _signal_columns(file: Any, group: int, index: int, channel: Any, raw: list[s
         raw.append(channel.name)
         conversion = None
     master = file.masters_db.get(group) == index
-    unit = text(signal.unit)
+    unit = common.text(signal.unit)
     name = "time" if master else str(channel.name)
     load = functools.partial(_physical, values, conversion)
-    return [ArrayColumn(name, values.size, load, unit, folder=f"{group}", time=master)]
+    return [common.ArrayColumn(name, values.size, load, unit, folder=f"{group}", time=master)]
 
 
 def _physical(values: Any, conversion: Any) -> Any:
     if conversion is None:
         return values
     try:
-        return floats(conversion.convert(values, as_object=False))
+        return common.floats(conversion.convert(values, as_object=False))
     except TypeError:
         return values
 
@@ -210,51 +197,51 @@ def sniff_ide(head: bytes) -> bool:
 
 def read_ide(path: Path, options: Options) -> Record:
     """Read the channels of an IDE file."""
-    extra("idelib", path)
+    common.extra("idelib", path)
     return isolated("ide", path, options)
 
 
 def parse_ide(path: Path, options: Options) -> Record:
     """Read an IDE file in this process."""
     logging.disable(logging.CRITICAL)
-    idelib = extra("idelib", path)
-    extra("idelib.parsers", path).valEval = _ratio
+    idelib = common.extra("idelib", path)
+    common.extra("idelib.parsers", path).valEval = _ratio
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         opened = idelib.importFile(str(path), quiet=True)
         with opened:
-            columns: list[ArrayColumn] = []
+            columns: list[common.ArrayColumn] = []
             skipped: list[str] = []
-            for channel in list(opened.channels.values())[:MOST_ARRAYS]:
+            for channel in list(opened.channels.values())[: common.MOST_ARRAYS]:
                 channel_columns = _sensor_columns(path, channel)
                 columns += channel_columns
                 skipped += [str(channel.name)] * (not channel_columns)
-            return assemble(path, "ide", columns, options, findings=left_out(skipped))
+            return common.assemble(path, "ide", columns, options, findings=common.left_out(skipped))
 
 
 def _ratio(value: Any) -> float:
     """Return the number that a text such as ``"1/32768"`` writes."""
-    above, _, below = text(value).partition("/")
+    above, _, below = common.text(value).partition("/")
     return float(above) / float(below or 1.0)
 
 
-def _sensor_columns(path: Path, channel: Any) -> list[ArrayColumn]:
+def _sensor_columns(path: Path, channel: Any) -> list[common.ArrayColumn]:
     """Return the axes of one sensor, with their time, in place of what the file keeps of them."""
     events = channel.getSession()
     size = len(events)
     if not size:
         return []
     if size * len(channel.subchannels) > _MOST_PER_BYTE * path.stat().st_size:
-        raise damaged(path, f"channel {channel.name} claims {size} samples")
-    guard(path, 8.0 * size * (len(channel.subchannels) + 1))
+        raise common.damaged(path, f"channel {channel.name} claims {size} samples")
+    common.guard(path, 8.0 * size * (len(channel.subchannels) + 1))
     values = events.arraySlice()
     folder = f"{channel.id}"
-    columns = [ArrayColumn("time", size, lambda: values[0] * _MICROSECOND, "s", folder=folder, time=True)]
+    columns = [common.ArrayColumn("time", size, lambda: values[0] * _MICROSECOND, "s", folder=folder, time=True)]
     for k, axis in enumerate(channel.subchannels, start=1):
         if axis is not None and k < len(values):
-            unit = text((axis.units or ("", ""))[1])
+            unit = common.text((axis.units or ("", ""))[1])
             name = f"{channel.name}/{axis.displayName}"
-            columns.append(ArrayColumn(name, size, lambda k=k: values[k], unit, folder=folder))  # type: ignore[misc]
+            columns.append(common.ArrayColumn(name, size, lambda k=k: values[k], unit, folder=folder))  # type: ignore[misc]
     return columns
 
 
@@ -279,7 +266,7 @@ def sniff_rigol(head: bytes) -> bool:
 def read_rigol(path: Path, options: Options) -> Record:
     """Read the analog channels of a Rigol file."""
     if importlib.util.find_spec("RigolWFM") is None or sys.modules.get("RigolWFM", True) is None:
-        extra("RigolWFM", path)
+        common.extra("RigolWFM", path)
     return isolated("rigol", path, options)
 
 
@@ -289,7 +276,7 @@ def parse_rigol(path: Path, options: Options) -> Record:
     spec = importlib.util.find_spec("RigolWFM")
     package.__path__ = list(spec.submodule_search_locations or []) if spec else []
     sys.modules["RigolWFM"] = package
-    parsers, channels = extra("RigolWFM.rigol", path), extra("RigolWFM.channel", path)
+    parsers, channels = common.extra("RigolWFM.rigol", path), common.extra("RigolWFM.channel", path)
     family, form = _family(path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -301,8 +288,8 @@ def parse_rigol(path: Path, options: Options) -> Record:
             if channel.enabled and channel.volts is not None and len(channel.volts):
                 columns.append(_analog_column(channel))
     if not columns:
-        raise damaged(path, "no channel was switched on", "a file with samples")
-    return assemble(path, "rigol", columns, options)
+        raise common.damaged(path, "no channel was switched on", "a file with samples")
+    return common.assemble(path, "rigol", columns, options)
 
 
 def _family(path: Path) -> tuple[str, str]:
@@ -310,7 +297,7 @@ def _family(path: Path) -> tuple[str, str]:
     with path.open("rb") as file:
         head = file.read(300)
     family, form = _MAGIC[head[:4]]
-    guard(path, path.stat().st_size)
+    common.guard(path, path.stat().st_size)
     if family == "2":
         model = head[4:24]
         if model.startswith((b"DS4", b"MSO4")):
@@ -326,12 +313,12 @@ def _family(path: Path) -> tuple[str, str]:
     return family, form
 
 
-def _analog_column(channel: Any) -> ArrayColumn:
+def _analog_column(channel: Any) -> common.ArrayColumn:
     volts = np.asarray(channel.volts)
     step = float(channel.seconds_per_point)
     start = float(channel.times[0]) if channel.times is not None and len(channel.times) else 0.0
     unit = {"V": "V", "A": "A", "W": "W"}.get(str(getattr(channel.unit, "name", "v")).upper(), "")
-    return ArrayColumn(f"CH{channel.channel_number}", volts.size, lambda: volts, unit, step, start)
+    return common.ArrayColumn(f"CH{channel.channel_number}", volts.size, lambda: volts, unit, step, start)
 
 
 BLOCK = 2**18  # frames of 24-bit samples that are unpacked at a time: 3 MB, little beside the channel
@@ -363,17 +350,19 @@ def read_wav(path: Path, options: Options) -> Record:
     width = layout.bits // 8 * layout.channels
     frames = min(layout.size, path.stat().st_size - layout.begin) // width if width else 0
     if frames < 1:
-        raise damaged(path, "it has no samples", "a file with samples")
+        raise common.damaged(path, "it has no samples", "a file with samples")
     integer = layout.kind == _PCM
     known = {_PCM: _INTEGERS, _FLOAT: _FLOATS}.get(layout.kind, {})
     kind = known.get(layout.bits, "u1" if integer and layout.bits == 24 else "")
     if not kind:
-        raise damaged(path, f"samples of {layout.bits} bits, kind {layout.kind}", "WAV of plain integers or floats")
+        raise common.damaged(
+            path, f"samples of {layout.bits} bits, kind {layout.kind}", "WAV of plain integers or floats"
+        )
     shape = (frames, layout.channels) + ((3,) if layout.bits == 24 else ())
     samples = np.memmap(path, layout.order + kind, "r", layout.begin, shape)
     scale = 2.0 ** (layout.bits - 1) if integer else 1.0
     columns = [
-        ArrayColumn(f"channel {k + 1}", frames, lambda k=k: _scaled(samples[:, k], layout, scale))  # type: ignore[misc]
+        common.ArrayColumn(f"channel {k + 1}", frames, lambda k=k: _scaled(samples[:, k], layout, scale))  # type: ignore[misc]
         for k in range(layout.channels)
     ]
     findings = [
@@ -383,7 +372,7 @@ def read_wav(path: Path, options: Options) -> Record:
     ] * integer
     if layout.begin + layout.size > path.stat().st_size and layout.size < _UNKNOWN_SIZE:
         findings.append(HealthNotice("cut-off", "the file ends before its samples do", float(frames)))
-    return assemble(path, "wav", columns, options, (1.0 / layout.rate if layout.rate else np.nan, 0.0), findings)
+    return common.assemble(path, "wav", columns, options, (1.0 / layout.rate if layout.rate else np.nan, 0.0), findings)
 
 
 def _layout(path: Path) -> _WavFormat:
@@ -412,7 +401,7 @@ def _layout(path: Path) -> _WavFormat:
             if begin + length > size:
                 break
             file.seek(begin + length + length % 2)
-    raise damaged(path, "it has no samples", "a file with samples")
+    raise common.damaged(path, "it has no samples", "a file with samples")
 
 
 def _scaled(raw: Any, layout: _WavFormat, scale: float) -> Any:
@@ -448,19 +437,18 @@ def read_uff(path: Path, options: Options) -> Record:
         warnings.simplefilter("ignore")
         file = pyuff.UFF(str(path))
         kinds = file.get_set_types()
-        if len(kinds) > MOST_ARRAYS:
-            raise damaged(path, f"it has {len(kinds)} data sets", f"a file with at most {MOST_ARRAYS}")
-        columns: list[ArrayColumn] = []
+        common.check_count(path, len(kinds))
+        columns: list[common.ArrayColumn] = []
         skipped: list[str] = []
         for k, kind in enumerate(kinds):
             set_columns = _response_columns(file.read_sets(k), len(columns)) if kind == MEASURED else []
             columns += set_columns
             skipped += [f"data set {kind}"] * (not set_columns)
-        return assemble(path, "uff", columns, options, findings=left_out(skipped))
-    raise damaged(path, "it cannot be opened")
+        return common.assemble(path, "uff", columns, options, findings=common.left_out(skipped))
+    raise common.damaged(path, "it cannot be opened")
 
 
-def _response_columns(data_set: dict[str, Any], count: int) -> list[ArrayColumn]:
+def _response_columns(data_set: dict[str, Any], count: int) -> list[common.ArrayColumn]:
     """Return a time response, with its abscissa where that is uneven."""
     values = data_set["data"]
     if data_set["func_type"] != TIME_RESPONSE or np.iscomplexobj(values) or not len(values):
@@ -471,11 +459,11 @@ def _response_columns(data_set: dict[str, Any], count: int) -> list[ArrayColumn]
     values = values[: data_set["num_pts"]] if data_set["num_pts"] > 0 else values
     step, start = (data_set["abscissa_inc"], data_set["abscissa_min"]) if even else (math.nan, math.nan)
     step = step if step > 0.0 else math.nan
-    column = ArrayColumn(_name(data_set, count), len(values), lambda: values, unit, step, start, folder)
+    column = common.ArrayColumn(_name(data_set, count), len(values), lambda: values, unit, step, start, folder)
     if even:
         return [column]
     stamps, scale = data_set["x"][: len(values)], _label(data_set, "abscissa_axis_units_lab")
-    return [column, ArrayColumn("time", len(stamps), lambda: stamps, scale, folder=folder, time=True)]
+    return [column, common.ArrayColumn("time", len(stamps), lambda: stamps, scale, folder=folder, time=True)]
 
 
 def _name(data_set: dict[str, Any], count: int) -> str:
@@ -485,5 +473,5 @@ def _name(data_set: dict[str, Any], count: int) -> str:
 
 
 def _label(data_set: dict[str, Any], name: str) -> str:
-    label = text(data_set.get(name, ""))
+    label = common.text(data_set.get(name, ""))
     return "" if label.upper() in ("NONE", "NULL") else label

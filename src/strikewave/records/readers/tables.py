@@ -14,20 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from strikewave.records.readers import Options
+from strikewave.records.readers import Options, common
 from strikewave.records.readers.columns import MOST_WORDS, Marks
-from strikewave.records.readers.common import (
-    ArrayColumn,
-    assemble,
-    check_count,
-    damaged,
-    extra,
-    floats,
-    grid_of,
-    guard,
-    left_out,
-    text,
-)
 from strikewave.records.readers.headings import is_unit, name_and_unit, names_a_setting, settings_of
 from strikewave.records.readers.long_table import MOST_LABELS
 from strikewave.records.record import Record
@@ -51,17 +39,17 @@ def sniff_excel(head: bytes) -> bool:
 
 def read_excel(path: Path, options: Options) -> Record:
     """Read the columns of numbers of a workbook; names and units come from the rows above them."""
-    openpyxl = extra("openpyxl", path)
+    openpyxl = common.extra("openpyxl", path)
     try:
         with zipfile.ZipFile(path) as packed:
-            guard(path, float(sum(entry.file_size for entry in packed.infolist())))
+            common.guard(path, float(sum(entry.file_size for entry in packed.infolist())))
     except zipfile.BadZipFile as error:
-        raise damaged(path, str(error)) from None
+        raise common.damaged(path, str(error)) from None
     with path.open("rb") as opened, warnings.catch_warnings():
         warnings.filterwarnings("ignore", module="openpyxl")
         book = openpyxl.load_workbook(opened, read_only=True, data_only=True, keep_links=False)
         try:
-            columns: list[ArrayColumn] = []
+            columns: list[common.ArrayColumn] = []
             left = MOST_CELLS
             sheets = book.worksheets[:MOST_SHEETS]
             for sheet in sheets:
@@ -73,12 +61,12 @@ def read_excel(path: Path, options: Options) -> Record:
             skipped = [entry.name for entry in columns if entry.size == 0]
             columns, settings = _without_settings(columns)
             skipped += settings
-            return assemble(path, "excel", columns, options, findings=left_out(skipped))
+            return common.assemble(path, "excel", columns, options, findings=common.left_out(skipped))
         finally:
             book.close()
 
 
-def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[list[ArrayColumn], int]:
+def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[list[common.ArrayColumn], int]:
     """Return the columns of a sheet and how many cells it has; those of words behind those of numbers."""
     numbers_at: dict[int, array[float]] = {}
     codes_at: dict[int, array[float]] = {}
@@ -109,13 +97,13 @@ def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[li
         step, start, origin = own.steps.get(place, math.nan), own.starts.get(place, math.nan), own.origins.get(place)
         name = own.names.get(place) or name or f"column {place + 1}"
         unit = unit or own.units.get(place, "")
-        columns.append(ArrayColumn(name, values.size, _loader(values), unit, step, start, origin=origin))
+        columns.append(common.ArrayColumn(name, values.size, _loader(values), unit, step, start, origin=origin))
     columns = _trimmed(columns)
     last = max((column.size for column in columns), default=0)
     for place, coded in codes_at.items():
         codes = np.frombuffer(coded, np.float64)[:last]
         if place not in numbers_at and codes.size == last and 2 * np.count_nonzero(~np.isnan(codes)) > last:
-            columns.append(ArrayColumn(names[place][0], last, _loader(codes), words=tuple(words_at[place])))
+            columns.append(common.ArrayColumn(names[place][0], last, _loader(codes), words=tuple(words_at[place])))
     return columns, counted.cells
 
 
@@ -129,7 +117,7 @@ class _Counted:
         for k, row in enumerate(self.rows):
             self.cells += len(row) + 1
             if k >= MOST_ROWS or self.cells > self.left:
-                raise damaged(self.path, f"a sheet has more than {k} rows", "a workbook of fewer cells")
+                raise common.damaged(self.path, f"a sheet has more than {k} rows", "a workbook of fewer cells")
             yield row
 
 
@@ -157,7 +145,7 @@ def _begin(rows: Iterable[tuple[Any, ...]]) -> tuple[list[tuple[Any, ...]], Iter
     return above, iter(waiting)
 
 
-def _without_settings(columns: list[ArrayColumn]) -> tuple[list[ArrayColumn], list[str]]:
+def _without_settings(columns: list[common.ArrayColumn]) -> tuple[list[common.ArrayColumn], list[str]]:
     """Part columns of samples from those with fewer numbers than a blow needs samples, beside long ones."""
     counts = [int(np.count_nonzero(~np.isnan(column.load()))) for column in columns]
     long = {column.folder for column, count in zip(columns, counts, strict=True) if count >= 2 * FEWEST_NUMBERS}
@@ -170,7 +158,7 @@ def _loader(values: Any) -> Any:
     return lambda: values
 
 
-def _trimmed(columns: list[ArrayColumn]) -> list[ArrayColumn]:
+def _trimmed(columns: list[common.ArrayColumn]) -> list[common.ArrayColumn]:
     """Leave out the rows below the last number of any column."""
     last = max((int(np.flatnonzero(~np.isnan(column.load()))[-1]) + 1 for column in columns), default=0)
     return [column._replace(size=last, load=_loader(column.load()[:last])) for column in columns]
@@ -195,7 +183,7 @@ def _number(value: object) -> float:
 def _names(above: list[tuple[Any, ...]], width: int, places: Container[int]) -> list[tuple[str, str]]:
     """Return name and unit of each column: of the last row of text, or of two where the last holds units only."""
     plain = [row for row in above if all(cell is None or isinstance(cell, str) for cell in row)]
-    rows = [[text(row[k]) if k < len(row) else "" for k in range(width)] for row in plain]
+    rows = [[common.text(row[k]) if k < len(row) else "" for k in range(width)] for row in plain]
     rows = [row for row in rows if not row or not names_a_setting(row[0])]
     rows = [row for row in rows if any(row)]
     last = rows[-1] if rows else [""] * width
@@ -218,20 +206,22 @@ def read_parquet(path: Path, options: Options) -> Record:
     """Read the numeric columns of a Parquet file, one at a time."""
     arrow, parquet = importlib.import_module("pyarrow"), importlib.import_module("pyarrow.parquet")
     with parquet.ParquetFile(path, memory_map=True) as file:
-        check_count(path, file.metadata.num_columns)
+        common.check_count(path, file.metadata.num_columns)
         rows, schema = file.metadata.num_rows, file.schema_arrow
         columns, skipped = [], []
         for field in schema:
             if _holds_numbers(arrow.types, field.type):
                 named = _decoded(field.metadata)
                 unit = named.get("units", named.get("unit", ""))
-                columns.append(ArrayColumn(field.name, rows, _batch_loader(file, field.name, rows), unit))
+                columns.append(common.ArrayColumn(field.name, rows, _batch_loader(file, field.name, rows), unit))
             elif _words(arrow.types, field.type) and (words := _words_of(file, field.name)):
-                columns.append(ArrayColumn(field.name, rows, _coded(file, field.name, words), words=tuple(words)))
+                columns.append(
+                    common.ArrayColumn(field.name, rows, _coded(file, field.name, words), words=tuple(words))
+                )
             else:
                 skipped.append(field.name)
-        grid = grid_of(_decoded(schema.metadata).items())
-        return assemble(path, "parquet", columns, options, grid, left_out(skipped))
+        grid = common.grid_of(_decoded(schema.metadata).items())
+        return common.assemble(path, "parquet", columns, options, grid, common.left_out(skipped))
 
 
 def _holds_numbers(types: Any, kind: Any) -> bool:
@@ -269,7 +259,11 @@ def _coded(file: Any, name: str, words: dict[str, int]) -> Any:
 
 
 def _decoded(metadata: dict[bytes, bytes] | None) -> dict[str, str]:
-    return {text(name).lower(): text(value) for name, value in (metadata or {}).items() if len(value) < _LONGEST_VALUE}
+    return {
+        common.text(name).lower(): common.text(value)
+        for name, value in (metadata or {}).items()
+        if len(value) < _LONGEST_VALUE
+    }
 
 
 def _batch_loader(file: Any, name: str, rows: int) -> Any:
@@ -286,7 +280,7 @@ def _batch_loader(file: Any, name: str, rows: int) -> Any:
             out[at : at + len(values)] = values
             at += len(values)
         if parts:
-            return floats(np.concatenate(parts))
+            return common.floats(np.concatenate(parts))
         return out[:at]
 
     return load
