@@ -43,8 +43,8 @@ from strikewave.specifications.tables import (
 )
 
 ALLOWED = 'a share such as "5 %", or a TOML file with [[contribution]]'
+# Contributions of a budget, and bands of a response, at most: no data sheet comes near
 MOST_CONTRIBUTIONS, MOST_BANDS = 100, 200
-"""Contributions of a budget, and bands of a response, at most: no data sheet comes near."""
 Kind = Literal[
     "sensitivity",
     "amplifier",
@@ -70,6 +70,7 @@ class KindFields(NamedTuple):
     distribution: str = ""
 
 
+# Fields of the kinds that are not one share, or amount, alone
 FIELDS_OF_KINDS: dict[str, KindFields] = {
     "temperature": KindFields(("per_kelvin", "range")),
     "transverse": KindFields(("value", "motion"), U_SHAPED),
@@ -78,7 +79,6 @@ FIELDS_OF_KINDS: dict[str, KindFields] = {
     "filter": KindFields(("value", "cutoff", "order")),
     "coupling": KindFields(("time_constant",), RECTANGULAR),
 }
-"""Fields of the kinds that are not one share, or amount, alone."""
 FIELDS = ("value", "per_kelvin", "range", "motion", "bands", "frequency", "quality", "cutoff", "order", "time_constant")
 
 
@@ -195,13 +195,7 @@ def _name(table: ContributionTable) -> str:
 
 
 def load_budget(asked: str, field: str = "--uncertainty") -> Budget:
-    """Return the budget of a share, which is an expanded uncertainty with k = 2, or of a file that ends in ``.toml``.
-
-    Examples
-    --------
-    >>> load_budget("5 %").contributions[0].spread
-    0.025
-    """
+    """Return the budget of a share, an expanded uncertainty with k = 2, or of a file that ends in ``.toml``."""
     word = asked.strip()
     if not word.lower().endswith(".toml"):
         bare, number = typed_number(word), typed_number(word, "%")

@@ -24,8 +24,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 HALF_SINE, SAWTOOTH, TRAPEZOID = "half-sine", "sawtooth", "trapezoid"
-SHAPES = (HALF_SINE, SAWTOOTH, TRAPEZOID)
-"""Shapes of a pulse; a sawtooth has its peak at its end."""
+SHAPES = (HALF_SINE, SAWTOOTH, TRAPEZOID)  # shapes of a pulse; a sawtooth has its peak at its end
 
 
 @dataclass(frozen=True)
@@ -33,29 +32,12 @@ class IdealPulse:
     """A pulse as a specification draws it, from time 0 on.
 
     Half-sine: a = A sin(pi t / D). Terminal-peak sawtooth: a = A t / D. Trapezoid: a line to A, A, and a line to 0.
-
-    Attributes
-    ----------
-    shape : str
-        One of `SHAPES`.
-    peak : float
-        A, above zero.
-    duration : float
-        D from foot to foot, s.
-    rise, fall : float
-        Shares of the duration in which a trapezoid rises and falls.
-
-    Examples
-    --------
-    >>> pulse = IdealPulse("half-sine", 1500.0, 0.5e-3)
-    >>> float(pulse.at(0.25e-3)), round(pulse.width(0.1) / 0.5e-3, 4), round(pulse.velocity_change, 4)
-    (1500.0, 0.9362, 0.4775)
     """
 
-    shape: str
-    peak: float
-    duration: float
-    rise: float = 0.1
+    shape: str  # one of `SHAPES`
+    peak: float  # A, above zero
+    duration: float  # D from foot to foot, s
+    rise: float = 0.1  # shares of the duration in which a trapezoid rises and falls
     fall: float = 0.1
 
     def at(self, time: ArrayLike) -> Array:
@@ -81,12 +63,6 @@ class IdealPulse:
 
         The pulse has one top, so that its smallest value stands at an end of that stretch, and its largest at the top
         or at the end next to it.
-
-        Examples
-        --------
-        >>> low, high = IdealPulse("sawtooth", 1.0, 1.0).widened([0.5, 1.05], 0.1)
-        >>> low.round(3).tolist(), high.round(3).tolist()
-        ([0.4, 0.0], [0.6, 1.0])
         """
         time = np.asarray(time, dtype=np.float64)
         first, last = time - by, time + by
@@ -115,84 +91,44 @@ class IdealPulse:
 def from_width(
     shape: str, peak: float, duration: float, level: float, rise: float = 0.1, fall: float = 0.1
 ) -> IdealPulse:
-    """Return the ideal pulse whose width at a share of its peak is stated; level 0 states its duration itself.
-
-    Examples
-    --------
-    >>> round(from_width("half-sine", 1.0, 0.5e-3, 0.1).duration * 1e3, 4)
-    0.5341
-    """
+    """Return the ideal pulse whose width at a share of its peak is stated; level 0 states its duration itself."""
     whole = IdealPulse(shape, peak, 1.0, rise, fall)
     return IdealPulse(shape, peak, duration / whole.width(level), rise, fall)
 
 
+# Share of the duration between two times of comparison: between them a half-sine bends by 2e-6 of its peak
 FINEST = 1.0 / 800.0
-"""Share of the duration between two times of comparison: between them a half-sine bends by 2e-6 of its peak."""
+# Shares of the duration to either side in which the start is sought: a pulse that is farther off fails anyway
 REACH = 0.75
-"""Shares of the duration to either side in which the start is sought: a pulse that is farther off fails anyway."""
+# Share of the duration between two times of comparison where all starts within reach are tried, and such times from one
+# start to the next
 COARSE, SCANNED = 1.0 / 160.0, 2
-"""Share of the duration between two times of comparison where all starts within reach are tried, and such times from
-one start to the next."""
+# The best few starts, around each of which so many are tried, in a fifth of the steps each time: the start is then
+# known to 4e-6 of the duration, and the distance to 1.3e-5 of the peak
 KEPT, ZOOMED, ZOOMS = 3, 11, 5
-"""The best few starts, around each of which so many are tried, in a fifth of the steps each time: the start is then
-known to 4e-6 of the duration, and the distance to 1.3e-5 of the peak."""
 
 
 class Placement(NamedTuple):
-    """Where a band lies over a record, and how far the record stays inside.
+    """Where a band lies over a record, and how far the record stays inside."""
 
-    Attributes
-    ----------
-    start : float
-        Time of the begin of the ideal pulse, s.
-    margin : float
-        Smallest distance to the curves of the band, in the unit of the record; below zero outside.
-    time : float
-        When it is smallest, s.
-    above : bool
-        True if the smallest distance is that to the upper curve.
-    before, after : float
-        How much of the window the record lacks, in shares of the duration.
-    """
-
-    start: float
-    margin: float
-    time: float
-    above: bool
-    before: float
+    start: float  # time of the begin of the ideal pulse, s
+    margin: float  # smallest distance to the curves of the band, in the unit of the record; below zero outside
+    time: float  # when it is smallest, s
+    above: bool  # true if the smallest distance is that to the upper curve
+    before: float  # how much of the window the record lacks, in shares of the duration
     after: float
 
 
 @dataclass(frozen=True)
 class PulseBand:
-    """A band around an ideal pulse.
+    """A band around an ideal pulse."""
 
-    Attributes
-    ----------
-    pulse : IdealPulse
-        The ideal pulse.
-    time : float
-        tau as a share of the duration.
-    amplitude : float
-        alpha as a share of the peak, from tau before the pulse to tau after it.
-    amplitude_before, amplitude_after : float
-        The same earlier and later.
-    before, after : float
-        Shares of the duration before and after the ideal pulse in which the record is watched.
-
-    Examples
-    --------
-    >>> band = PulseBand(IdealPulse("half-sine", 100.0, 1.0), 0.1, 0.2)
-    >>> [float(curve[0].round(3)) for curve in band.curves(np.array([0.5]))]
-    [75.106, 120.0]
-    """
-
-    pulse: IdealPulse
-    time: float
-    amplitude: float
-    amplitude_before: float = float("nan")
+    pulse: IdealPulse  # the ideal pulse
+    time: float  # tau as a share of the duration
+    amplitude: float  # alpha as a share of the peak, from tau before the pulse to tau after it
+    amplitude_before: float = float("nan")  # the same earlier and later
     amplitude_after: float = float("nan")
-    before: float = 0.4
+    before: float = 0.4  # shares of the duration before and after the ideal pulse in which the record is watched
     after: float = 1.0
 
     def curves(self, time: Array) -> tuple[Array, Array]:
@@ -219,25 +155,7 @@ class PulseBand:
         return np.unique(times[(times >= even[0]) & (times <= even[-1])])
 
     def placed(self, values: Array, step: float, begin: float, centre: float) -> Placement:
-        """Place the band over a record.
-
-        Parameters
-        ----------
-        values : ndarray
-            Record, baseline taken off, with the sign that makes its pulse positive.
-        step, begin : float
-            Time between samples, and of the first one, s.
-        centre : float
-            Start of the ideal pulse about which it is sought, s.
-
-        Examples
-        --------
-        >>> pulse = IdealPulse("half-sine", 100.0, 1e-3)
-        >>> record = pulse.at(np.arange(4000) * 1e-6 - 1.5e-3)
-        >>> found = PulseBand(pulse, 0.1, 0.2).placed(record, 1e-6, 0.0, 1.5e-3)
-        >>> round(found.start * 1e3, 4), round(found.margin, 2)
-        (1.5, 20.0)
-        """
+        """Place the band over a record."""
         duration = self.pulse.duration
         first = centre - (REACH + self.before) * duration
         last = centre + (1.0 + self.after + REACH) * duration

@@ -56,6 +56,7 @@ from strikewave.specifications.spectrum_limits import SpectrumLimits
 
 Array = NDArray[np.float64]
 
+# Findings on what machine, specimen or direction do: a specification judges it, it is no fault of the record
 JUDGED_AS_IT_IS = (
     "polarity",
     "polarity-differs",
@@ -67,61 +68,42 @@ JUDGED_AS_IT_IS = (
     "response",
     "no-foot",
 )
-"""Findings on what machine, specimen or direction do: a specification judges it, it is no fault of the record."""
+# Findings on a cross-axis channel by which its true values may be larger
 HIDES_PEAKS = ("clipped", "flat-top", "slew-rate")
-"""Findings on a cross-axis channel by which its true values may be larger."""
+# Samples before a shock that tell the noise of a cross-axis channel, at least: it is then good to a fifth
 FEWEST_QUIET = 16
-"""Samples before a shock that tell the noise of a cross-axis channel, at least: it is then good to a fifth."""
-LEFT_BEFORE = 0.25
-"""Lengths of a blow before it that are left out of them: what crosses over may begin earlier."""
+LEFT_BEFORE = 0.25  # lengths of a blow before it that are left out of them: what crosses over may begin earlier
+# Share of the duration between samples on which a filter is tried on the ideal pulse, where the record is coarser
 FINEST_FILTERED = 1.0 / 200.0
-"""Share of the duration between samples on which a filter is tried on the ideal pulse, where the record is coarser."""
 
 
 SHARE = declare.word("stated expanded uncertainty (k = 2), as a share", key="uncertainty")
 HOLDS = declare.word("what the stated uncertainty holds of, such as noise, calibration", key="uncertainty_holds")
 NOT_STATED = declare.word("what nobody stated an uncertainty of", key="uncertainty_not_stated")
 VERDICT = declare.word("pass, fail or cannot-tell")
+# Declarations that verdicts on records, spectra and histories share
 BY_INDICATIVE = declare.word("whether it rests on a limit from memory", key="by_indicative_limits")
-"""Declarations that verdicts on records, spectra and histories share."""
 
 
 @declare.dataclass
 class Asked:
-    """How records are judged.
-
-    Attributes
-    ----------
-    budget : Budget or None
-        By which the uncertainties of the blows were found; None where only noise and baseline are known.
-    directions : sequence of StatedDirection
-        Directions of the shocks, with their files and channels.
-    cross_axis : sequence of str
-        Names or numbers of channels that measure across, with the files in which they do, see `cross_axis_fits`.
-    from_record : tuple of str
-        Names of what the record itself tells where no budget is stated; none where uncertainty plays no part.
-    """
+    """How records are judged."""
 
     rule: Rule = declare.word("simple, or guarded by the expanded uncertainty", key="decision", default="simple")
     strict: bool = declare.word("whether limits from memory count as none", default=False)
+    # By which the uncertainties of the blows were found; None where only noise and baseline are known
     budget: Budget | None = None
-    directions: Sequence[StatedDirection] = ()
+    directions: Sequence[StatedDirection] = ()  # directions of the shocks, with their files and channels
+    # Names or numbers of channels that measure across, with the files in which they do, see `cross_axis_fits`
     cross_axis: Sequence[str] = ()
+    # Names of what the record itself tells where no budget is stated; none where uncertainty plays no part
     from_record: tuple[str, ...] = (RECORD,)
     share = declare.computed(SHARE)(lambda one: 0.0 if one.budget is None else one.budget.share)
     holds = declare.computed(HOLDS)(lambda one: one.from_record if one.budget is None else one.budget.names)
     not_stated = declare.computed(NOT_STATED)(lambda one: (one.budget or Budget(())).not_stated if one.holds else ())
 
     def direction_of(self, path: str, channel: Iterable[str]) -> str:
-        """Return the direction of the shocks of a channel; empty where none is stated. The last that fits counts.
-
-        Examples
-        --------
-        >>> from strikewave.specifications.shock_directions import read_direction
-        >>> asked = Asked(directions=[read_direction("+x"), read_direction("b*#2=-x")])
-        >>> asked.direction_of("tests/b1.csv", ("acc", "1")), asked.direction_of("tests/b1.csv", ("y", "2"))
-        ('+x', '-x')
-        """
+        """Return the direction of the shocks of a channel; empty where none is stated. The last that fits counts."""
         keys = set(channel)
         fitting = [one.direction for one in self.directions if direction_fits(one.place, path, keys)]
         return fitting[-1] if fitting else ""
@@ -154,23 +136,13 @@ class ShockRow:
 
 @declare.dataclass
 class RecordsVerdict:
-    """The verdict on records.
-
-    Attributes
-    ----------
-    limits : PulseLimits
-        Limits that it sets for a shock.
-    shocks : tuple of JudgedShock
-        In the order of the files.
-    campaign : tuple of Clause
-        Shocks by direction, their rate, files without a shock.
-    """
+    """The verdict on records."""
 
     specification: Specification = declare.part(Specification, "what they are judged by", inline=True)
-    limits: PulseLimits
+    limits: PulseLimits  # limits that it sets for a shock
     asked: Asked = declare.part(Asked, "how", inline=True)
-    shocks: tuple[JudgedShock, ...]
-    campaign: tuple[Clause, ...] = ()
+    shocks: tuple[JudgedShock, ...]  # in the order of the files
+    campaign: tuple[Clause, ...] = ()  # shocks by direction, their rate, files without a shock
 
     @declare.computed(VERDICT)
     def verdict(self) -> str:
@@ -214,15 +186,7 @@ class RecordsVerdict:
 
 
 def rests_on_indicative(clauses: Sequence[Clause], verdict: str) -> bool:
-    """Tell whether a verdict rests on an indicative limit: a pass on any of them, a fail where all that fail are.
-
-    Examples
-    --------
-    >>> from strikewave.specifications.judging import judged
-    >>> sure, unsure = judged("a", 2.0, Limits(0, 1, "quoted"), "1"), judged("b", 2.0, Limits(0, 1, "indicative"), "1")
-    >>> rests_on_indicative([sure, unsure], "fail"), rests_on_indicative([unsure], "fail")
-    (False, True)
-    """
+    """Tell whether a verdict rests on an indicative limit: a pass on any of them, a fail where all that fail are."""
     used = [clause for clause in clauses if clause.verdict == verdict]
     if verdict == PASS:
         return any(clause.status == INDICATIVE for clause in used)
@@ -232,19 +196,7 @@ def rests_on_indicative(clauses: Sequence[Clause], verdict: str) -> bool:
 def judge_records(
     files: Sequence[FileReading], specification: Specification, asked: Asked, filter_: Filter | None = None
 ) -> RecordsVerdict:
-    """Judge the blows of records.
-
-    Parameters
-    ----------
-    files : sequence of FileReading
-        Read and examined.
-    specification : Specification
-        Specification of a pulse.
-    asked : Asked
-        How they are judged.
-    filter_ : Filter or None, optional
-        The low-pass that was taken.
-    """
+    """Judge the blows of records."""
     limits = specification.pulse_limits()
     check_directions(asked.directions, [(file.path, [_keys(reading) for reading in file.channels]) for file in files])
     _check_cross_axis(asked.cross_axis, files)
@@ -404,13 +356,7 @@ def measured_figure(
 
 
 def filter_leaves(filter_: Filter, pulse: IdealPulse, step: float) -> float:
-    """Return the share of the peak of an ideal pulse that a filter leaves.
-
-    Examples
-    --------
-    >>> round(filter_leaves(Filter(10e3), IdealPulse("half-sine", 1.0, 100e-6), 1e-6), 3)
-    0.968
-    """
+    """Return the share of the peak of an ideal pulse that a filter leaves."""
     fine = min(step, FINEST_FILTERED * pulse.duration)
     time = np.arange(-round(pulse.duration / fine), round(2.0 * pulse.duration / fine)) * fine
     return float(np.max(filter_.apply(pulse.at(time), fine))) / pulse.peak
@@ -472,20 +418,12 @@ def asked_of_spectra(rule: Rule = "simple", strict: bool = False, budget: Budget
 
 @declare.dataclass
 class SpectraVerdict:
-    """The verdict on spectra, each judged by itself.
-
-    Attributes
-    ----------
-    limits : SpectrumLimits
-        Limits that it sets for a spectrum.
-    spectra : tuple of JudgedSpectrum
-        In the order of the files.
-    """
+    """The verdict on spectra, each judged by itself."""
 
     specification: Specification = declare.part(Specification, "what they are judged by", inline=True)
-    limits: SpectrumLimits
+    limits: SpectrumLimits  # limits that it sets for a spectrum
     asked: Asked = declare.part(Asked, "how", inline=True)
-    spectra: tuple[JudgedSpectrum, ...]
+    spectra: tuple[JudgedSpectrum, ...]  # in the order of the files
 
     @declare.computed(VERDICT)
     def verdict(self) -> str:

@@ -27,30 +27,13 @@ from strikewave.signal.pulse import FEWEST_INTERVALS, crossing, refine_peak
 from strikewave.specifications.ideal_pulses import IdealPulse, Placement, PulseBand
 
 Rule = Literal["simple", "guarded"]
+# Verdicts; what is not judged lacks what only the user can say, such as the directions of the shocks
 PASS, FAIL, CANNOT_TELL, NOT_JUDGED = "pass", "fail", "cannot-tell", "not-judged"
-"""Verdicts; what is not judged lacks what only the user can say, such as the directions of the shocks."""
 WORST_FIRST = (FAIL, CANNOT_TELL, PASS)
 
 
 def decide(margin: float, uncertainty: float = 0.0, rule: Rule = "simple") -> str:
-    """Return the verdict on a margin to the nearest limit, positive inside.
-
-    Parameters
-    ----------
-    margin : float
-        Distance to the nearest limit.
-    uncertainty : float, optional
-        Expanded uncertainty of the value; where it is not known (NaN), a guarded decision states nothing.
-    rule : str, optional
-        ``simple`` or ``guarded``.
-
-    Examples
-    --------
-    >>> [decide(margin, 2.0, "guarded") for margin in (3.0, 1.0, -1.0, -3.0)]
-    ['pass', 'cannot-tell', 'cannot-tell', 'fail']
-    >>> decide(1.0, 2.0), decide(0.0), decide(-1e-9), decide(1.0, math.nan, "guarded")
-    ('pass', 'pass', 'fail', 'cannot-tell')
-    """
+    """Return the verdict on a margin to the nearest limit, positive inside."""
     guard = uncertainty if rule == "guarded" else 0.0
     if math.isnan(margin) or math.isnan(guard):
         return CANNOT_TELL
@@ -60,13 +43,7 @@ def decide(margin: float, uncertainty: float = 0.0, rule: Rule = "simple") -> st
 
 
 def together(verdicts: Iterable[str]) -> str:
-    """Return the verdict of several: what fails one fails all, and of nothing nothing can be said.
-
-    Examples
-    --------
-    >>> together(["pass", "cannot-tell"]), together(["pass", "not-judged"]), together([])
-    ('cannot-tell', 'pass', 'cannot-tell')
-    """
+    """Return the verdict of several: what fails one fails all, and of nothing nothing can be said."""
     found = set(verdicts)
     return next((verdict for verdict in WORST_FIRST if verdict in found), CANNOT_TELL)
 
@@ -74,26 +51,17 @@ def together(verdicts: Iterable[str]) -> str:
 Array = NDArray[np.float64]
 
 NORMATIVE, QUOTED, INDICATIVE = "normative", "quoted", "indicative"
+# Status of a number: read in the standard, second-hand from a text that is named, from memory
 STATUSES = (NORMATIVE, QUOTED, INDICATIVE)
-"""Status of a number: read in the standard, second-hand from a text that is named, from memory."""
-ROUNDING = 1e-9
-"""Share of a value by which it may miss a limit: sums of some thousand samples are exact to that."""
+ROUNDING = 1e-9  # share of a value by which it may miss a limit: sums of some thousand samples are exact to that
 
 
 class Limits(NamedTuple):
-    """What a value must lie between, and how well that is known.
+    """What a value must lie between, and how well that is known."""
 
-    Attributes
-    ----------
-    low, high : float
-        Limits; infinite where there is none.
-    status : str
-        The weakest status of the numbers that it is made of.
-    """
-
-    low: float
+    low: float  # limits; infinite where there is none
     high: float
-    status: str
+    status: str  # the weakest status of the numbers that it is made of
 
     def margin(self, value: float) -> float:
         """Return the distance to the nearer limit, positive inside."""
@@ -102,39 +70,21 @@ class Limits(NamedTuple):
 
 @dataclass(frozen=True)
 class PulseLimits:
-    """What a specification asks of a shock, in SI.
+    """What a specification asks of a shock, in SI."""
 
-    Attributes
-    ----------
-    pulse : IdealPulse
-        The ideal pulse.
-    status : str
-        Status of its peak and duration.
-    level : float
-        Share of the measured peak at which the pulse width is taken.
-    peak, width, velocity_change, cross_axis : Limits or None
-        None where it asks nothing of it; the cross-axis limit is that of the largest value to either side.
-    window : (float, float)
-        Shares of the duration before and after the ideal pulse over which the velocity change is integrated.
-    band : PulseBand or None
-        The band; None where there is none.
-    band_status : str
-        Its status.
-    rate, cutoff : Limits or None
-        Demands on the sampling rate, and on the cutoff of a low-pass, Hz.
-    """
-
-    pulse: IdealPulse
-    status: str
-    level: float = 0.1
+    pulse: IdealPulse  # the ideal pulse
+    status: str  # status of its peak and duration
+    level: float = 0.1  # share of the measured peak at which the pulse width is taken
+    # None where it asks nothing of it; the cross-axis limit is that of the largest value to either side
     peak: Limits | None = None
     width: Limits | None = None
     velocity_change: Limits | None = None
+    # Shares of the duration before and after the ideal pulse over which the velocity change is integrated
     window: tuple[float, float] = (0.1, 0.1)
     cross_axis: Limits | None = None
-    band: PulseBand | None = None
-    band_status: str = INDICATIVE
-    rate: Limits | None = None
+    band: PulseBand | None = None  # the band; None where there is none
+    band_status: str = INDICATIVE  # its status
+    rate: Limits | None = None  # demands on the sampling rate, and on the cutoff of a low-pass, Hz
     cutoff: Limits | None = None
 
 
@@ -148,47 +98,26 @@ class MeasuredFigure(NamedTuple):
 
 @dataclass(frozen=True)
 class Shock:
-    """One measured shock.
+    """One measured shock."""
 
-    Attributes
-    ----------
-    values : ndarray
-        Acceleration, m/s^2, baseline taken off, with the sign that makes the pulse positive.
-    step, begin : float
-        Time between samples, and of the first one, s.
-    peak_index : int
-        Sample of the peak.
-    figures : mapping of str to MeasuredFigure
-        Peak, and width at 10 %, where they were measured better than from the samples alone; standard uncertainties.
-    filter_left : float
-        Share of the peak of the ideal pulse that a filter leaves; 1 without one.
-    filter_cutoff : float
-        Its cutoff, Hz; NaN without one.
-    troubles : mapping of str to str
-        Why a figure is not to be trusted: by peak, width, velocity_change and cross_axis.
-    cross_axis : mapping of str to ndarray
-        Accelerations of cross-axis channels at the same times, by name.
-    cross_axis_noise : float
-        Standard uncertainty of them, whatever they read: the noise of the noisiest before the shock, and amounts of a
-        budget; NaN where it is not known.
-    uncertainty : float
-        Expanded uncertainty, k = 2, of the acceleration as a share of it: of figures whose own is not whole.
-    filter_width : float
-        Width of the smooth pulse of the blow that the filter makes of it, over that before.
-    """
-
-    values: Array
-    step: float
+    values: Array  # acceleration, m/s^2, baseline taken off, with the sign that makes the pulse positive
+    step: float  # time between samples, and of the first one, s
     begin: float
-    peak_index: int
+    peak_index: int  # sample of the peak
+    # Peak, and width at 10 %, where they were measured better than from the samples alone; standard uncertainties
     figures: Mapping[str, MeasuredFigure] = field(default_factory=dict)
-    filter_left: float = 1.0
-    filter_cutoff: float = math.nan
+    filter_left: float = 1.0  # share of the peak of the ideal pulse that a filter leaves; 1 without one
+    filter_cutoff: float = math.nan  # its cutoff, Hz; NaN without one
+    # Why a figure is not to be trusted: by peak, width, velocity_change and cross_axis
     troubles: Mapping[str, str] = field(default_factory=dict)
+    # Accelerations of cross-axis channels at the same times, by name
     cross_axis: Mapping[str, Array] = field(default_factory=dict)
+    # Standard uncertainty of them, whatever they read: the noise of the noisiest before the shock, and amounts of a
+    # budget; NaN where it is not known
     cross_axis_noise: float = 0.0
+    # Expanded uncertainty, k = 2, of the acceleration as a share of it: of figures whose own is not whole
     uncertainty: float = 0.0
-    filter_width: float = 1.0
+    filter_width: float = 1.0  # width of the smooth pulse of the blow that the filter makes of it, over that before
 
     @property
     def time(self) -> Array:
@@ -198,19 +127,13 @@ class Shock:
 
 @declare.dataclass
 class Clause:
-    """A clause and what it comes to, in its unit; NaN where there is nothing.
-
-    Attributes
-    ----------
-    low, high : float
-        Its limits; infinite where there is none.
-    """
+    """A clause and what it comes to, in its unit; NaN where there is nothing."""
 
     clause: str = declare.word("what is judged, such as peak")
     status: str = declare.word("of its limits: normative, quoted or indicative")
     unit: str = declare.word("SI unit of value, limit, margin and uncertainty")
     value: float = declare.word("what was found")
-    low: float
+    low: float  # its limits; infinite where there is none
     high: float
     limit = declare.computed(declare.word("[low, high]; null where there is none"))(lambda one: (one.low, one.high))
     margin: float = declare.word("distance to the nearer limit, below 0 where it fails")
@@ -231,21 +154,11 @@ class Clause:
 
 
 class ShockVerdict(NamedTuple):
-    """The verdict on one shock.
+    """The verdict on one shock."""
 
-    Attributes
-    ----------
-    clauses : tuple of Clause
-        In their order.
-    start : float
-        Time of the begin of the ideal pulse, s.
-    placement : Placement or None
-        How the band lies over it.
-    """
-
-    clauses: tuple[Clause, ...]
-    start: float
-    placement: Placement | None
+    clauses: tuple[Clause, ...]  # in their order
+    start: float  # time of the begin of the ideal pulse, s
+    placement: Placement | None  # how the band lies over it
 
     @property
     def verdict(self) -> str:
@@ -264,13 +177,7 @@ class ShockVerdict(NamedTuple):
 
 
 def weakest(*statuses: str) -> str:
-    """Return the weakest of statuses.
-
-    Examples
-    --------
-    >>> weakest("normative", "indicative", "quoted")
-    'indicative'
-    """
+    """Return the weakest of statuses."""
     return max(statuses, key=STATUSES.index)
 
 
@@ -283,13 +190,7 @@ def judged(
     rule: Rule = "simple",
     reason: str = "",
 ) -> Clause:
-    """Return the clause of a value; with a reason for which nothing can be said of it, its verdict is ``cannot-tell``.
-
-    Examples
-    --------
-    >>> judged("peak", 1300.0, Limits(1200.0, 1800.0, "quoted"), "m/s^2").verdict
-    'pass'
-    """
+    """Return the clause of a value; ``cannot-tell`` where a reason is given why nothing can be said of it."""
     margin = limits.margin(value)
     slack = ROUNDING * max(abs(value), abs(limits.low) if math.isfinite(limits.low) else 0.0)
     verdict = CANNOT_TELL if reason else decide(margin + slack if margin < 0.0 else margin, uncertainty, rule)
@@ -300,27 +201,7 @@ def judged(
 
 
 def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict: bool = False) -> ShockVerdict:
-    """Judge one shock.
-
-    Parameters
-    ----------
-    shock : Shock
-        The shock.
-    limits : PulseLimits
-        Limits that apply to it.
-    rule : str, optional
-        How uncertainty enters: ``simple`` or ``guarded``.
-    strict : bool, optional
-        True if indicative limits are refused: nothing is stated by them.
-
-    Examples
-    --------
-    >>> pulse = IdealPulse("half-sine", 500.0, 1e-3)
-    >>> limits = PulseLimits(pulse, "quoted", peak=Limits(400.0, 600.0, "quoted"), band=PulseBand(pulse, 0.1, 0.2))
-    >>> shock = Shock(1.1 * pulse.at(np.arange(4000) * 1e-6 - 1.5e-3), 1e-6, 0.0, 2000)
-    >>> [(clause.clause, clause.verdict) for clause in judge_shock(shock, limits).clauses]
-    [('peak', 'pass'), ('band', 'pass')]
-    """
+    """Judge one shock."""
     pulse = limits.pulse
     peak = shock.figures.get("peak") or MeasuredFigure(refine_peak(shock.values, shock.peak_index)[1])
     first, last = _crossings(shock, limits.level * peak.value)

@@ -26,8 +26,7 @@ from strikewave.specifications.tables import (
 )
 
 FORM = Form(SpecificationFile, "specification", 'pulse.peak="50 g"')
-LARGEST_FILE = 200_000
-"""Bytes of a file."""
+LARGEST_FILE = 200_000  # bytes of a file
 _FILE = re.compile(r"(?P<file>.*\.toml)(?::(?P<condition>[^:/\\]*))?", re.IGNORECASE | re.DOTALL)
 
 
@@ -42,25 +41,13 @@ class ShockCount(NamedTuple):
 
 @declare.dataclass
 class Specification:
-    """A specification, with one of its conditions where it has several.
-
-    Attributes
-    ----------
-    file : SpecificationFile
-        Its tables.
-    condition : ConditionTable or None
-        The condition; None where there is one severity.
-    text : str
-        The file.
-    path : str
-        Path of a file of one's own; empty for a built-in one.
-    """
+    """A specification, with one of its conditions where it has several."""
 
     name: str = declare.word("name of the specification")
-    file: SpecificationFile
-    condition: ConditionTable | None
-    text: str
-    path: str = ""
+    file: SpecificationFile  # its tables
+    condition: ConditionTable | None  # the condition; None where there is one severity
+    text: str  # the file
+    path: str = ""  # path of a file of one's own; empty for a built-in one
     condition_name = declare.computed(declare.word("its condition; null where it has one severity", key="condition"))(
         lambda one: one.condition and one.condition.name
     )
@@ -103,13 +90,7 @@ class Specification:
 
     @property
     def pulse(self) -> IdealPulse:
-        """Its ideal pulse.
-
-        Examples
-        --------
-        >>> load_specification("jesd22-b110:B").pulse.duration
-        0.0005
-        """
+        """Its ideal pulse."""
         table = self.file.pulse
         if table is None:
             hint = f"this one is of a spectrum: strikewave srs FILES --spec {self._typed}"
@@ -125,14 +106,7 @@ class Specification:
         return weakest(*(self._nominal(key)[1] for key in ("peak", "duration")))
 
     def pulse_limits(self) -> PulseLimits:
-        """Return what it asks of a shock.
-
-        Examples
-        --------
-        >>> limits = load_specification("mil-std-810h-sawtooth:ground").pulse_limits()
-        >>> round(limits.pulse.peak / 9.80665), limits.pulse.shape
-        (40, 'sawtooth')
-        """
+        """Return what it asks of a shock."""
         file, pulse, status = self.file, self.pulse, self.status
         level = 0.1 if file.width is None else file.width.level.si
         window = (0.1, 0.1)
@@ -279,25 +253,13 @@ class Specification:
 
 
 def specification_names() -> list[str]:
-    """Return the names of the built-in specifications.
-
-    Examples
-    --------
-    >>> "mil-std-810h" in specification_names()
-    True
-    """
+    """Return the names of the built-in specifications."""
     folder = resources.files(__package__) / "published"
     return sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
 
 
 def asked_names() -> list[str]:
-    """Return what can be asked for of the built-in specifications: names, with their conditions where they have some.
-
-    Examples
-    --------
-    >>> "un-38-3-t4:cell" in asked_names()
-    True
-    """
+    """Return the names of the built-in specifications, with their conditions where they have some."""
     return [
         f"{name}:{condition.name}" if condition else name
         for name in specification_names()
@@ -313,21 +275,7 @@ def read_built_in(name: str) -> tuple[SpecificationFile, str]:
 
 
 def load_specification(asked: str, field: str = "--spec") -> Specification:
-    """Read a specification.
-
-    Parameters
-    ----------
-    asked : str
-        Name of a built-in one, or path of a file that ends in ``.toml``; of one with several conditions with the
-        condition, such as ``jesd22-b110:B``.
-    field : str, optional
-        Option or field that asks for it, for errors.
-
-    Examples
-    --------
-    >>> load_specification("jesd22-b110:b").title
-    'JESD22-B110B, free state, condition B'
-    """
+    """Read a specification."""
     file, wanted = read_specification_file(asked, field)
     name, table, text = file
     own = _FILE.fullmatch(asked)

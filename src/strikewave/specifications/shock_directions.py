@@ -15,29 +15,18 @@ from strikewave.base.texts import first_few
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, Clause, Limits, judged, not_judged
 from strikewave.specifications.reading import ShockCount
 
-DIRECTIONS = ("+x", "-x", "+y", "-y", "+z", "-z")
-"""Directions of a shock: axes of the specimen, both senses."""
-MOST_NAMED = 3
-"""Files without a direction that a line names; the others are counted."""
+DIRECTIONS = ("+x", "-x", "+y", "-y", "+z", "-z")  # directions of a shock: axes of the specimen, both senses
+MOST_NAMED = 3  # files without a direction that a line names; the others are counted
 
 
 class StatedDirection(NamedTuple):
-    """A direction, of the shocks of which files and channels.
+    """A direction, of the shocks of which files and channels."""
 
-    Attributes
-    ----------
-    place : str
-        ``FILES``, ``#CHANNEL`` or ``FILES#CHANNEL``: a pattern of file names, and name or number of a channel; empty
-        for all.
-    direction : str
-        One of `DIRECTIONS`.
-    option, word : str
-        Where it was typed, and how.
-    """
-
+    # ``FILES``, ``#CHANNEL`` or ``FILES#CHANNEL``: a pattern of file names, and name or number of a channel; empty for
+    # all
     place: str
-    direction: str
-    option: str
+    direction: str  # one of `DIRECTIONS`
+    option: str  # where it was typed, and how
     word: str
 
 
@@ -52,13 +41,7 @@ class CountedShock(NamedTuple):
 
 
 def read_direction(word: str, field: str = "--direction") -> StatedDirection:
-    """Return what ``[FILES][#CHANNEL]=DIRECTION``, or a direction alone, states.
-
-    Examples
-    --------
-    >>> read_direction("+x")[:2], read_direction("up*.csv#2=-Z")[:2]
-    (('', '+x'), ('up*.csv#2', '-z'))
-    """
+    """Return what ``[FILES][#CHANNEL]=DIRECTION``, or a direction alone, states."""
     place, equals, direction = word.rpartition("=")
     place, direction = place.strip(), direction.strip().lower()
     if direction not in DIRECTIONS or (equals and not place):
@@ -68,26 +51,12 @@ def read_direction(word: str, field: str = "--direction") -> StatedDirection:
 
 
 def direction_fits(place: str, path: str, keys: AbstractSet[str]) -> bool:
-    """Tell whether a place means a channel of a file; a name may hold a ``#`` too.
-
-    Examples
-    --------
-    >>> [direction_fits(place, "a/up#1.csv", {"acc", "2"}) for place in ("", "up*", "up#1.csv#acc", "#2", "up*#1")]
-    [True, True, True, True, False]
-    """
+    """Tell whether a place means a channel of a file; a name may hold a ``#`` too."""
     return _file_fits(place, path) or any(_file_fits(files, path) and name in keys for files, name in _split(place))
 
 
 def cross_axis_fits(word: str, path: str, keys: AbstractSet[str]) -> bool:
-    """Tell whether ``[FILES#]CHANNEL`` means a channel of a file.
-
-    Examples
-    --------
-    >>> [cross_axis_fits(word, "x1.csv", {"y", "2"}) for word in ("y", "x*#2", "y*#2")]
-    [True, True, False]
-    >>> cross_axis_fits("x*.csv#2", "x1.csv: measurement 3", {"2"})
-    True
-    """
+    """Tell whether ``[FILES#]CHANNEL`` means a channel of a file."""
     return word in keys or any(_file_fits(files, path) and name in keys for files, name in _split(word))
 
 
@@ -124,22 +93,6 @@ def direction_clauses(shocks: Sequence[CountedShock], directions: Sequence[str],
     """Return the clauses of the shocks in each direction: those that pass count.
 
     A shock that can not be judged, or whose direction is not stated, may be one of those that lack: it fails no count.
-
-    Parameters
-    ----------
-    shocks : sequence of CountedShock
-        All shocks.
-    directions : sequence of str
-        Those that are stated.
-    count : ShockCount
-        Required number of shocks.
-
-    Examples
-    --------
-    >>> shocks = [CountedShock("a.csv", 1, "", "+x", "pass"), CountedShock("b.csv", 1, "", "", "pass")]
-    >>> found = direction_clauses(shocks, ["+x"], ShockCount(2.0, math.inf, 1, "quoted"))
-    >>> [(clause.clause, clause.verdict) for clause in found]
-    [('shocks in +x', 'cannot-tell'), ('shocks without a direction', 'not-judged'), ('directions', 'pass')]
     """
     limits = Limits(count.low, count.high, count.status)
     if not directions:

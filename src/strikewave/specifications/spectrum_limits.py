@@ -26,45 +26,22 @@ class DecibelBand(NamedTuple):
 
 @dataclass(frozen=True)
 class SpectrumLimits:
-    """What a specification asks of a spectrum, in SI.
+    """What a specification asks of a spectrum, in SI."""
 
-    Attributes
-    ----------
-    frequency, level : tuple of float
-        Breakpoints, Hz and the unit of the kind; straight lines between them on logarithmic axes.
-    status : str
-        Status of the breakpoints.
-    q, kind, side, per_octave
-        The spectrum that is meant.
-    bands : tuple of DecibelBand
-        Tolerances.
-    share : Limits
-        Share of the natural frequencies, evenly spread in octaves, that must lie within them.
-    share_above : Limits or None
-        Share that must reach the nominal level.
-    """
-
+    # Breakpoints, Hz and the unit of the kind; straight lines between them on logarithmic axes
     frequency: tuple[float, ...]
     level: tuple[float, ...]
-    status: str
-    q: float
+    status: str  # status of the breakpoints
+    q: float  # the spectrum that is meant
     kind: str
     side: str
     per_octave: float
-    bands: tuple[DecibelBand, ...]
-    share: Limits
-    share_above: Limits | None = None
+    bands: tuple[DecibelBand, ...]  # tolerances
+    share: Limits  # share of the natural frequencies, evenly spread in octaves, that must lie within them
+    share_above: Limits | None = None  # share that must reach the nominal level
 
     def nominal(self, frequency: ArrayLike) -> Array:
-        """Return the nominal spectrum at natural frequencies, Hz.
-
-        Examples
-        --------
-        >>> limits = SpectrumLimits((10.0, 1000.0), (1.0, 100.0), "quoted", 10.0, "absolute", "maximax", 12.0, (),
-        ...                         Limits(1.0, 1.0, "quoted"))
-        >>> limits.nominal([100.0]).round(6).tolist()
-        [10.0]
-        """
+        """Return the nominal spectrum at natural frequencies, Hz."""
         return np.exp(np.interp(np.log(frequency), np.log(self.frequency), np.log(self.level)))
 
     def grid(self) -> Array:
@@ -95,27 +72,6 @@ def judge_spectrum(
 
     With a guarded decision the spectrum passes if it does so wherever between up and down by its uncertainty it is
     moved as a whole, and fails if it passes nowhere.
-
-    Parameters
-    ----------
-    frequency, values : ndarray
-        Natural frequencies, Hz, those of `SpectrumLimits.grid`, and the spectrum.
-    limits : SpectrumLimits
-        Limits that apply to it.
-    uncertainty : float or ndarray, optional
-        Expanded uncertainty, k = 2, as a share, of all or at each frequency; NaN where it is not known.
-    rule, strict
-        As of `judge_shock`.
-    trouble : str, optional
-        Why the spectrum is not to be trusted.
-
-    Examples
-    --------
-    >>> limits = SpectrumLimits((10.0, 1000.0), (1.0, 100.0), "quoted", 10.0, "absolute", "maximax", 12.0,
-    ...                         (DecibelBand(10.0, 1000.0, -3.0, 3.0, "quoted"),), Limits(0.9, math.inf, "quoted"))
-    >>> f = limits.grid()
-    >>> [clause.verdict for clause in judge_spectrum(f, 1.2 * limits.nominal(f), limits)]
-    ['pass']
     """
     low, high = limits.curves(frequency)
     nominal = limits.nominal(frequency)
@@ -148,8 +104,7 @@ def _worst(frequency: Array, values: Array, low: Array, high: Array) -> str:
     return f"{out[k]:.2g} dB {side} the tolerance at {frequency[k]:.4g}\xa0Hz"
 
 
-LEAST = 1e-12
-"""Uncertainty that is taken at least, so that nothing is divided by zero."""
+LEAST = 1e-12  # uncertainty that is taken at least, so that nothing is divided by zero
 
 
 class _Shares(NamedTuple):

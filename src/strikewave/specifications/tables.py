@@ -23,35 +23,21 @@ from strikewave.specifications.ideal_pulses import TRAPEZOID
 from strikewave.specifications.judging import INDICATIVE, STATUSES
 
 Status = Literal["normative", "quoted", "indicative"]
-KEYS = ("value", "status", "source", "note")
-"""Keys that the table of a number may hold."""
-FROM_MEMORY = "from memory"
-"""Source of an indicative number that names none."""
+KEYS = ("value", "status", "source", "note")  # keys that the table of a number may hold
+FROM_MEMORY = "from memory"  # source of an indicative number that names none
+# Conditions of a file and breakpoints of a spectrum, at most: no standard comes near
 MOST_CONDITIONS, MOST_POINTS = 200, 1000
-"""Conditions of a file and breakpoints of a spectrum, at most: no standard comes near."""
 
 
 class StatedNumber(BaseModel):
-    """A number of a specification.
-
-    Attributes
-    ----------
-    si : float
-        In SI; a share, or dB.
-    typed : str or float
-        As it stands in the file.
-    status : str
-        Status of the number itself; empty where its table or the file says it.
-    source, note : str
-        Who has it; what is to be known of it.
-    """
+    """A number of a specification."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    si: float
-    typed: str | int | float
-    status: str = ""
-    source: str = ""
+    si: float  # in SI; a share, or dB
+    typed: str | int | float  # as it stands in the file
+    status: str = ""  # status of the number itself; empty where its table or the file says it
+    source: str = ""  # who has it; what is to be known of it
     note: str = ""
 
 

@@ -24,47 +24,30 @@ from strikewave.signal.srs import QUALITY, octaves, srs
 
 Array = NDArray[np.float64]
 
-RULES = {"correlation": by_correlation, "onset": by_onset, "peak": by_peak}
-"""How two histories are aligned."""
+RULES = {"correlation": by_correlation, "onset": by_onset, "peak": by_peak}  # how two histories are aligned
+# Widths of the longer pulse that the interval of evaluation goes on before both and after both: the foot of the pulses
+# and what follows them at once, little enough that quiet samples do not raise the scores
 BESIDE = 0.5
-"""Widths of the longer pulse that the interval of evaluation goes on before both and after both: the foot of the pulses
-and what follows them at once, little enough that quiet samples do not raise the scores."""
+# Natural frequencies of the spectra, times the width of the pulse: below, a spectrum is the velocity change alone, and
+# above, the peak alone
 SLOW, FAST = 0.05, 20.0
-"""Natural frequencies of the spectra, times the width of the pulse: below, a spectrum is the velocity change alone, and
-above, the peak alone."""
-OF_SAMPLING = 0.4
-"""Share of the lower sampling rate up to which spectra go."""
-FREQUENCIES = 12.0
-"""Natural frequencies an octave."""
-LOST = 0.01
-"""Share of the RMS of one history above half the sampling rate of the other from which on it is reported."""
-LEAST_SHOWN = 5e-5
-"""Uncertainty of a difference from which on it is shown: 0.01 % rounded."""
+OF_SAMPLING = 0.4  # share of the lower sampling rate up to which spectra go
+FREQUENCIES = 12.0  # natural frequencies an octave
+LOST = 0.01  # share of the RMS of one history above half the sampling rate of the other from which on it is reported
+LEAST_SHOWN = 5e-5  # uncertainty of a difference from which on it is shown: 0.01 % rounded
 
 
 @declare.dataclass
 class PairOfFigures:
-    """A figure of both histories, and by how much the second differs, as a share.
-
-    Beside what documents have:
-
-    Attributes
-    ----------
-    name : str
-        Name of the figure.
-    units : (str, str)
-        SI unit of the figure, and the unit in which it is shown as a rule.
-    budgeted : (bool, bool)
-        True if the uncertainty is that of a budget: it is shown then.
-    """
+    """A figure of both histories, and by how much the second differs, as a share."""
 
     a: float = declare.number(NOT_MEASURED, "of the reference")
     b: float = declare.number(NOT_MEASURED, "of what is held against it")
     a_uncertainty: float = declare.number(OF_FIGURE, "standard uncertainty of the first", default=0.0)
     b_uncertainty: float = declare.number(OF_FIGURE, "standard uncertainty of the second", default=0.0)
-    name: str = ""
-    units: tuple[str, str] = ("", "")
-    budgeted: tuple[bool, bool] = (False, False)
+    name: str = ""  # name of the figure
+    units: tuple[str, str] = ("", "")  # SI unit of the figure, and the unit in which it is shown as a rule
+    budgeted: tuple[bool, bool] = (False, False)  # true if the uncertainty is that of a budget: it is shown then
 
     @declare.computed(declare.number(RATIO, "b / a - 1"))
     def difference(self) -> float:
@@ -187,15 +170,6 @@ def agreement(
     The common samples are those of the more finely sampled history, as they are; the other one is interpolated
     band-limited at their times. Without ``between``, they are judged over both pulses (at 10 % of their peaks) and
     half the longer width on either side, as far as both last.
-
-    Parameters
-    ----------
-    a, b : ComparedCurve
-        The reference, and what is held against it.
-    align : str
-        One of `RULES`, or ``none``.
-    between : (float, float), optional
-        Begin and end of the interval, s, in the time of A.
     """
     shift = _shift(a, b, align)
     one, other = a.history, b.history._replace(start=b.history.start + shift.shift)

@@ -47,61 +47,39 @@ from strikewave.specifications.reading import Specification, load_specification
 
 Array = NDArray[np.float64]
 
-FEWEST = 8
-"""Samples of a history, at least: fewer are no pulse."""
+FEWEST = 8  # samples of a history, at least: fewer are no pulse
+# Figures of a pulse that are compared, and what `Pulse` calls them
 FIGURES = {"peak": "peak", "width": "width", "integral": "area"}
-"""Figures of a pulse that are compared, and what `Pulse` calls them."""
+# Name of the quantity by its SI unit
 QUANTITIES = {"m/s^2": "acceleration", "N": "force", "m/s": "velocity", "m": "displacement", "Pa": "stress"}
-"""Name of the quantity by its SI unit."""
+# Quantity of both histories, see `strikewave.analyses.compare.result.CompareResult.given_units`
 OF_FILES = Quantity.of_data("the files' own numbers")
-"""Quantity of both histories, see `strikewave.analyses.compare.result.CompareResult.given_units`."""
 OF_NOISE = OF_FILES._replace(label="noise (standard deviation)", digits=3)
 
 
 @declare.dataclass(eq=False)
 class ComparedCurve:
-    """A history, and what is known of it.
-
-    Beside what documents have:
-
-    Attributes
-    ----------
-    history : EvenHistory
-        In SI; of a campaign the mean.
-    unit : str
-        SI; empty where a file does not say it.
-    deviation : ndarray or None
-        Standard deviation of a campaign at each sample.
-    band : mapping of str to Band
-        Bands of its peak, width and velocity change in a simulation whose inputs move within what is known of them.
-    measured : Pulse or None
-        Its largest pulse as `strikewave record` measures it, noise taken into account; of a campaign the means. None
-        for what has no noise.
-    uncertainty : mapping of str to float
-        Standard uncertainty of its peak, width and velocity change (or impulse) from noise; of a campaign, that of the
-        mean from their scatter.
-    budgeted : bool
-        True if the uncertainties are those of a budget.
-    troubles : mapping of str to str
-        Why a figure is not to be trusted: by peak, width and velocity_change.
-    notices : tuple of Notice
-        Notices to the user about it.
-    verdict : str
-        Outcome of the checks of a simulation, `strikewave.base.result.Verdict.text`; empty for a measured history.
-    """
+    """A history, and what is known of it."""
 
     name: str = declare.word("what it is called: a is the reference, b what is held against it", column=MAIN)
     kind: str = declare.word("record, campaign, simulation or specification", column=MAIN)
-    history: EvenHistory
-    unit: str
-    deviation: Array | None = None
+    history: EvenHistory  # in SI; of a campaign the mean
+    unit: str  # SI; empty where a file does not say it
+    deviation: Array | None = None  # standard deviation of a campaign at each sample
     count: int = declare.count("histories that it is the mean of", default=1, label="histories", column=MORE)
+    # Bands of its peak, width and velocity change in a simulation whose inputs move within what is known of them
     band: Mapping[str, Band] = field(default_factory=dict)
+    # Its largest pulse as `strikewave record` measures it, noise taken into account; of a campaign the means. None for
+    # what has no noise
     measured: Pulse | None = None
+    # Standard uncertainty of its peak, width and velocity change (or impulse) from noise; of a campaign, that of the
+    # mean from their scatter
     uncertainty: Mapping[str, float] = field(default_factory=dict)
-    budgeted: bool = False
+    budgeted: bool = False  # true if the uncertainties are those of a budget
+    # Why a figure is not to be trusted: by peak, width and velocity_change
     troubles: Mapping[str, str] = field(default_factory=dict)
-    notices: tuple[Notice, ...] = ()
+    notices: tuple[Notice, ...] = ()  # notices to the user about it
+    # Outcome of the checks of a simulation, `strikewave.base.result.Verdict.text`; empty for a measured history
     verdict: str = ""
     sampling_rate = declare.computed(
         declare.number(Quantity("Hz", "kHz", "sampling rate"), "samples a second", column=MAIN)
@@ -156,13 +134,7 @@ def checked_curve(option: str, curve: ComparedCurve) -> ComparedCurve:
 
 
 def even_history(time: Array, values: Array, noise: float = 0.0) -> EvenHistory:
-    """Return samples at rising times as an evenly sampled history: lines between them where their times are not even.
-
-    Examples
-    --------
-    >>> even_history(np.array([0.0, 1.0, 2.1]), np.array([0.0, 1.0, 0.0])).step
-    1.05
-    """
+    """Return samples at rising times as an evenly sampled history, by straight lines where their times are uneven."""
     known = np.isfinite(values) & np.isfinite(time)
     time, values = time[known], values[known]
     if time.size < 2:
@@ -174,9 +146,9 @@ def even_history(time: Array, values: Array, noise: float = 0.0) -> EvenHistory:
     return EvenHistory(np.asarray(values, dtype=float), step, float(time[0]), noise)
 
 
+# Steps by which times may differ from even ones and be taken as such: a thousandth of a sample shifts a pulse by far
+# less than it can be aligned
 EVEN = 1e-3
-"""Steps by which times may differ from even ones and be taken as such: a thousandth of a sample shifts a pulse by far
-less than it can be aligned."""
 
 
 def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: Sequence[float]) -> ComparedCurve:
@@ -218,36 +190,21 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
     )
 
 
-PREFIX = "spec:"
-"""Begin of the name of a specification."""
-SAMPLES = 1000
-"""Samples of the duration of an ideal pulse."""
-BESIDE = (0.5, 1.0)
-"""Durations before and after an ideal pulse without a band over which it is compared."""
+PREFIX = "spec:"  # begin of the name of a specification
+SAMPLES = 1000  # samples of the duration of an ideal pulse
+BESIDE = (0.5, 1.0)  # durations before and after an ideal pulse without a band over which it is compared
 
 
 @declare.dataclass
 class SpecificationVerdict:
-    """The verdict of a specification on a history.
-
-    Attributes
-    ----------
-    limits : PulseLimits
-        Limits that the specification sets for a shock.
-    found : ShockVerdict
-        Clauses and place of the band.
-    budget : Budget or None
-        By which it was found.
-    measured : bool
-        True if the history was measured: of a simulation no uncertainty is known.
-    """
+    """The verdict of a specification on a history."""
 
     specification: Specification = declare.part(Specification, "what it is judged by", inline=True)
-    limits: PulseLimits
-    found: ShockVerdict
+    limits: PulseLimits  # limits that the specification sets for a shock
+    found: ShockVerdict  # clauses and place of the band
     rule: Rule = declare.word("simple, or guarded by the expanded uncertainty", key="decision", default="simple")
-    budget: Budget | None = None
-    measured: bool = True
+    budget: Budget | None = None  # by which it was found
+    measured: bool = True  # true if the history was measured: of a simulation no uncertainty is known
     share = declare.computed(SHARE)(lambda one: one.asked.share)
     holds = declare.computed(HOLDS)(lambda one: one.asked.holds if one.measured else ())
     not_stated = declare.computed(NOT_STATED)(lambda one: one.asked.not_stated if one.measured else ())
@@ -268,14 +225,7 @@ class SpecificationVerdict:
 
 
 def specified_curve(option: str, word: str) -> tuple[ComparedCurve, Specification]:
-    """Return the ideal pulse of a specification as a history, time 0 where it begins.
-
-    Examples
-    --------
-    >>> curve, specification = specified_curve("B", "spec:jesd22-b110:B")
-    >>> curve.name, round(curve.pulse.peak / 9.80665), specification.asked
-    ('spec:jesd22-b110:B', 1500, 'jesd22-b110:B')
-    """
+    """Return the ideal pulse of a specification as a history, time 0 where it begins."""
     specification = load_specification(word.removeprefix(PREFIX), option)
     limits = specification.pulse_limits()
     pulse, band = limits.pulse, limits.band

@@ -31,12 +31,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# Colours of the wide and the narrow corridor
 SHADES = ("#DCE9F2", "#B9D5E8")
-"""Colours of the wide and the narrow corridor."""
-LONGEST = 60
-"""Letters of a name in a legend."""
-MARGIN = 0.15
-"""Share of the interval that is drawn before and after it."""
+LONGEST = 60  # letters of a name in a legend
+MARGIN = 0.15  # share of the interval that is drawn before and after it
 SCORES = ("corridor", "phase", "magnitude", "slope", "overall")
 
 

@@ -24,6 +24,7 @@ from strikewave.reporting.parts import written
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, together
 
 RELATIONS = {"<": operator.lt, "<=": operator.le, ">": operator.gt, ">=": operator.ge}
+# Metrics that a limit can be set for: unit ("1": a score of at most 1) and meaning. Differences count as sizes
 METRICS = {
     "peak": ("%", "difference of the peaks, as a share"),
     "width": ("%", "difference of the pulse widths at 10 %, as a share"),
@@ -40,14 +41,12 @@ METRICS = {
     "shift": ("s", "shift that aligns the two, either way"),
     "inside": ("%", "share of the time within the corridor of a campaign"),
 }
-"""Metrics that a limit can be set for: unit ("1": a score of at most 1) and meaning. Differences count as sizes."""
+# Examples of the number of a limit, by unit: what a bare 5 means, of a difference or a spectrum, would be a guess
 EXAMPLES = {"%": 'a share with its sign, such as "5 %"', "dB": 'a level with its unit, such as "3 dB"'}
-"""Examples of the number of a limit, by unit: what a bare 5 means, of a difference or a spectrum, would be a guess."""
 _LIMIT = re.compile(r"\s*([\w.\-]+)\s*(<=|>=|<|>)\s*(\S.*?)\s*")
 
 
-DEVIATIONS = 2.0
-"""Standard deviations of a campaign that its corridor is wide to either side: 95 % of normal records."""
+DEVIATIONS = 2.0  # standard deviations of a campaign that its corridor is wide to either side: 95 % of normal records
 
 
 @dataclass(frozen=True)
@@ -129,13 +128,7 @@ class Judged:
 
 
 def read_limit(word: str, field: str = "--limit") -> ComparisonLimit:
-    """Return a limit that was typed.
-
-    Examples
-    --------
-    >>> read_limit("iso18571 > 0.8").value, read_limit("shift < 2 us").value, read_limit("peak < 5 %").relation
-    (0.8, 2e-06, '<')
-    """
+    """Return a limit that was typed."""
     found = _LIMIT.fullmatch(word)
     if found is None:
         example = 'a metric, one of < <= > >=, and a number, such as "iso18571 > 0.8"'
@@ -182,14 +175,7 @@ def _not_negative(value: float, word: str, field: str) -> float:
 def judge(
     limits: Sequence[ComparisonLimit], values: Mapping[str, float], expanded: Mapping[str, float] = MappingProxyType({})
 ) -> tuple[Judged, ...]:
-    """Hold values against limits; what has no value has no verdict either. Some have an expanded uncertainty.
-
-    Examples
-    --------
-    >>> judged = judge([read_limit("iso18571 > 0.8"), read_limit("inside > 95 %")], {"iso18571": 0.9})
-    >>> [(one.verdict, round(one.margin, 3)) for one in judged]
-    [('pass', 0.1), ('cannot-tell', nan)]
-    """
+    """Hold values against limits; what has no value has no verdict either. Some have an expanded uncertainty."""
     judged = []
     for limit in limits:
         value = values.get(limit.metric, math.nan)

@@ -143,8 +143,8 @@ def _specification(judged: SpecificationVerdict) -> Section:
     return Section("Verdict by the specification", words, [clause_table(judged)])
 
 
+# Picture and page of a result in Python, see `strikewave.reporting.shown_result`
 picture, page = summary_figure, compare_report
-"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
 
 
 def draw_result(result: CompareResult, folder: Path) -> list[str]:

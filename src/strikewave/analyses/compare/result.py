@@ -42,14 +42,11 @@ from strikewave.specifications.judging import together
 
 Array = NDArray[np.float64]
 
+# Name and unit of the integral over time of what has a name for it
 INTEGRALS = {"m/s^2": ("velocity_change", "m/s"), "N": ("impulse", "N s")}
-"""Name and unit of the integral over time of what has a name for it."""
-LONGEST_IN_US, LONGEST_IN_MS = 1e-2, 10.0
-"""Shifts, s, up to which they are shown in µs and in ms."""
-LONGEST_INTERVAL_IN_US = 2e-3
-"""Intervals, s, up to which they are shown in µs, and in ms beyond."""
-DECIMALS, MOST_DECIMALS = 4, 6
-"""Decimals of a shift: without an uncertainty, and at most."""
+LONGEST_IN_US, LONGEST_IN_MS = 1e-2, 10.0  # shifts, s, up to which they are shown in µs and in ms
+LONGEST_INTERVAL_IN_US = 2e-3  # intervals, s, up to which they are shown in µs, and in ms beyond
+DECIMALS, MOST_DECIMALS = 4, 6  # decimals of a shift: without an uncertainty, and at most
 NAMES = {"peak": "peak", "width": "pulse width at 10 %", "velocity_change": "velocity change", "impulse": "impulse"}
 TOGETHER = "of-both"
 RMS = SHARE._replace(label=METRICS["rms"][1])

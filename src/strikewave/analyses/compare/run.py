@@ -39,18 +39,15 @@ from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import measure_pulse
 from strikewave.specifications.judging import Rule
 
-MEASURED = ("record", "campaign")
-"""Kinds of histories that were measured."""
-ALIGNMENTS = (*RULES, "none")
-"""Rules by which B is shifted."""
-SHIFTS_APART = 3.0
-"""Standard uncertainties by which two shifts differ that are not one: noise alone does that in 0.3 %."""
+MEASURED = ("record", "campaign")  # kinds of histories that were measured
+ALIGNMENTS = (*RULES, "none")  # rules by which B is shifted
+SHIFTS_APART = 3.0  # standard uncertainties by which two shifts differ that are not one: noise alone does that in 0.3 %
+# Shares by which frequency and size of what rings after a blow may differ in a record and in the run of its machine for
+# both to be one motion: a run with assumed masses and stiffnesses is no better, and a mount rings elsewhere
 SAME_RING, SAME_SWING = 0.1, 0.25
-"""Shares by which frequency and size of what rings after a blow may differ in a record and in the run of its machine
-for both to be one motion: a run with assumed masses and stiffnesses is no better, and a mount rings elsewhere."""
 
+# Argument in Python: a name, or a solution of run, wave or fem, alone or with the name of its part
 Compared = str | Path | Result | tuple[Result, str]
-"""Argument in Python: a name, or a solution of run, wave or fem, alone or with the name of its part."""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -25,8 +25,7 @@ from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, run_and_write
 from strikewave.reporting.terminal import report_table, tell
 
-LONGEST_NAME = 40
-"""Letters of each name in that of the folder."""
+LONGEST_NAME = 40  # letters of each name in that of the folder
 
 
 def compare_sources(a: str, b: str, request: CompareRequest, output: Output) -> int:

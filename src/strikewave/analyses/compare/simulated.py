@@ -30,63 +30,27 @@ Array = NDArray[np.float64]
 
 _READING = re.compile(r"(?:what sensor|reading of the sensor) (.*?)(?: reads)?", re.DOTALL)
 _AXIS = re.compile(r"\.[xyz]$")
-_OF_PULSE = {"peak": "peak", "width": "width", "velocity_change": "area"}
-"""Names in `Pulse` of the figures of bands."""
-MOST_NAMED = 12
-"""Parts that a line names."""
+_OF_PULSE = {"peak": "peak", "width": "width", "velocity_change": "area"}  # names in `Pulse` of the figures of bands
+MOST_NAMED = 12  # parts that a line names
+# Quantities that are means over intervals, and what they are of
 _FEM = {"mean_acceleration": "acceleration", "mean_force": "force"}
-"""Quantities that are means over intervals, and what they are of."""
 
 
 class SimulatedPart(NamedTuple):
-    """One history of what was simulated.
+    """One history of what was simulated."""
 
-    Attributes
-    ----------
-    part : str
-        Sensor, tap, body or contact; ``rigid`` for the struck object as one body.
-    quantity : str
-        Name of the quantity, such as ``acceleration``.
-    unit : str
-        SI.
-    time, values : ndarray
-        s, SI.
-    blow : int
-        Its number; 0 where it is not of one blow.
-    band : mapping of str to Band
-        Bands of its peak, width and velocity change.
-    zero : float
-        Reading of a sensor there that counts as zero: its baseline is taken before the first blow.
-    """
-
-    part: str
-    quantity: str
-    unit: str
-    time: Array
+    part: str  # sensor, tap, body or contact; ``rigid`` for the struck object as one body
+    quantity: str  # name of the quantity, such as ``acceleration``
+    unit: str  # SI
+    time: Array  # s, SI
     values: Array
-    blow: int = 0
-    band: Mapping[str, Band] = {}
-    zero: float = 0.0
+    blow: int = 0  # its number; 0 where it is not of one blow
+    band: Mapping[str, Band] = {}  # bands of its peak, width and velocity change
+    zero: float = 0.0  # reading of a sensor there that counts as zero: its baseline is taken before the first blow
 
 
 def simulated_curve(option: str, place: str, part: str, blow: int, unit: str, band: bool) -> ComparedCurve:
-    """Return a history of a case, which is run, or of the file of a result.
-
-    Parameters
-    ----------
-    option : str
-        ``A`` or ``B``, for errors.
-    place : str
-        Built-in case, case file, or NetCDF file of a result.
-    part : str
-        History to take, PART or PART.QUANTITY; empty for the usual one.
-    blow : int
-        Number of the blow; 0 for the first that struck.
-    unit : str
-        SI unit that is preferred; empty for an acceleration.
-    band : bool
-        True to find the bands of a run.
-    """
+    """Return a history of a case, which is run, or of the file of a result."""
     if place.lower().endswith(".nc"):
         name, parts, checked = _kept(place)
     else:

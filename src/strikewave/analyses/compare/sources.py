@@ -33,12 +33,9 @@ from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import Pulse
 from strikewave.specifications.judged_records import measured_figure, troubles_of
 
-KEPT = ("solution.nc", "waves.nc", "histories.nc")
-"""Files of results of run, wave and fem, one of which a folder holds."""
-ALL = -1
-"""Stands for all blows of a record."""
-BEFORE = 10
-"""Samples before a pulse from which its noise is taken, at least."""
+KEPT = ("solution.nc", "waves.nc", "histories.nc")  # files of results of run, wave and fem, one of which a folder holds
+ALL = -1  # stands for all blows of a record
+BEFORE = 10  # samples before a pulse from which its noise is taken, at least
 _BLOW = re.compile(r"(.*)@([1-9]\d{0,5}|all)", re.DOTALL)
 
 
@@ -63,15 +60,7 @@ class SourceOptions:
 
 
 def parse_name(word: str) -> SourceName:
-    """Take a name apart; what exists under the whole of it is that.
-
-    Examples
-    --------
-    >>> parse_name("shot.csv#board@2")
-    SourceName(place='shot.csv', part='board', blow=2, measured=True)
-    >>> parse_name("li-ma-2019:frame"), parse_name("li-ma-2019@3").blow
-    (SourceName(place='li-ma-2019', part='frame', blow=0, measured=False), 3)
-    """
+    """Take a name apart; what exists under the whole of it is that."""
     if _is_place(word):
         return SourceName(word)
     found = _BLOW.fullmatch(word)
@@ -106,19 +95,7 @@ def paths_of(name: SourceName) -> list[Path]:
 
 
 def read_source(option: str, word: str, reading: SourceOptions, unit: str = "") -> ComparedCurve:
-    """Return the history that a name stands for.
-
-    Parameters
-    ----------
-    option : str
-        ``A`` or ``B``, for errors.
-    word : str
-        The name.
-    reading : SourceOptions
-        How it is read.
-    unit : str, optional
-        SI unit of the other history: of several quantities of a part that one is taken.
-    """
+    """Return the history that a name stands for."""
     name = parse_name(word)
     built_in = name.place in bundled_cases() and not os.path.lexists(name.place)
     paths = paths_of(name)

@@ -20,14 +20,11 @@ from strikewave.reporting import faces
 from strikewave.reporting.numbers import doubted, listed
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
-MOST_ROWS = 60
-"""Blows of the table; pulses.csv has all."""
-SAME_COVERAGE = 0.05
-"""Difference to k = 2 from which a coverage factor is written."""
-LEAST_SHARE = 1e-4
-"""Share of a variance below which it is written as none."""
+MOST_ROWS = 60  # blows of the table; pulses.csv has all
+SAME_COVERAGE = 0.05  # difference to k = 2 from which a coverage factor is written
+LEAST_SHARE = 1e-4  # share of a variance below which it is written as none
+# Kinds whose number is a share of an effect, of which the budget states the whole
 WHOLE = ("resonance", "coupling", "response")
-"""Kinds whose number is a share of an effect, of which the budget states the whole."""
 
 
 def with_doubt(value: float, name: str, unit: str, expanded: float) -> str:

@@ -55,14 +55,11 @@ from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 from strikewave.signal.filters import ADVISED_LOSS, Filter, effect_on_half_sine
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
-MOST_ROWS = 200
-"""Blows, and findings, that a table lists: ten screens; the CSV file has all."""
+MOST_ROWS = 200  # blows, and findings, that a table lists: ten screens; the CSV file has all
+# Channels, files or blows that a table of motions, pairs, sensors or pulses without ringing lists; the CSV file has all
 MOST_LISTED = 60
-"""Channels, files or blows that a table of motions, pairs, sensors or pulses without ringing lists; the CSV file has
-all."""
+# Cutoff times duration of a half-sine below which a filter leaves less than 2 % of the peak: no number is then shown
 LEFT_LEAST = 0.01
-"""Cutoff times duration of a half-sine below which a filter leaves less than 2 % of the peak: no number is then
-shown."""
 
 
 def file_section(files: Sequence[FileReading], names: Names) -> Section:
@@ -415,10 +412,9 @@ def motion_section(found: Sequence[RecordMotion]) -> Section:
     return Section("Motion", text, [*parts, motion_table(found)])
 
 
-LEFT_OUT_FIRST = ("leads", "common peak", "differential peak", "alike up to")
-"""Columns that a narrow screen leaves out."""
+LEFT_OUT_FIRST = ("leads", "common peak", "differential peak", "alike up to")  # columns that a narrow screen leaves out
+# Answers to whether two sensors move as one rigid body, in words
 ANSWERS = {"yes": "yes", "no": "no", "cannot-tell": "undetermined"}
-"""Answers to whether two sensors move as one rigid body, in words."""
 
 MOVE = {
     "yes": "{both} move as one rigid body",
@@ -525,8 +521,7 @@ def pair_section(pairs: Sequence[RecordPair]) -> Section:
     return Section("Two sensors", text, parts)
 
 
-MOST_DRAWN = 6
-"""Channels of which there are pictures."""
+MOST_DRAWN = 6  # channels of which there are pictures
 """Lines of a table; responses.csv has all."""
 FIGURES = ("peak", "ratio", "delay", "duration", "rms")
 OF_MODES = ("amplitude", "decay_time")
@@ -718,8 +713,7 @@ def sensor_table(found: SensorTrials, names: Names) -> Table:
     return Table(f"On {found.called}{many}", [*heads, "verdict"], rows, "No blow could be tried.")
 
 
-MORE_COLUMNS = ("channel", "beyond it", "ringing")
-"""Heads that a narrow screen leaves out first."""
+MORE_COLUMNS = ("channel", "beyond it", "ringing")  # heads that a narrow screen leaves out first
 
 
 def sensor_section(found: SensorTrials, names: Names) -> Section:

@@ -41,25 +41,21 @@ from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
 from strikewave.signal.srs import Scope, Spectrum, octaves, resultant_srs, rolling_srs
 
+# Highest natural frequency by default, Hz. Chosen: ten times that of usual spectra of pyroshock (10 kHz in Irvine, An
+# Introduction to the Shock Response Spectrum, 2012, figure 2), so that blows of 10 us are shown
 HIGHEST = 100e3
-"""Highest natural frequency by default, Hz. Chosen: ten times that of usual spectra of pyroshock (10 kHz in Irvine, An
-Introduction to the Shock Response Spectrum, 2012, figure 2), so that blows of 10 us are shown."""
+# Highest natural frequency by default, over the sampling rate: nearer to half of it a record holds little, and its
+# filter has taken some
 OF_SAMPLING = 0.4
-"""Highest natural frequency by default, over the sampling rate: nearer to half of it a record holds little, and its
-filter has taken some."""
+# More frequencies are refused. Chosen: no screen shows finer steps, and each takes a pass over the record
 MOST_FREQUENCIES = 1e5
-"""More frequencies are refused. Chosen: no screen shows finer steps, and each takes a pass over the record."""
+# Windows of rolling spectra, of all channels together, at most. Chosen: more than the pixels of any screen, and a few
+# GB in JSON
 MOST_WINDOWS = 20_000
-"""Windows of rolling spectra, of all channels together, at most. Chosen: more than the pixels of any screen, and a few
-GB in JSON."""
-CITED = ("smallwood-1981", "iso-18431-4")
-"""Sources that a spectrum follows."""
-CITED_OF_SEVERAL = (*CITED, "piersol-2009", "nist-handbook")
-"""Sources that several spectra and their limit follow."""
-SAME_STEP = 1e-9
-"""Relative difference of steps that are one."""
-SAME_START = 0.05
-"""Difference of two begins, over a step, up to which channels were sampled together."""
+CITED = ("smallwood-1981", "iso-18431-4")  # sources that a spectrum follows
+CITED_OF_SEVERAL = (*CITED, "piersol-2009", "nist-handbook")  # sources that several spectra and their limit follow
+SAME_STEP = 1e-9  # relative difference of steps that are one
+SAME_START = 0.05  # difference of two begins, over a step, up to which channels were sampled together
 
 
 def judged_spectra_of(asked: SpectraAsked, origin: Source, judge: SpectraJudge | None) -> SpectrumResult:

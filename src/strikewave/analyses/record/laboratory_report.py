@@ -69,14 +69,7 @@ class Asked17025(NamedTuple):
 
 
 def missing(stated: StatedTest, uncertainty: bool) -> list[Asked17025]:
-    """Return what is asked for and not stated; ``uncertainty`` tells whether that of the measurement is.
-
-    Examples
-    --------
-    >>> from strikewave.cases.tables.common import PerformedTest
-    >>> [one.key for one in missing(StatedTest(PerformedTest(item="board", laboratory="hall 3")), True)][:3]
-    ['report.laboratory_address', 'report.number', 'customer.name, customer.contact']
-    """
+    """Return what is asked for and not stated; ``uncertainty`` tells whether that of the measurement is."""
     test, tables = stated.test, stated.tables
     report, customer, items = tables.report, tables.customer, tables.specimen
     named = bool(test.item or (items and all(one.name for one in items)))
@@ -107,10 +100,9 @@ def missing(stated: StatedTest, uncertainty: bool) -> list[Asked17025]:
     return [Asked17025(*row) for given, *row in rows if not given]
 
 
+# Pulses that are drawn one by one, those that do not pass first; beyond them the range of all is filled
 MOST_LINES = 24
-"""Pulses that are drawn one by one, those that do not pass first; beyond them the range of all is filled."""
-POINTS = 150
-"""Points of a pulse, and of the range."""
+POINTS = 150  # points of a pulse, and of the range
 COLOURS = {PASS: BLUE, CANNOT_TELL: ORANGE, FAIL: RED}
 WORDS = {PASS: "passes", CANNOT_TELL: "cannot tell", FAIL: "fails"}
 
@@ -158,15 +150,13 @@ def overlay(shocks: Sequence[JudgedShock], limits: PulseLimits, name: str) -> Fi
     return legend_below(figure)
 
 
+# Shocks that are listed one by one: five sheets. Of more a summary is given, and those that do not pass
 MOST_LISTED = 200
-"""Shocks that are listed one by one: five sheets. Of more a summary is given, and those that do not pass."""
+# Figures of a shock, by the begin of the names of their clauses, and their SI units
 FIGURES = (("peak", "m/s^2"), ("pulse width", "s"), ("velocity change", "m/s"))
-"""Figures of a shock, by the begin of the names of their clauses, and their SI units."""
 _VALUE = re.compile(r"(?P<value>[−+]?\d\S*( ± \S+)?)\s(?P<unit>\D\S*)")
-DOUBT = "; behind ± the expanded uncertainty, k = 2"
-"""Ends the captions of tables of figures with it."""
-UNSTATED = "not stated"
-"""Stands for a direction that is not stated."""
+DOUBT = "; behind ± the expanded uncertainty, k = 2"  # ends the captions of tables of figures with it
+UNSTATED = "not stated"  # stands for a direction that is not stated
 
 
 def figures_of(shock: JudgedShock) -> list[Clause]:
@@ -327,27 +317,16 @@ def _extremes(numbered: Sequence[tuple[int, JudgedShock]]) -> list[tuple[int, Ju
 
 
 FILE = "test-report.html"
-MOST_DRAWN = 24
-"""Groups of shocks, each of a direction and a channel, that are drawn."""
-MOST_FILES = 300
-"""Files that are listed with their SHA-256; record.toml has all."""
-MOST_FINDINGS = 40
-"""Findings that are listed; the report of the records has all."""
+MOST_DRAWN = 24  # groups of shocks, each of a direction and a channel, that are drawn
+MOST_FILES = 300  # files that are listed with their SHA-256; record.toml has all
+MOST_FINDINGS = 40  # findings that are listed; the report of the records has all
 ONLY_ITEMS = "The results relate only to the items tested."
 IN_FULL = "This report shall not be reproduced except in full, unless the laboratory agrees in writing."
-UNSIGNED = (("tested by", ""), ("authorized by", ""))
-"""Lines to sign where none are stated."""
+UNSIGNED = (("tested by", ""), ("authorized by", ""))  # lines to sign where none are stated
 
 
 def report_of_test(result: RecordResult) -> str:
-    """Return the test report of records that were judged by a specification, as one HTML page.
-
-    Examples
-    --------
-    >>> report_of_test(RecordResult([]))
-    Traceback (most recent call last):
-    ValueError: a test report needs a verdict
-    """
+    """Return the test report of records that were judged by a specification, as one HTML page."""
     found, stated = result.verdict, result.performed or NO_TEST
     if found is None:
         raise ValueError("a test report needs a verdict")

@@ -18,10 +18,9 @@ if TYPE_CHECKING:
 
 TWO_CHANNELS = "names or numbers of two channels, such as 1,2"
 ALLOWED_ROLLING = 'a window, or a window and a hop, times above zero such as "20 ms" or "20 ms,5 ms"'
+# Hop of a rolling spectrum over its window, unless said: a blow then lies well inside of one of four windows
 HOP = 0.25
-"""Hop of a rolling spectrum over its window, unless said: a blow then lies well inside of one of four windows."""
-KINDS = ("absolute", "displacement", "relative-velocity", "pseudo-velocity", "equivalent-static")
-"""Kinds of spectra."""
+KINDS = ("absolute", "displacement", "relative-velocity", "pseudo-velocity", "equivalent-static")  # kinds of spectra
 
 
 def read_pair(word: str, field: str = "--pair") -> tuple[str, str]:

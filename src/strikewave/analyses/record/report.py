@@ -41,14 +41,7 @@ if TYPE_CHECKING:
 
 
 def record_report(result: RecordResult) -> str:
-    """Return the report of measured records as one HTML page: no script, nothing fetched, the same bytes each time.
-
-    Examples
-    --------
-    >>> page = record_report(RecordResult([]))
-    >>> page.splitlines()[0], "No file was read." in page, "<script" in page
-    ('<!doctype html>', True, False)
-    """
+    """Return the report of measured records as one HTML page: no script, nothing fetched, the same bytes each time."""
     files, campaigns = result.readings, result.campaigns
     names = short_names([file.path for file in files])
     sections = [
@@ -141,10 +134,9 @@ def spectrum_picture(result: SpectrumResult) -> Figure:
 
 
 picture: dict[type, Callable[[Any], Figure]] = {RecordResult: record_picture, SpectrumResult: spectrum_picture}
+# Pages of the results in Python, found as `picture` is by `strikewave.reporting.shown_result`
 page: dict[type, Callable[[Any], str]] = {RecordResult: record_report, SpectrumResult: spectrum_report}
-"""Pages of the results in Python, found as `picture` is by `strikewave.reporting.shown_result`."""
-test_page: dict[type, Callable[[Any], str]] = {RecordResult: report_of_test}
-"""The same for a test report."""
+test_page: dict[type, Callable[[Any], str]] = {RecordResult: report_of_test}  # the same for a test report
 
 
 def draw_result(result: RecordResult, folder: Path) -> list[str]:
@@ -156,10 +148,8 @@ def draw_result(result: RecordResult, folder: Path) -> list[str]:
     return ["report.html", *write_report_of_test(result, folder), "summary.svg"]
 
 
-MOST_FILES = 6
-"""Files of which there are pictures: each adds some 100 kB to a page that must open at once."""
-MOST_DRAWN = 12
-"""Channels of which there are pictures, in all files together: two of each file."""
+MOST_FILES = 6  # files of which there are pictures: each adds some 100 kB to a page that must open at once
+MOST_DRAWN = 12  # channels of which there are pictures, in all files together: two of each file
 
 
 def campaign_sections(campaigns: Sequence[Campaign], files: Sequence[FileReading], names: Names) -> list[Section]:

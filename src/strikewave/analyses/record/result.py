@@ -56,10 +56,8 @@ if TYPE_CHECKING:
     from strikewave.cases.stack_of_case import StatedSensor
     from strikewave.cases.stated_test import StatedTest
 
-OWN = "as in the file"
-"""Stands for the unit of figures whose file does not say it."""
-MEANS_SHOWN = ("m/s^2", "s", "N", "m/s")
-"""SI units of figures whose means are key numbers."""
+OWN = "as in the file"  # stands for the unit of figures whose file does not say it
+MEANS_SHOWN = ("m/s^2", "s", "N", "m/s")  # SI units of figures whose means are key numbers
 
 
 @declare.dataclass
@@ -357,11 +355,11 @@ def failed_on(files: Sequence[FileReading], status: str) -> tuple[Notice, ...]:
     return (Notice("fail-on", message, float(found), 0.0, FAILED),)
 
 
+# Codes of findings that are warnings of the result too: what all its figures depend on
 NOTED = (
     "unit-unknown", "not-calibrated", "unreadable", "rate-overrules", "unit-overrules", "measurements", "start-times",
     "start-unknown", "count-differs",
 )  # fmt: skip
-"""Codes of findings that are warnings of the result too: what all its figures depend on."""
 
 
 def notices_of(files: Sequence[FileReading]) -> tuple[Notice, ...]:

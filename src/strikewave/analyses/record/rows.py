@@ -104,13 +104,7 @@ def sources_of(files: Sequence[FileReading], campaigns: Sequence[Campaign], filt
 
 
 def name_of(paths: Sequence[Path]) -> str:
-    """Return the name of the only file without its ending, or of the folder of several.
-
-    Examples
-    --------
-    >>> name_of([Path("shots/a.csv")]), name_of([Path("shots/a.csv"), Path("shots/b.csv")])
-    ('a', 'shots')
-    """
+    """Return the name of the only file without its ending, or of the folder of several."""
     return paths[0].stem if len(paths) == 1 else paths[0].absolute().parent.name or "records"
 
 
@@ -120,20 +114,14 @@ def counted(files: Sequence[FileReading]) -> list[str]:
     return [f"{statuses.count(status)} {status}" for status in STATUSES if status in statuses]
 
 
+# Unit of the integral over time of each unit
 INTEGRALS = {"m/s^2": "m/s", "m/s": "m", "N": "N s", "Pa": "Pa s", "V": "V s", "1": "s"}
-"""Unit of the integral over time of each unit."""
+# Figures that a band split has not where it cannot be separated
 NOT_SEPARATED = dict.fromkeys(("peak", "width", "peak_uncertainty", "width_uncertainty"), math.nan)
-"""Figures that a band split has not where it cannot be separated."""
 
 
 def units_given(unit: str) -> GivenUnits:
-    """Return the units of figures of a channel: its own, and that of integrals over time.
-
-    Examples
-    --------
-    >>> units_given("N")["each channel's unit"], units_given("V")["each channel's unit, times s"]
-    (('N', 'kN'), ('V s', 'V s'))
-    """
+    """Return the units of figures of a channel: its own, and that of integrals over time."""
     integral = INTEGRALS.get(unit, f"{unit} s") if unit else ""
     return {OF_CHANNEL.given_by: (unit, usual_unit(unit)), OF_INTEGRAL.given_by: (integral, integral)}
 
@@ -372,22 +360,12 @@ class MotionRow:
 
 
 class RecordMotion(NamedTuple):
-    """What the base of a channel did from just before its first blow on, from rest.
+    """What the base of a channel did from just before its first blow on, from rest."""
 
-    Attributes
-    ----------
-    file, channel : str
-        File and channel of the record.
-    time : ndarray
-        Times of the samples, s.
-    motion : IntegratedMotion
-        Velocity and displacement, with the standard deviations of their drift.
-    """
-
-    file: str
+    file: str  # file and channel of the record
     channel: str
-    time: Array
-    motion: IntegratedMotion
+    time: Array  # times of the samples, s
+    motion: IntegratedMotion  # velocity and displacement, with the standard deviations of their drift
 
     @property
     def lost(self) -> float:

@@ -73,10 +73,8 @@ from strikewave.signal.filters import ADVISED_LOSS, Filter
 from strikewave.specifications.judged_records import RecordsVerdict
 from strikewave.specifications.judging import WORST_FIRST
 
-MOST_LINES = 12
-"""Files or channels that have a line of their own, or a table, on the screen; the others are counted."""
-MOST_ROWS = 60
-"""Files shown in the table on the screen."""
+MOST_LINES = 12  # files or channels that have a line of their own, or a table, on the screen; the others are counted
+MOST_ROWS = 60  # files shown in the table on the screen
 
 
 def tell_first(lines: Sequence[str], most: int, others: str, indent: str = "") -> None:
@@ -206,8 +204,7 @@ def _print_outliers(campaign: Campaign, names: Mapping[str, str]) -> None:
             )
 
 
-MOST_REASONS = 3
-"""Reasons of pairs, and of a file that is not good, that are listed; the others are counted."""
+MOST_REASONS = 3  # reasons of pairs, and of a file that is not good, that are listed; the others are counted
 
 
 def print_files(readings: Sequence[FileReading], names: Mapping[str, str]) -> None:
@@ -353,8 +350,7 @@ def _effect(effect: FilterRow) -> str:
     return sentence
 
 
-DOUBTED = " ?"
-"""Stands behind a figure that a finding harms."""
+DOUBTED = " ?"  # stands behind a figure that a finding harms
 
 
 def print_responses(
@@ -498,8 +494,7 @@ def _times(value: float) -> str:
     return "-" if math.isnan(value) else f"{value:.2g}"
 
 
-MOST_SHOCKS = 20
-"""Shocks of the table on the screen, the failed ones first; report and JSON have all."""
+MOST_SHOCKS = 20  # shocks of the table on the screen, the failed ones first; report and JSON have all
 
 
 def print_verdict(found: RecordsVerdict, names: dict[str, str]) -> None:

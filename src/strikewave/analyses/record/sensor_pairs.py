@@ -23,18 +23,16 @@ from strikewave.reporting.columns import Column
 
 Array = NDArray[np.float64]
 
+# Differences of two steps, over themselves, and of samples of one channel from the nearest of the other, over a step,
+# up to which channels were sampled together
 SAME_STEP, SAME_START = 1e-6, 0.05
-"""Differences of two steps, over themselves, and of samples of one channel from the nearest of the other, over a step,
-up to which channels were sampled together."""
-NO_BLOW = "no-pulse"
-"""Bad for a channel by itself; one that only swings is still compared with the one that is struck."""
+NO_BLOW = "no-pulse"  # bad for a channel by itself; one that only swings is still compared with the one that is struck
+# Numbers of a row that are those of the motion itself
 COPIED = (
     *("delay", "delay_uncertainty", "gain", "gain_uncertainty", "explained", "peak_lag", "common_uncertainty"),
     *("differential_peak", "differential_in_band", "differential_share"),
 )
-"""Numbers of a row that are those of the motion itself."""
-WORDS_OF_TABLE = ("file", "one_body", "leads")
-"""Words of a pair that its table of files has beside the numbers."""
+WORDS_OF_TABLE = ("file", "one_body", "leads")  # words of a pair that its table of files has beside the numbers
 
 
 @declare.dataclass
@@ -101,10 +99,10 @@ class PairRow:
         return units_given(self.unit)
 
 
+# Columns of pairs.csv
 PAIR_COLUMNS = tuple(
     name for name, one in declare.declarations(PairRow).items() if one.kind == "number" or name in WORDS_OF_TABLE
 )
-"""Columns of pairs.csv."""
 
 
 @dataclass(frozen=True)

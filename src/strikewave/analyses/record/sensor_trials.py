@@ -27,20 +27,19 @@ from strikewave.signal.filters import Filter
 if TYPE_CHECKING:
     from strikewave.cases.stack_of_case import StatedSensor
 
+# Lengths of a blow that are tried before and after it, and periods of the lowest resonance if they are longer: the
+# noise before, and what still swings after
 BEFORE, AFTER, PERIODS = 2.0, 2.0, 2.0
-"""Lengths of a blow that are tried before and after it, and periods of the lowest resonance if they are longer: the
-noise before, and what still swings after."""
 
-UNKNOWN = "not known: "
-"""Begin of a verdict by which a blow neither fits nor does not."""
+UNKNOWN = "not known: "  # begin of a verdict by which a blow neither fits nor does not
+# Data that a file may leave out, with why no blow then is known to fit, and what to add
 LACKS = {
     "range": 'whether a blow exceeds it is not known; add range = "20000 g", or that of its data sheet',
     "resonance": "how much a blow makes it ring, and what that leaves of peak and width, is not known; add "
     'resonance = "80 kHz", or that of its data sheet (quality too, if it is damped)',
 }
-"""Data that a file may leave out, with why no blow then is known to fit, and what to add."""
+# Highest low-pass that is advised, over the resonance: a motion so slow is magnified by 7 %, noise there no more
 OF_RESONANCE = 0.25
-"""Highest low-pass that is advised, over the resonance: a motion so slow is magnified by 7 %, noise there no more."""
 
 
 @declare.dataclass
@@ -100,23 +99,13 @@ class SensorRow:
 
 @dataclass(frozen=True)
 class SensorTrials:
-    """All blows on one sensor.
+    """All blows on one sensor."""
 
-    Attributes
-    ----------
-    stated : StatedSensor
-        The sensor, its recorder, and where the numbers come from.
-    band : float
-        Highest frequency that the records hold, Hz: half the lowest sampling rate, or the cutoff of their low-pass.
-    blows : tuple of TriedBlow
-        In the order of the files.
-    low_pass : float
-        Low-pass that takes off the noise by which blows are not known to fit, and leaves these, Hz; NaN for none.
-    """
-
-    stated: StatedSensor
+    stated: StatedSensor  # the sensor, its recorder, and where the numbers come from
+    # Highest frequency that the records hold, Hz: half the lowest sampling rate, or the cutoff of their low-pass
     band: float
-    blows: tuple[TriedBlow, ...]
+    blows: tuple[TriedBlow, ...]  # in the order of the files
+    # Low-pass that takes off the noise by which blows are not known to fit, and leaves these, Hz; NaN for none
     low_pass: float = math.nan
 
     @property

@@ -32,14 +32,12 @@ from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS
 if TYPE_CHECKING:
     from strikewave.analyses.record.result import RecordResult
 
-MOST_REASONS = 4
-"""Reasons of bad records that the summary gives: more are counted, and stand in the table of findings."""
+MOST_REASONS = 4  # reasons of bad records that the summary gives: more are counted, and stand in the table of findings
+# Channels whose figures the summary gives: two triaxial sensors; more are counted, and stand in the table
 MOST_CHANNELS = 6
-"""Channels whose figures the summary gives: two triaxial sensors; more are counted, and stand in the table."""
-MOST_NAMED = 4
-"""Files that a line names; the others are counted."""
+MOST_NAMED = 4  # files that a line names; the others are counted
+# Findings after which all figures are numbers without the unit that was meant
 WITHOUT_UNIT = ("unit-unknown", "not-calibrated")
-"""Findings after which all figures are numbers without the unit that was meant."""
 NO_PEAK = "No record gave a peak that can be trusted."
 
 
@@ -179,10 +177,8 @@ def _campaign_words(campaign: Campaign, names: Mapping[str, str], several: bool)
     return f"{text}.{without} Over the files the peak {grows} by {percents(abs(line.change), 2)} along its trend."
 
 
-WHY_HEAD = "fails, or why nothing can be said"
-"""Head of a column of `why_of_shock`."""
-MOST_SHOCKS_NAMED = 3
-"""Shocks that a sentence names."""
+WHY_HEAD = "fails, or why nothing can be said"  # head of a column of `why_of_shock`
+MOST_SHOCKS_NAMED = 3  # shocks that a sentence names
 
 
 def name_of_shock(shock: JudgedShock | None, names: dict[str, str], several: bool) -> str:

@@ -40,6 +40,7 @@ from strikewave.specifications.judged_records import SpectraVerdict
 
 Array = NDArray[np.float64]
 
+# Kinds of spectrum, with their units for an acceleration
 KINDS = {
     "absolute": Quantity("m/s^2", "g"),
     "displacement": LENGTH,
@@ -47,35 +48,26 @@ KINDS = {
     "pseudo-velocity": VELOCITY,
     "equivalent-static": Quantity("m/s^2", "g"),
 }
-"""Kinds of spectrum, with their units for an acceleration."""
 ACCELERATION = "m/s^2"
+# Text behind the name of a kind where the record is no acceleration: its values are in the file's own numbers
 NO_ACCELERATION = f" for a record in {ACCELERATION}"
-"""Text behind the name of a kind where the record is no acceleration: its values are in the file's own numbers."""
 AS_CHANNEL = Quantity.of_data("as the channel")
+# Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole
 LEFT_OUT = ("gain-differs",)
-"""Findings with which a record enters no envelope, as with one that is bad: its spectrum is wrong as a whole."""
 
 
 @dataclass(frozen=True)
 class SpectraAsked:
-    """What is asked of the spectra of measured files.
-
-    Attributes
-    ----------
-    stated, options, filters
-        What is stated of the channels, how the files are read, and a request with the filters that are taken.
-    budget : Budget or None
-        By which the uncertainties of the spectra are found.
-    own_range : bool
-        True if each of several is computed up to what its own sampling carries too, to be judged by itself.
-    """
+    """What is asked of the spectra of measured files."""
 
     files: Sequence[str]
+    # What is stated of the channels, how the files are read, and a request with the filters that are taken
     stated: dict[str, dict[str, Any]]
     options: Options
     filters: Request
     spectra: Spectra
-    budget: Budget | None = None
+    budget: Budget | None = None  # by which the uncertainties of the spectra are found
+    # True if each of several is computed up to what its own sampling carries too, to be judged by itself
     own_range: bool = False
 
     @classmethod
@@ -112,17 +104,9 @@ class ChannelRolling:
 
 @declare.dataclass
 class ChannelSpectra:
-    """The spectra of a channel, and what else was asked of it.
+    """The spectra of a channel, and what else was asked of it."""
 
-    Attributes
-    ----------
-    spectra : list of Spectrum
-        One a kind.
-    uncertainties : sequence of SpectrumUncertainty
-        Uncertainties of each kind, where a budget was stated, or a verdict asked for.
-    """
-
-    spectra: list[Spectrum]
+    spectra: list[Spectrum]  # one a kind
     side: str
 
     @declare.computed(declare.history(AS_SPECTRUM, "the spectrum; so for each kind asked for", inline=True))
@@ -139,6 +123,7 @@ class ChannelSpectra:
     rolling: ChannelRolling | None = declare.part(
         ChannelRolling, "the first kind in windows that slide over the record", default=None, optional=True
     )
+    # Uncertainties of each kind, where a budget was stated, or a verdict asked for
     uncertainties: Sequence[SpectrumUncertainty] = ()
 
     @declare.computed(declare.named(SpectrumUncertainty, "uncertainty of each kind", optional=True))
@@ -164,21 +149,13 @@ class SpectrumRecord:
 
 @declare.dataclass
 class ShockSpectra(SpectrumRecord):
-    """The spectra of one channel of a file, as it stands among several.
-
-    Attributes
-    ----------
-    judged : Spectrum or None
-        The first kind, up to what the sampling of this record carries, where it is judged.
-    harmed : str
-        Why the spectrum is not to be judged; empty where it may be.
-    """
+    """The spectra of one channel of a file, as it stands among several."""
 
     left_out: str | None = declare.word("why it is not in the envelope; null where it is")
     zero_line: float = declare.number(AS_CHANNEL, "baseline that was taken off")
     found: ChannelSpectra = declare.part(ChannelSpectra, "its spectra", inline=True)
-    judged: Spectrum | None = None
-    harmed: str = ""
+    judged: Spectrum | None = None  # the first kind, up to what the sampling of this record carries, where it is judged
+    harmed: str = ""  # why the spectrum is not to be judged; empty where it may be
 
 
 @declare.dataclass
@@ -225,18 +202,12 @@ class SpectraOfSeveral:
 
 @declare.dataclass
 class LargestResponse:
-    """Where a spectrum is largest.
-
-    Attributes
-    ----------
-    given_units : mapping
-        Unit of its value.
-    """
+    """Where a spectrum is largest."""
 
     kind: str
     of: str
     frequency: float
-    given_units: GivenUnits
+    given_units: GivenUnits  # unit of its value
     value: float = declare.number(AS_SPECTRUM, "largest value", headline="largest {name}")
 
     @property

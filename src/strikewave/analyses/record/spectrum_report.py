@@ -27,8 +27,7 @@ from strikewave.reporting.numbers import hertz, one_in, spelled
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, Tag
 from strikewave.signal.srs import FEWEST
 
-MOST_ROWS = 60
-"""Frequencies in the table, evenly chosen: spectrum.csv has all."""
+MOST_ROWS = 60  # frequencies in the table, evenly chosen: spectrum.csv has all
 
 
 def spectrum_report(result: SpectrumResult) -> str:

@@ -26,12 +26,10 @@ from strikewave.reporting.terminal import table, tell
 if TYPE_CHECKING:
     from strikewave.specifications.reading import Specification
 
-MOST_SHOWN = 4
-"""Spectra that a table on the screen lists beside what they come to; the files have all."""
+MOST_SHOWN = 4  # spectra that a table on the screen lists beside what they come to; the files have all
 
 
-SHOWN_ROWS = 24
-"""Rows of the table on the screen, which it shows at once; the files have all."""
+SHOWN_ROWS = 24  # rows of the table on the screen, which it shows at once; the files have all
 
 
 def compute_spectra(

@@ -11,12 +11,10 @@ from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.reporting.parts import NONE, Cell, Tag, written
 
 Row = tuple[FileReading, ChannelReading]
-Names = Mapping[str, str]
-"""Short names of files by their path."""
+Names = Mapping[str, str]  # short names of files by their path
 
 
-LOOKS = {"good": "good", "suspect": "warned", "bad": "bad"}
-"""How a status, or a severity, looks on a page."""
+LOOKS = {"good": "good", "suspect": "warned", "bad": "bad"}  # how a status, or a severity, looks on a page
 
 
 def status_tag(status: str, words: str = "") -> Tag:
@@ -25,13 +23,7 @@ def status_tag(status: str, words: str = "") -> Tag:
 
 
 def short_names(paths: Sequence[str]) -> dict[str, str]:
-    """Return for each path the shortest end that no other path shares.
-
-    Examples
-    --------
-    >>> short_names(["a/x.csv", "b/x.csv", "b/y.csv"])
-    {'a/x.csv': 'a/x.csv', 'b/x.csv': 'b/x.csv', 'b/y.csv': 'y.csv'}
-    """
+    """Return for each path the shortest end that no other path shares."""
     parts = {path: [part for part in re.split(r"[/\\]", path) if part] or [path] for path in paths}
     names: dict[str, str] = {}
     for path, own in parts.items():
@@ -90,23 +82,7 @@ def number(name: str, unit: str, value: float, digits: int = 4) -> str:
 
 
 class Columns:
-    """Columns of figures: with the unit in the head where all channels share it, else in each cell.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Figures, such as ``peak``.
-    units : sequence of str
-        SI units of all channels of the table.
-
-    Examples
-    --------
-    >>> columns = Columns(["peak", "width"], ["m/s^2", "m/s^2"])
-    >>> columns.heads, columns.cells({"peak": 9806.65, "width": 1e-4}, "m/s^2")
-    (['peak (g)', 'pulse width at 10 % (µs)'], ['1000', '100'])
-    >>> Columns(["peak"], ["m/s^2", "N"]).cells({"peak": 9806.65}, "m/s^2")
-    ['1000 g']
-    """
+    """Columns of figures: with the unit in the head where all channels share it, else in each cell."""
 
     def __init__(self, names: Sequence[str], units: Sequence[str]) -> None:
         self.names = names
@@ -175,20 +151,7 @@ def units_of(rows: Sequence[Row]) -> list[str]:
 def squeezed(
     heads: Sequence[str], rows: Sequence[Sequence[Cell]], names: Sequence[str]
 ) -> tuple[list[str], list[list[Cell]], str]:
-    """Take columns that say the same in every row out of a table; return words for its caption.
-
-    Parameters
-    ----------
-    heads, rows : sequence
-        The table.
-    names : sequence of str
-        Heads of the columns that may go.
-
-    Examples
-    --------
-    >>> squeezed(["file", "channel"], [["a", "x"], ["b", "x"]], ["channel"])
-    (['file'], [['a'], ['b']], ', channel x')
-    """
+    """Take columns that say the same in every row out of a table; return words for its caption."""
     places = [heads.index(name) for name in names]
     gone = [k for k in places if len(rows) > 1 and len({str(row[k]) for row in rows}) == 1]
     words = "".join(f", {heads[k]} {rows[0][k]}" for k in gone)

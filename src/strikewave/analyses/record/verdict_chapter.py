@@ -10,12 +10,9 @@ from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
 from strikewave.specifications.judging import NOT_JUDGED, WORST_FIRST, Clause
 
-MOST_DRAWN = 12
-"""Shocks that are drawn, those that fail first: each adds some 40 kB to a page that must open at once."""
-DRAWN_FIRST = 2
-"""Shocks that are drawn before the tables: a row of the page, so that pulse and band are seen at once."""
-MOST_ROWS = 200
-"""Shocks that the table lists; JSON has all."""
+MOST_DRAWN = 12  # shocks that are drawn, those that fail first: each adds some 40 kB to a page that must open at once
+DRAWN_FIRST = 2  # shocks that are drawn before the tables: a row of the page, so that pulse and band are seen at once
+MOST_ROWS = 200  # shocks that the table lists; JSON has all
 
 
 def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:

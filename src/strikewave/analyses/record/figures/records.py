@@ -40,22 +40,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Array = NDArray[np.float64]
-Named = tuple[str, ChannelReading]
-"""A file as it shall be called, and what a channel of it says."""
+Named = tuple[str, ChannelReading]  # a file as it shall be called, and what a channel of it says
 
+# Columns of a record into which all samples are gathered; each keeps its smallest and its largest, so that no peak is
+# lost. As many as a page is wide in pixels
 COLUMNS = 800
-"""Columns of a record into which all samples are gathered; each keeps its smallest and its largest, so that no peak is
-lost. As many as a page is wide in pixels."""
-POINTS = 6000
-"""Points of all pulses of an overlay together, so that its SVG stays small."""
-MOST_LABELS = 16
-"""Pulses that are all numbered; of more only those with room, or the numbers overlap."""
-MOST_NAMES = 8
-"""Files that an overlay tells apart: as many as there are colours."""
+POINTS = 6000  # points of all pulses of an overlay together, so that its SVG stays small
+MOST_LABELS = 16  # pulses that are all numbered; of more only those with room, or the numbers overlap
+MOST_NAMES = 8  # files that an overlay tells apart: as many as there are colours
+# Pulses of which a median is taken, evenly among all: its error is then an eighth of their scatter, a line's width
 MOST_AVERAGED = 100
-"""Pulses of which a median is taken, evenly among all: its error is then an eighth of their scatter, a line's width."""
-LARGEST_DRAWN = 1e200
-"""Records with larger values are not drawn: the axes' squares and sums would be no numbers."""
+LARGEST_DRAWN = 1e200  # records with larger values are not drawn: the axes' squares and sums would be no numbers
 _HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6}
 _SEVERITY = {"bad": RED, "suspect": ORANGE, "good": GREY}
 _COLOURS = (BLUE, RED, GREEN, ORANGE, "#CC79A7", "#56B4E9", "#000000", GREY)
@@ -90,6 +85,7 @@ class ChannelStyle(ShownQuantity):
         return f"{self.integral} ({self.integral_unit})"
 
 
+# Names of a channel of an SI unit and of its integral, and SI unit of the integral
 _NAMES = {
     "m/s^2": ("acceleration", "velocity", "m/s"),
     "m/s": ("velocity", "displacement", "m"),
@@ -100,7 +96,6 @@ _NAMES = {
     "1": ("strain", "integral", "s"),
     "": ("file's own numbers", "integral", "unit·s"),
 }
-"""Names of a channel of an SI unit and of its integral, and SI unit of the integral."""
 
 
 def shown(unit: str) -> ChannelStyle:
@@ -116,13 +111,7 @@ def shown(unit: str) -> ChannelStyle:
 
 
 def history(reading: ChannelReading) -> Figure:
-    """Draw a whole record with its baseline, blows and findings, and its largest blow beside it.
-
-    Parameters
-    ----------
-    reading : ChannelReading
-        Reading of any status; where nothing can be drawn, a line says why.
-    """
+    """Draw a whole record with its baseline, blows and findings, and its largest blow beside it."""
     figure = new_figure()
     if reading.pulses and drawable(reading):
         axes, near = figure.subplots(1, 2, width_ratios=(2.0, 1.0))
@@ -244,13 +233,7 @@ def _draw_largest(axes: Any, reading: ChannelReading) -> None:
 
 
 def overlay(readings: Sequence[Named]) -> Figure:
-    """Draw the blows of one channel over files, aligned at their peaks, baseline taken off, with their median.
-
-    Parameters
-    ----------
-    readings : sequence of (str, ChannelReading)
-        Each with the name of its file; bad ones are left out.
-    """
+    """Draw the blows of one channel over files, aligned at their peaks, baseline taken off, with their median."""
     figure = new_figure()
     draw_overlay(figure.add_subplot(), readings)
     return legend_below(figure)
@@ -331,13 +314,7 @@ def _median(pulses: Sequence[tuple[str, ChannelReading, RecordedPulse]], span: f
 
 
 def velocity(reading: ChannelReading) -> Figure:
-    """Draw the integral of a record, the zero before its first blow taken off, with the change of each blow.
-
-    Parameters
-    ----------
-    reading : ChannelReading
-        A record without blows has no zero to begin from; the picture has a note of it.
-    """
+    """Draw the integral of a record, the zero before its first blow taken off, with the change of each blow."""
     figure = new_figure()
     draw_velocity(figure.add_subplot(), reading)
     return figure
@@ -420,12 +397,9 @@ def motion_figure(one: RecordMotion) -> Figure:
     return figure
 
 
-BEFORE, AFTER = 1.5, 12.0
-"""Widths of the blow that are drawn before its begin and after it."""
-BEYOND = 3.0
-"""Times the highest frequency that is trusted up to which a transfer function is drawn."""
-LARGEST = 10.0
-"""Gain up to which it is drawn, at most."""
+BEFORE, AFTER = 1.5, 12.0  # widths of the blow that are drawn before its begin and after it
+BEYOND = 3.0  # times the highest frequency that is trusted up to which a transfer function is drawn
+LARGEST = 10.0  # gain up to which it is drawn, at most
 
 
 def pair_figure(pair: RecordPair) -> Figure:
@@ -494,12 +468,9 @@ def transfer_figure(transfer: Transfer) -> Figure:
     return legend_below(figure)
 
 
-SIZE = (9.8, 5.0)
-"""Inches: two rows."""
-BESIDE = 0.1
-"""Share of what is shown that is left before the first blow, and after the last decay."""
-ENVELOPE = 200
-"""Points of an envelope."""
+SIZE = (9.8, 5.0)  # inches: two rows
+BESIDE = 0.1  # share of what is shown that is left before the first blow, and after the last decay
+ENVELOPE = 200  # points of an envelope
 _MODES = (RED, GREEN, ORANGE)
 
 
@@ -558,24 +529,15 @@ def _mark(axes: Any, one: MeasuredResponse, factor: float, scale: float, labelle
         axes.plot(time * factor, -envelope, "--", color=colour, linewidth=1.2)
 
 
-TRENDS = ("peak", "width", "velocity_change", "interval")
-"""Figures whose trend is drawn."""
+TRENDS = ("peak", "width", "velocity_change", "interval")  # figures whose trend is drawn
+# Names of the figures in the unit of their channel
 OF_CHANNEL = {"peak": "peak", "rigid_peak": "peak without ringing", "rms": "RMS", "amplitude": "amplitude"}
-"""Names of the figures in the unit of their channel."""
+# How figures without a unit are shown: size, name and unit
 PURE = {"ratio": (1.0, "peak over base", ""), "damping": (0.01, "damping ratio", "%")}
-"""How figures without a unit are shown: size, name and unit."""
 
 
 def trend(campaign: Campaign, count: int = 0) -> Figure:
-    """Draw peak, width, velocity change and interval over the files, with mean, its 95 % bounds, and a clear trend.
-
-    Parameters
-    ----------
-    campaign : Campaign
-        As `strikewave.records.campaign.summed` gives it.
-    count : int, optional
-        Number of files; as far as the last one with a value unless given.
-    """
+    """Draw peak, width, velocity change and interval over the files, with mean, its 95 % bounds, and a clear trend."""
     names = [name for name in TRENDS if campaign.points.get(name)] or [TRENDS[0]]
     size = {1: WHOLE, 2: WHOLE, 3: (9.8, 3.3), 4: (9.8, 5.8)}[len(names)]
     figure = new_figure(size)

@@ -39,28 +39,23 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# Columns of a logarithmic axis into which the lines of a spectrum are gathered: about the pixels of its width
 COLUMNS = 600
-"""Columns of a logarithmic axis into which the lines of a spectrum are gathered: about the pixels of its width."""
+# Lengths of a blow on both sides of it that its amplitude spectrum takes in: its lowest line is then a 40th of one over
+# the length, far below where a pulse's spectrum falls, and ringing is in it
 REACH = 20.0
-"""Lengths of a blow on both sides of it that its amplitude spectrum takes in: its lowest line is then a 40th of one
-over the length, far below where a pulse's spectrum falls, and ringing is in it."""
-LEAST_DRAWN = 1e-3
-"""Share of a spectrum down to which its band is drawn: a logarithmic axis has no zero."""
-DEPTH = 1e-6
-"""Share of its largest value to which an amplitude spectrum is drawn: 120 dB, beyond every recorder's bits."""
+LEAST_DRAWN = 1e-3  # share of a spectrum down to which its band is drawn: a logarithmic axis has no zero
+DEPTH = 1e-6  # share of its largest value to which an amplitude spectrum is drawn: 120 dB, beyond every recorder's bits
+# Lengths of the last blow after it that a shock response spectrum takes in: its lowest natural frequency, a 50th of one
+# over the length, then swings twice after the blow
 AFTER = 100.0
-"""Lengths of the last blow after it that a shock response spectrum takes in: its lowest natural frequency, a 50th of
-one over the length, then swings twice after the blow."""
-BEFORE = 5.0
-"""Lengths of the longest blow before the first one that it takes in, so that the record begins at rest."""
-Q = 10.0
-"""Quality factor of the spectra of a report: 5 % of critical damping, as shock specifications take it."""
+BEFORE = 5.0  # lengths of the longest blow before the first one that it takes in, so that the record begins at rest
+Q = 10.0  # quality factor of the spectra of a report: 5 % of critical damping, as shock specifications take it
 _SIDES = (("maximax", "#8FC3E4", "-", 4.0), ("positive", BLUE, "-", 1.3), ("negative", RED, "--", 1.3))
 _COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
-KINDS = ("absolute", "pseudo-velocity")
-"""Kinds of spectra that a report shows of a record."""
+KINDS = ("absolute", "pseudo-velocity")  # kinds of spectra that a report shows of a record
+# Spectra of readings in use, by kind: page and picture show the same, and those of a long record take seconds
 _RESPONSES: WeakKeyDictionary[ChannelReading, dict[str, Spectrum]] = WeakKeyDictionary()
-"""Spectra of readings in use, by kind: page and picture show the same, and those of a long record take seconds."""
 
 
 class RecordPart(NamedTuple):
@@ -162,13 +157,6 @@ def response(reading: ChannelReading, kind: str = "absolute") -> Spectrum | None
 
     It is taken from just before the first blow to 100 lengths of the last one after it, at 12 frequencies an
     octave: from 1/50 of that of the longest blow to twenty times it, inside what the record can show.
-
-    Parameters
-    ----------
-    reading : ChannelReading
-        The record.
-    kind : str, optional
-        One of `KINDS`, which are computed together.
     """
     if not (reading.pulses and drawable(reading)):
         return None
@@ -195,21 +183,7 @@ def srs_figure(
     expanded: Array | None = None,
     side: str = "maximax",
 ) -> Figure:
-    """Draw a shock response spectrum, both polarities and the larger; of several the larger of each.
-
-    Parameters
-    ----------
-    *spectra : Spectrum
-        Of one kind.
-    labels : sequence of str, optional
-        Name of each of several spectra.
-    unit : str, optional
-        SI unit of the record; empty where it is not known.
-    expanded : ndarray or None, optional
-        Expanded uncertainty of one side of a single spectrum, which is drawn as a band.
-    side : str, optional
-        That side.
-    """
+    """Draw a shock response spectrum, both polarities and the larger; of several the larger of each."""
     figure = new_figure()
     axes: Any = figure.add_subplot()
     if expanded is not None and np.any(np.isfinite(expanded)):
@@ -271,11 +245,6 @@ def tripartite(pseudo: Spectrum) -> Figure:
     """Draw a spectrum of pseudo-velocity on four-coordinate paper.
 
     Lines at 45 degrees are those of one displacement (rising) and of one acceleration (falling).
-
-    Parameters
-    ----------
-    pseudo : Spectrum
-        Spectrum of the kind ``pseudo-velocity``.
     """
     if pseudo.kind != "pseudo-velocity":
         raise ValueError(f"four-coordinate paper needs a spectrum of pseudo-velocity, got {pseudo.kind!r}")
@@ -355,17 +324,7 @@ def _rulings(axes: Any, x: tuple[float, float], y: tuple[float, float], along: A
 
 
 def record_summary(files: Sequence[FileReading], campaign: Campaign | None, title: str = "") -> Figure:
-    """Draw the first good record, all blows, a shock response spectrum, and the trend or the velocity.
-
-    Parameters
-    ----------
-    files : sequence of FileReading
-        In the order of the test; the first channel of each is drawn.
-    campaign : Campaign or None
-        Campaign of that channel.
-    title : str, optional
-        Title above the picture.
-    """
+    """Draw the first good record, all blows, a shock response spectrum, and the trend or the velocity."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(9.0, 6.6), layout="constrained")
@@ -443,10 +402,8 @@ def log_axis(axis: Any, written: Any) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-MOST_NAMES = 4
-"""Spectra that a legend names: of more, one grey is enough."""
-DECADES = 4.0
-"""Decades of a rolling spectrum that its colours span: below a ten-thousandth of the largest lies noise."""
+MOST_NAMES = 4  # spectra that a legend names: of more, one grey is enough
+DECADES = 4.0  # decades of a rolling spectrum that its colours span: below a ten-thousandth of the largest lies noise
 _SHOCK_COLOURS = (BLUE, GREEN, ORANGE, "#CC79A7")
 _TOGETHER = {
     "envelope": ("envelope", "black", "-"),
@@ -532,13 +489,7 @@ def _stacked(count: int) -> Figure:
 
 
 def edges(places: Array) -> Array:
-    """Return the edges of cells around places, half way between them.
-
-    Examples
-    --------
-    >>> edges(np.array([1.0, 2.0, 4.0])).tolist()
-    [0.5, 1.5, 3.0, 5.0]
-    """
+    """Return the edges of cells around places, half way between them."""
     if places.size == 1:
         return np.asarray(places[0] + np.array([-0.5, 0.5]) * (abs(places[0]) * 0.1 or 1.0))
     middle = 0.5 * (places[1:] + places[:-1])

@@ -30,8 +30,7 @@ from strikewave.specifications.spectrum_limits import SpectrumLimits
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-POINTS = 400
-"""Points of a record in a picture; of a curve of a band twice as many at most."""
+POINTS = 400  # points of a record in a picture; of a curve of a band twice as many at most
 
 
 def shock_figure(shock: JudgedShock, limits: PulseLimits, name: str) -> Figure:
@@ -158,7 +157,6 @@ def draw_spectrum_limits(
     quiet(axes, plain(title, 90), "natural frequency (Hz)", f"{limits.side} acceleration ({unit}), Q = {limits.q:g}")
 
 
-MOST_SPECTRA = 8
-"""Spectra that are drawn over a tolerance: as many as can be told apart."""
+MOST_SPECTRA = 8  # spectra that are drawn over a tolerance: as many as can be told apart
+# By which spectra of one verdict, and so of one colour, are told apart
 LINES, MARKERS = ("-", "--", "-.", ":"), ("", "o")
-"""By which spectra of one verdict, and so of one colour, are told apart."""

@@ -34,6 +34,7 @@ from strikewave.specifications.tables import numbers_of
 if TYPE_CHECKING:
     from strikewave.analyses.record.specification.synthesis import SynthesisResult
 
+# Begin of a new file
 HEADER = """\
 # A specification of your own, begun from {origin}. Type the numbers of your document, and say at the head what they
 # are: status = "normative" where you read them in the standard itself, "quoted" where another text has them,
@@ -42,7 +43,6 @@ HEADER = """\
 # strikewave spec show {name} draws it; strikewave {command} FILES --spec {name} judges by it.
 
 """
-"""Begin of a new file."""
 
 
 @declare.dataclass

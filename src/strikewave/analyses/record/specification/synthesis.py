@@ -43,27 +43,25 @@ from strikewave.specifications.spectrum_limits import SpectrumLimits, judge_spec
 Array = NDArray[np.float64]
 
 HALF_SINE = "half-sine"
-WAYS = (*BASES, HALF_SINE)
-"""Components that a motion can be made of."""
+WAYS = (*BASES, HALF_SINE)  # components that a motion can be made of
+# Wavelets an octave at most: where they stand nearer they drown one another, and the iteration ends 2 to 3 dB off
 WAVELETS_AN_OCTAVE = 6.0
-"""Wavelets an octave at most: where they stand nearer they drown one another, and the iteration ends 2 to 3 dB off."""
+# Keys of the sources
 SOURCES = {
     DAMPED_SINES: ("smallwood-nord-1974", "smallwood-1981"),
     WAVELETS: ("irvine-wavelets", "smallwood-1981"),
     HALF_SINE: ("smallwood-1981",),
 }
-"""Keys of the sources."""
+# Samples a period of the highest frequency at least: at 8 interpolation leaves 1 %; samples of a motion at most: ten
+# times those of the widest spectrum of pyroshock, 10 Hz to 10 kHz
 LEAST_RATE, MOST_SAMPLES = 8.0, 2_000_000
-"""Samples a period of the highest frequency at least: at 8 interpolation leaves 1 %; samples of a motion at most: ten
-times those of the widest spectrum of pyroshock, 10 Hz to 10 kHz."""
+# Share of a motion that the file holds of rest before it: where a record begins, `strikewave srs` looks for rest
 LEAD = 0.1
-"""Share of a motion that the file holds of rest before it: where a record begins, `strikewave srs` looks for rest."""
+# Level that a half-sine is raised beyond the share at or above nominal, dB: more than rounding and sampling take
 RAISED = 0.01
-"""Level that a half-sine is raised beyond the share at or above nominal, dB: more than rounding and sampling take."""
-HALF_SINE_SAMPLES = 200
-"""Samples of a half-sine at least: its peak then lies 3e-5 above the samples at most."""
+HALF_SINE_SAMPLES = 200  # samples of a half-sine at least: its peak then lies 3e-5 above the samples at most
+# Share of the upper tolerance that is aimed at where its middle lies lower: half of a spectrum must often be above
 UPPER_SHARE = 1.0 / 6.0
-"""Share of the upper tolerance that is aimed at where its middle lies lower: half of a spectrum must often be above."""
 
 
 @declare.dataclass

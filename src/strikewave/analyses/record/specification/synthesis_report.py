@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIZE = (10.0, 5.6)
-POINTS = 600
-"""Points of a history in the picture."""
+POINTS = 600  # points of a history in the picture
 
 
 def picture(result: SynthesisResult) -> Figure:
