@@ -20,6 +20,7 @@ from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, drawing, run_and_write
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import print_json, progress_bar, say, tell
+from strikewave.studies.engine.plan import StudyPlan
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.store import RunStore, begin_from, runs_beside
 from strikewave.studies.study import Study
@@ -176,6 +177,9 @@ class StudyCommand(ResumableCommand[Made]):
 
     def finished(self, store: RunStore) -> str:
         """Say what of it a store has, such as "12 of 20 runs"; empty where that is nothing."""
+        if isinstance(self.plan, StudyPlan):
+            done = self.plan.known(store)
+            return f"{done} of {len(self.plan.rows)} {self.plan.noun}" if done else ""
         return f"{len(store.known())} {self.noun}" if store.known() else ""
 
     def solved(self, store: RunStore) -> Made:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 from pydantic import BeforeValidator
 
-from strikewave.base.errors import InputError, InputErrors
+from strikewave.base.errors import MISSING, InputError, InputErrors
+from strikewave.base.quantities import Value
 from strikewave.cases.files import bundled_cases, read_small_file
 from strikewave.cases.paths import Form
 from strikewave.cases.tables.common import CaseTable
@@ -79,6 +80,35 @@ def _leaves(raw: Any, path: str, depth: int = 0) -> Iterator[tuple[str, Any]]:
 
 Quantity = Annotated[str | int | float, BeforeValidator(quantity)]
 Settings = Annotated[tuple[str, ...], BeforeValidator(_settings)]
+
+
+Vary = Mapping[str, Any] | Sequence[str]
+"""Varied settings: texts ``setting=values``, or values by settings."""
+
+
+def vary_texts(vary: Vary) -> list[str]:
+    """Return what is varied as it is typed on the command line: a list with commas, SI without a unit.
+
+    Keys with dots are tables within tables in TOML.
+
+    Examples
+    --------
+    >>> vary_texts({"machine.speed": [40.0, 50.0], "object": {"spring": "20..40 kN/m"}})
+    ['machine.speed=40.0, 50.0', 'object.spring=20..40 kN/m']
+    """
+    return list(_varied(vary, "")) if isinstance(vary, Mapping) else list(vary)
+
+
+def _varied(table: Mapping[str, Any], path: str) -> Iterator[str]:
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _varied(value, f"{path}{key}.")
+        elif isinstance(value, str | int | float | Value) and value != "":
+            yield f"{path}{key}={value}"
+        elif isinstance(value, Iterable) and value != "":
+            yield f"{path}{key}={', '.join(map(str, value))}"
+        else:
+            raise InputError(f"vary.{path}{key}", MISSING, 'values, such as "400..900 rpm:11"')
 
 
 def beside(word: str, folder: Path) -> str:

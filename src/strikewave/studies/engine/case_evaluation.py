@@ -156,6 +156,11 @@ class CaseEvaluation:
     histories: tuple[str, ...] = ()
     device: str | None = None
 
+    @property
+    def kept(self) -> tuple[str, ...]:
+        """Names of all that is kept."""
+        return (*self.names, *self.histories)
+
     def __call__(self, case: Case) -> RunOutcome:
         """Return what is kept of a case."""
         numbers, histories, verdict = EVALUATED[self.analysis](self, case)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +24,8 @@ from strikewave.cases.case import Case, dump_case, parse_case
 from strikewave.reporting.columns import Column, Values
 from strikewave.reporting.numbers import with_unit
 from strikewave.studies.axes import Axis, case_at, range_axis, units_of
-from strikewave.studies.engine.evaluation import Row
+from strikewave.studies.engine.evaluation import Evaluation, Job, Row, Variation
+from strikewave.studies.engine.store import RunStore
 from strikewave.uncertainty.bands import latin_hypercube
 from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, quantiles, range_of
 
@@ -265,6 +268,46 @@ MOST_SEED = 2**63 - 1
 """Largest seed: that of a 64-bit integer, which every reader of the JSON document holds."""
 MOST_WORDS = 256
 """Most combinations of words: a case of each is held."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyPlan:
+    """Runs of a study: what varies a case, what is computed of each run, and the rows of the runs.
+
+    Attributes
+    ----------
+    case : Case
+        Case that is varied.
+    variation : Variation
+        Variation that makes a case of a row.
+    evaluation : Evaluation
+        What is kept of each run.
+    rows : sequence of tuple
+        The runs.
+    noun : str
+        Name of the counted runs.
+    """
+
+    case: Case
+    variation: Variation
+    evaluation: Evaluation
+    rows: Sequence[Row] = field(repr=False)
+    noun: ClassVar[str] = "runs"
+
+    @property
+    def job(self) -> Job:
+        """What is run."""
+        return Job(self.variation, self.evaluation)
+
+    def known(self, store: RunStore) -> int:
+        """Return how many runs a store has."""
+        known, job = store.known(), self.job
+        return sum(job.key(row) in known for row in self.rows) if known else 0
+
+    def marked(self, asked: str, key: object = None) -> str:
+        """Return the case as text below what is asked, with a key of what the words do not hold."""
+        mark = "" if key is None else f"; plan {hashlib.sha256(repr(key).encode()).hexdigest()[:12]}"
+        return f"# strikewave {asked}{mark}\n{dump_case(self.case)}"
 
 
 @dataclass(frozen=True)

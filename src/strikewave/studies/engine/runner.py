@@ -179,12 +179,6 @@ def at_work(store: RunStore | None, pool: Pool | None, workers: int = 1) -> Iter
         yield open_store, open_pool
 
 
-def finished_before(job: Work[Asked], rows: Sequence[Asked], store: RunStore) -> int:
-    """Return how many rows of a job a store has already."""
-    known = store.known()
-    return sum(job.key(row) in known for row in rows) if known else 0
-
-
 @dataclass(frozen=True)
 class Workers:
     """Who makes the runs of a study, and on what.

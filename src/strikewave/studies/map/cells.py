@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import hashlib
 import math
 from dataclasses import dataclass
-from functools import cached_property
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +18,12 @@ from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_FAILED, Verdict
 from strikewave.base.shock_quantities import LENGTH, RATIO, TOTAL_PEAK, VARIATION
-from strikewave.cases.case import Case, parse_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.machines import Machine, StruckObject
 from strikewave.machines.fast_run import FastTrain, fast_train, why_not
 from strikewave.studies.axes import Axis
-from strikewave.studies.engine.evaluation import Job, Row, RunOutcome
-from strikewave.studies.engine.plan import AxisVariation, StudyVariable, grid
+from strikewave.studies.engine.evaluation import RunOutcome
+from strikewave.studies.engine.plan import StudyPlan
 from strikewave.studies.search.rotary_estimates import Support, return_arc
 from strikewave.studies.simulation import RUN_TOLERANCE
 from strikewave.uncertainty.statistics import variation
@@ -271,22 +269,38 @@ HALF, QUARTER = 2, 4
 quarter, which may have settled later."""
 
 
-@declare.dataclass
-class MapPlan:
-    """What a map is of.
+@dataclass(frozen=True)
+class CellEvaluation:
+    """What is kept of a cell; so many blows of the machine, and of the train that names its regime."""
+
+    blows: int
+    train: int
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The fields of a cell."""
+        return FIELDS
+
+    def __call__(self, case: Case) -> RunOutcome:
+        """Return what the blows of a case come to: a cell without a result has its reason as a number."""
+        cell, verdict = judged_cell(case, self.blows, self.train)
+        return RunOutcome(tuple(cell.tolist()), verdict=verdict.text)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapPlan(StudyPlan):
+    """Cells of a map, x fastest, then y, then panels.
 
     Attributes
     ----------
-    case : str
-        Text of the case.
     axes : tuple of Axis
         x, y, and panels where there are any.
     """
 
-    case: str
+    noun: ClassVar[str] = "cells"
+
     axes: tuple[Axis, ...]
-    blows: int = declare.count("blows of the machine in each cell")
-    train: int = declare.count("blows of the longer train that names the regime")
+    evaluation: CellEvaluation
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -295,27 +309,21 @@ class MapPlan:
         return (sizes[2] if len(sizes) > 2 else 1, sizes[1], sizes[0])
 
     @property
-    def job(self) -> Job:
-        """What is run of each cell."""
-        variation = AxisVariation(self.variables, NOTE, {(): parse_case(self.case)})
-        return Job(variation, CellEvaluation(self.blows, self.train))
+    def blows(self) -> int:
+        """Blows of the machine in each cell."""
+        return self.evaluation.blows
+
+    @property
+    def train(self) -> int:
+        """Blows of the longer train that names the regime."""
+        return self.evaluation.train
 
     def marked_text(self, wanted: float) -> str:
         """Return the case as text, and above it what was asked: other axes are another result."""
         sizes = " x ".join(f"{len(axis.values)} {axis.path}" for axis in self.axes)
-        key = hashlib.sha256(repr((dataclasses.astuple(self), wanted)).encode()).hexdigest()[:12]
-        asked = f"{sizes}, {self.blows} blows, trains of {self.train}, CV within {100.0 * wanted:g} %"
-        return f"# strikewave map of {asked}; plan {key}\n{self.case}"
-
-    @cached_property
-    def rows(self) -> list[Row]:
-        """The cells, x fastest, then y, then panels."""
-        return grid(self.variables)
-
-    @property
-    def variables(self) -> tuple[StudyVariable, ...]:
-        """What is varied: ranges along x and y, a list of panels."""
-        return tuple(StudyVariable(axis, is_range=place < 2) for place, axis in enumerate(self.axes))
+        asked = f"map of {sizes}, {self.blows} blows, trains of {self.train}, CV within {100.0 * wanted:g} %"
+        axes = tuple(dataclasses.astuple(axis) for axis in self.axes)
+        return self.marked(asked, ((dump_case(self.case), axes, self.blows, self.train), wanted))
 
 
 def machine_of(case: Case) -> Machine:
@@ -478,21 +486,3 @@ def arrivals(struck: StruckObject, speed: float) -> tuple[float, float]:
     except ValueError:
         return math.nan, math.nan
     return first.time, first.time + bounce_time(struck) + second.time
-
-
-@dataclass(frozen=True)
-class CellEvaluation:
-    """What is kept of a cell; see `MapPlan` for blows and train."""
-
-    blows: int
-    train: int
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The fields of a cell."""
-        return FIELDS
-
-    def __call__(self, case: Case) -> RunOutcome:
-        """Return what the blows of a case come to: a cell without a result has its reason as a number."""
-        cell, verdict = judged_cell(case, self.blows, self.train)
-        return RunOutcome(tuple(cell.tolist()), verdict=verdict.text)

@@ -12,7 +12,6 @@ from strikewave.reporting.faces import columns_of, face_table, text_of
 from strikewave.reporting.parts import Cell, Link, Part, Section, Table, Tag
 from strikewave.reporting.terminal import report_table, say, tell
 from strikewave.studies.command import Report, StudyCommand
-from strikewave.studies.engine.runner import finished_before
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import MapCell, MapPlan
 from strikewave.studies.map.figures import colour_label, map_figure
@@ -152,7 +151,7 @@ class MapCommand(StudyCommand[MapStudy]):
         """Say what is run, and about how long it takes."""
         panels, rows, columns = self.plan.shape
         size = f"{columns} x {rows}" + (f" x {panels}" if panels > 1 else "")
-        cells, done = panels * rows * columns, finished_before(self.plan.job, self.plan.rows, store)
+        cells, done = panels * rows * columns, self.plan.known(store)
         stored = f", {done} of {cells} cells are there already" if done else ""
         trains = f" and trains of {self.plan.train}" if self.plan.train else ""
         seconds = max((1.0 - done / cells) * self.seconds, 1.0)
@@ -163,11 +162,6 @@ class MapCommand(StudyCommand[MapStudy]):
         """Return the map."""
         study = make_map(self.plan, self.wanted, store, self.pool, lambda now: report(now.share, now.words))
         return dataclasses.replace(study, colour=self.colour)
-
-    def finished(self, store: RunStore) -> str:
-        """Say how many of its cells a store has."""
-        done = finished_before(self.plan.job, self.plan.rows, store)
-        return f"{done} of {len(self.plan.rows)} cells" if done else ""
 
     def summary(self, result: MapStudy) -> str:
         """Say what the blows are like, and where the nearest equal ones are."""

@@ -20,12 +20,12 @@ from strikewave.base.errors import InputError, IntegrationError, StrikewaveError
 from strikewave.base.quantities import Value
 from strikewave.base.result import RUN_PASSED, RUN_STATUSES, Notice
 from strikewave.base.shock_quantities import VARIATION
-from strikewave.cases.case import Case, dump_case, parse_case
+from strikewave.cases.case import Case, dump_case
 from strikewave.machines import blows
 from strikewave.machines.run import run_machine
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
 from strikewave.studies.axes import HALF_TO_TWICE, Axis, axis_of, case_at, units_of
-from strikewave.studies.engine.plan import StudyVariable, read_ends, read_list
+from strikewave.studies.engine.plan import AxisVariation, StudyVariable, grid, read_ends, read_list
 from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import Advance, Workers, as_workers, at_work, finished_runs, share_reporter
 from strikewave.studies.engine.store import RunStore
@@ -37,6 +37,7 @@ from strikewave.studies.map.cells import (
     NOTE,
     PLACE,
     REASONS,
+    CellEvaluation,
     EvenSetting,
     FullRun,
     MapCell,
@@ -103,7 +104,11 @@ class MapStudy(Study):
 
     main_rows: ClassVar[str] = "cell_table"
 
-    plan: MapPlan = declare.part(MapPlan, "what it is of", inline=True)
+    plan: MapPlan
+    blows = declare.computed(declare.count("blows of the machine in each cell"))(lambda study: study.plan.blows)
+    train = declare.computed(declare.count("blows of the longer train that names the regime"))(
+        lambda study: study.plan.train
+    )
     values: Array
     wanted: float
     present: dict[str, float]
@@ -114,7 +119,7 @@ class MapStudy(Study):
     @cached_property
     def case(self) -> Case:
         """The case that is mapped."""
-        return parse_case(self.plan.case)
+        return self.plan.case
 
     @property
     def marked_text(self) -> str:
@@ -220,7 +225,7 @@ class MapStudy(Study):
         lambda study: RUN_STATUSES
     )
     variables = declare.computed(declare.rows(StudyVariable, "what was varied", in_document=False))(
-        lambda study: study.plan.variables
+        lambda study: study.plan.variation.variables
     )
 
     @declare.computed(declare.table("all cells"))
@@ -257,7 +262,7 @@ class MapStudy(Study):
         variables["verdict"] = quantity(
             dimensions, self.verdict, "1", f"what the checks came to, by code: {' | '.join(RUN_STATUSES)}"
         )
-        words = {"case": self.plan.case, "regimes": " | ".join(NAMES), "reasons": " | ".join(REASONS)}
+        words = {"case": dump_case(self.plan.case), "regimes": " | ".join(NAMES), "reasons": " | ".join(REASONS)}
         return LabelledArrays.of(variables, coordinates, {**words, "blows": self.plan.blows, "train": self.plan.train})
 
     def texts(self) -> dict[str, str]:
@@ -282,7 +287,7 @@ class MapStudy(Study):
         """
         even = (self.field("cv") <= self.wanted) & (self.field("missed") == 0)
         settings = [(0.0, self.here, self.present)] if self.even else []
-        for place in np.flatnonzero(even):
+        for place in np.flatnonzero(even).tolist():
             values = self.plan.rows[place]
             steps = [(v - at) / scale for v, at, scale in zip(values, self.here, self.scales, strict=True)]
             cell = self.values.reshape(-1, len(FIELDS))[place].tolist()
@@ -323,12 +328,8 @@ def _named(name: str, value: float) -> str | float:
 
 
 def check_plan(plan: MapPlan, workers: int) -> float:
-    """Return about how long a map takes, s, and refuse one that is too large."""
+    """Return about how long a map takes, s, and refuse one that takes too long."""
     panels, rows, columns = plan.shape
-    sides = all(LEAST_SIDE <= side <= MOST_SIDE for side in (rows, columns))
-    if not sides or panels * rows * columns > MOST_CELLS:
-        allowed = f"{LEAST_SIDE} to {MOST_SIDE} points along each axis, and {MOST_CELLS} cells at most"
-        raise InputError("--points", f"{columns}x{rows}" + (f" x {panels} panels" if panels > 1 else ""), allowed)
     if not (plan.train == 0 or LEAST_TRAIN <= plan.train <= MOST_TRAIN):
         raise InputError("--train", plan.train, f"0, or {LEAST_TRAIN} to {MOST_TRAIN} blows")
     if not LEAST_BLOWS <= plan.blows <= MOST_TRAIN:
@@ -364,7 +365,7 @@ def make_map(
         Called as cells come back.
     """
     check_plan(plan, 1 if pool is None else pool.width)
-    case = parse_case(plan.case)
+    case = plan.case
     machine_of(case)
     present = dict(zip(FIELDS, cell_of(case, plan.blows, plan.train).tolist(), strict=True))
     with at_work(store, pool) as (open_store, open_pool):
@@ -429,8 +430,18 @@ def plan_of(case: Case, axes: tuple[Axis, ...], own: int | None = None, train: i
     paths = [axis.path for axis in axes]
     if len(set(paths)) < len(paths):
         raise InputError("--y", paths[-1], "another quantity than the other axes")
+    sizes = [len(axis.values) for axis in axes]
+    sides = all(LEAST_SIDE <= side <= MOST_SIDE for side in sizes[:2])
+    if not sides or math.prod(sizes) > MOST_CELLS:
+        panels = f" x {sizes[2]} panels" if len(sizes) > 2 and sizes[2] > 1 else ""
+        allowed = f"{LEAST_SIDE} to {MOST_SIDE} points along each axis, and {MOST_CELLS} cells at most"
+        raise InputError("--points", f"{sizes[0]}x{sizes[1]}{panels}", allowed)
     count = int(case.rotary_tables().feed.blows.si) if own is None else own
-    return MapPlan(dump_case(case), axes, count, train)
+    variables = tuple(StudyVariable(axis, is_range=place < 2) for place, axis in enumerate(axes))
+    variation = AxisVariation(variables, NOTE, {(): case})
+    return MapPlan(
+        case=case, variation=variation, evaluation=CellEvaluation(count, train), rows=grid(variables), axes=axes
+    )
 
 
 def map(

@@ -45,7 +45,7 @@ from strikewave.studies.search.ranking import (
     ranking,
     sensitivities,
 )
-from strikewave.studies.sweep.study import Vary, vary_texts
+from strikewave.studies.study_file import Vary, vary_texts
 
 Array = NDArray[np.float64]
 

@@ -40,8 +40,7 @@ from strikewave.studies.search.goals import (
     read_aim,
 )
 from strikewave.studies.simulation import name_and_owner
-from strikewave.studies.study_file import Settings, case_place, read_study, stated_at
-from strikewave.studies.sweep.study import varied_texts
+from strikewave.studies.study_file import Settings, case_place, read_study, stated_at, vary_texts
 
 Array = NDArray[np.float64]
 
@@ -356,7 +355,7 @@ class DesignRequest(NamedTuple):
         """Return the plan of the design of a case."""
         file = self.file
         with stated_at(f"{self.name}: vary"):
-            vary = varied_texts(file.vary)
+            vary = vary_texts(file.vary)
             for text in vary:
                 read_variable(case, text)
         with stated_at(self.name):

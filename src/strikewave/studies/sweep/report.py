@@ -18,7 +18,7 @@ from strikewave.reporting.terminal import print_face, report_table, say, tell
 from strikewave.studies.command import Report, StudyCommand, lasting, print_estimate
 from strikewave.studies.engine.case_evaluation import ANALYSES
 from strikewave.studies.engine.plan import DESIGNS, GRID
-from strikewave.studies.engine.runner import finished_before, seconds_each
+from strikewave.studies.engine.runner import seconds_each
 from strikewave.studies.engine.store import RunStore, runs_beside
 from strikewave.studies.study import picture_section, study_page
 from strikewave.studies.sweep.figures import MOST_NUMBERS, MOST_SETTINGS, sweep_picture
@@ -141,11 +141,6 @@ class SweepCommand(StudyCommand[SweepStudy]):
     def made(self, store: RunStore, report: Report) -> SweepStudy:
         """Return the sweep."""
         return make_sweep(self.plan, store, self.pool, lambda now: report(now.share, now.words))
-
-    def finished(self, store: RunStore) -> str:
-        """Say how many of its runs a store has."""
-        done = finished_before(self.plan.job, self.plan.rows, store)
-        return f"{done} of {len(self.plan.rows)} runs" if done else ""
 
     def summary(self, result: SweepStudy) -> str:
         """Say over what the first number goes, and which setting matters most."""

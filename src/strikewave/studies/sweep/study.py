@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -20,10 +19,9 @@ from strikewave.base.compiling import compiling_shown
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
 from strikewave.base.documents import read_toml
 from strikewave.base.errors import MISSING, InputError, nearest
-from strikewave.base.quantities import Value
 from strikewave.base.result import Notice
 from strikewave.base.texts import first_few
-from strikewave.cases.case import SCHEMA, Case, dump_case, load_case
+from strikewave.cases.case import SCHEMA, Case, load_case
 from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.paths import Form
 from strikewave.cases.tables.common import CaseTable
@@ -40,7 +38,7 @@ from strikewave.studies.engine.case_evaluation import (
     kept_number,
     read_kept,
 )
-from strikewave.studies.engine.evaluation import Job, Row, Variation
+from strikewave.studies.engine.evaluation import Variation
 from strikewave.studies.engine.plan import (
     DESIGNS,
     EXAMPLE,
@@ -51,6 +49,7 @@ from strikewave.studies.engine.plan import (
     SOBOL,
     TOLERANCES,
     DrawVariation,
+    StudyPlan,
     StudyVariable,
     drawn_rows,
     filled,
@@ -62,7 +61,7 @@ from strikewave.studies.engine.pools import Pool
 from strikewave.studies.engine.runner import Advance, Workers, as_workers, at_work, finished_runs, share_reporter
 from strikewave.studies.engine.store import RunStore, store_in
 from strikewave.studies.study import Study
-from strikewave.studies.study_file import Settings, case_place, states_a_study
+from strikewave.studies.study_file import Settings, Vary, case_place, states_a_study, vary_texts
 from strikewave.studies.sweep.effects import MainEffect, main_effect, share_by_chance
 from strikewave.uncertainty.draws import UncertainInput, tolerances_of
 
@@ -70,49 +69,31 @@ NOTE = "chosen by strikewave sweep"
 """Note in a case of a value that a sweep has changed."""
 RUNS = 128
 """Runs of a design that is no grid, where none are asked for: a power of two, as Sobol's sequence needs."""
-Vary = Mapping[str, Any] | Sequence[str]
-"""Varied settings: texts ``setting=values``, or values by settings."""
 
 
-@dataclass(frozen=True)
-class SweepPlan:
-    """What a sweep is of.
+@dataclass(frozen=True, kw_only=True)
+class SweepPlan(StudyPlan):
+    """Runs of a sweep.
 
     Attributes
     ----------
-    case : Case
-        Case that is varied.
     variables : tuple of StudyVariable
         In the order of the rows; of a draw within tolerances, what was drawn.
     design : str
         One of `strikewave.studies.engine.plan.DESIGNS`.
     seed : int
         Random seed of a design that is random.
-    variation : Variation
-        Variation that makes a case of a row.
-    evaluation : CaseEvaluation
-        Numbers and histories that are kept of each run.
-    rows : tuple of tuple
-        The runs.
     """
 
-    case: Case
     variables: tuple[StudyVariable, ...]
     design: str
     seed: int
-    variation: Variation
     evaluation: CaseEvaluation
-    rows: tuple[Row, ...]
 
     def on(self, workers: Workers) -> SweepPlan:
         """Return the plan with the steps of elements taken on the device of the workers."""
         device = checked_device(self.evaluation.analysis, workers.device, workers.cluster)
         return replace(self, evaluation=replace(self.evaluation, device=device))
-
-    @property
-    def job(self) -> Job:
-        """What is run."""
-        return Job(self.variation, self.evaluation)
 
     @cached_property
     def kept(self) -> tuple[KeptNumber, ...]:
@@ -129,10 +110,8 @@ class SweepPlan:
     @cached_property
     def text(self) -> str:
         """The case as text, and above it what was asked: other runs are another result."""
-        asked = repr((self.rows, self.evaluation, [(v.path, v.words) for v in self.variables]))
-        key = hashlib.sha256(asked.encode()).hexdigest()[:12]
-        kept = ", ".join((*self.evaluation.names, *self.evaluation.histories))
-        return f"# strikewave sweep: {self.words}; kept: {kept}; plan {key}\n{dump_case(self.case)}"
+        key = self.rows, self.evaluation, [(v.path, v.words) for v in self.variables]
+        return self.marked(f"sweep: {self.words}; kept: {', '.join(self.evaluation.kept)}", key)
 
 
 def plan_of(
@@ -149,70 +128,43 @@ def plan_of(
         raise InputError("--design", design, "one of " + ", ".join(DESIGNS), nearest(design, DESIGNS))
     evaluation = read_kept(case, checked_analysis(case, analysis), keep)
     variables = tuple(read_variable(case, text) for text in vary_texts(vary))
-    variation, rows = _cases(case, variables, design, runs, seed)
-    if design == TOLERANCES:
-        variables = _drawn_variables(variation.inputs)  # type: ignore[attr-defined]  # a DrawVariation
-    return SweepPlan(case, variables, design, seed, variation, evaluation, tuple(rows))
-
-
-def _cases(
-    case: Case, variables: tuple[StudyVariable, ...], design: str, runs: int | None, seed: int
-) -> tuple[Variation, Iterable[Row]]:
-    """Return what makes the cases, and the rows."""
     count = RUNS if runs is None else runs
     if not 1 <= count <= MOST_RUNS:
         raise InputError("--runs", count, f"a whole number from 1 to {MOST_RUNS}")
     if not 0 <= seed <= MOST_SEED:
         raise InputError("--seed", seed, f"a whole number from 0 to {MOST_SEED}")
+    variation: Variation
     if design == TOLERANCES:
         if variables:
-            raise InputError(
-                "--vary", variables[0].path, "nothing beside --design tolerances: the case says what moves"
-            )
+            allowed = "nothing beside --design tolerances: the case says what moves"
+            raise InputError("--vary", variables[0].path, allowed)
         inputs = tolerances_of(case)
-        return DrawVariation(case, inputs), drawn_rows(inputs, count, seed)
-    if not variables:
+        variation, rows = DrawVariation(case, inputs), drawn_rows(inputs, count, seed)
+        variables = tuple(_drawn_variables(inputs))
+    elif not variables:
         raise InputError("--vary", MISSING, "a setting with its values", EXAMPLE)
-    variation = varied(case, variables, NOTE)
-    if design == GRID:
-        if runs is not None:
+    else:
+        variation = varied(case, variables, NOTE)
+        if design == GRID and runs is not None:
             raise InputError("--runs", runs, "none with a grid", "--design latin-hypercube or sobol takes a number")
-        return variation, grid(variables)
-    return variation, filled(variables, design, count, seed)
+        rows = grid(variables) if design == GRID else filled(variables, design, count, seed)
+    return SweepPlan(
+        case=case,
+        variation=variation,
+        evaluation=evaluation,
+        rows=tuple(rows),
+        variables=variables,
+        design=design,
+        seed=seed,
+    )
 
 
-def _drawn_variables(inputs: Sequence[UncertainInput]) -> tuple[StudyVariable, ...]:
-    """Return what is drawn as variables, from one end of its range to the other."""
-    variables = []
+def _drawn_variables(inputs: Sequence[UncertainInput]) -> Iterator[StudyVariable]:
+    """Yield what is drawn as variables, from one end of its range to the other."""
     for one in inputs:
         unit = one.allowed.unit if one.allowed.unit != "count" else ""
         for name in one.names:
-            variables.append(StudyVariable(Axis(name, unit, unit, (one.low, one.high)), is_range=True))
-    return tuple(variables)
-
-
-def vary_texts(vary: Vary) -> list[str]:
-    """Return what is varied as texts.
-
-    Examples
-    --------
-    >>> vary_texts({"machine.speed": [40.0, 50.0]})
-    ['machine.speed=40.0, 50.0']
-    """
-    return [f"{path}={_typed(values)}" for path, values in vary.items()] if isinstance(vary, Mapping) else list(vary)
-
-
-def _typed(values: Any) -> str:
-    """Return values of Python as they are typed: a list with commas, SI without a unit.
-
-    Examples
-    --------
-    >>> _typed([1, 2.5]), _typed("400..900 rpm:3"), _typed(["a", "b"])
-    ('1, 2.5', '400..900 rpm:3', 'a, b')
-    """
-    if isinstance(values, str | int | float | Value):
-        return str(values)
-    return ", ".join(str(value) for value in values)
+            yield StudyVariable(Axis(name, unit, unit, (one.low, one.high)), is_range=True)
 
 
 class SweepFile(CaseTable):
@@ -290,7 +242,7 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
         raise InputError("schema", file.schema_version, f"schema = {SCHEMA}")
     whole = (*file.set, *changes)
     case = load_case(case_place(file.case, Path(name).parent), whole)
-    stated = SweepRequest(tuple(varied_texts(file.vary)), file.keep, file.analysis, file.design, file.runs, file.seed)
+    stated = SweepRequest(tuple(vary_texts(file.vary)), file.keep, file.analysis, file.design, file.runs, file.seed)
     beside = {name: value for name, value in vars(typed).items() if value not in (None, "", ())}
     return replace(stated, **{**beside, "changes": whole, "case": case})
 
@@ -301,30 +253,6 @@ def _document(text: str) -> Mapping[str, Any]:
         return read_toml(text)
     except ValueError:
         return {}
-
-
-def varied_texts(table: Mapping[str, Any]) -> list[str]:
-    """Return the settings of [vary] with their values as they are typed on the command line.
-
-    Examples
-    --------
-    >>> varied_texts({"machine": {"speed": "400..900 rpm"}, "feed.blows": [1, 3]})
-    ['machine.speed=400..900 rpm', 'feed.blows=1, 3']
-    """
-    return [f"{path}={values}" for path, values in _flat(table)]
-
-
-def _flat(table: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, str]]:
-    """Yield settings and their values: keys with dots are tables within tables in TOML."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{path}{key}.")
-        elif isinstance(value, list):
-            yield f"{path}{key}", ", ".join(map(str, value))
-        elif isinstance(value, str | int | float) and value != "":
-            yield f"{path}{key}", str(value)
-        else:
-            raise InputError(f"vary.{path}{key}", MISSING, 'values, such as "400..900 rpm:11"')
 
 
 Array = NDArray[np.float64]
@@ -441,9 +369,7 @@ class SweepStudy(Study):
         lambda study: sum(bool(failure) for failure in study.failures)
     )
     vary = declare.computed(declare.rows(StudyVariable, "what was varied"))(lambda study: study.plan.variables)
-    keep = declare.computed(declare.word("names of what is kept"))(
-        lambda study: [*study.plan.evaluation.names, *study.plan.evaluation.histories]
-    )
+    keep = declare.computed(declare.word("names of what is kept"))(lambda study: list(study.plan.evaluation.kept))
 
     @declare.computed(declare.word("of each run: the setting, SI or words", key="settings"))
     def setting_lists(self) -> dict[str, list[Any]]:

@@ -36,7 +36,7 @@ from strikewave.reporting.parts import NONE
 from strikewave.studies.engine.plan import read_variable
 from strikewave.studies.search.plan import load_design
 from strikewave.studies.search.rotary import is_rotary
-from strikewave.studies.sweep.study import varied_texts
+from strikewave.studies.study_file import vary_texts
 from strikewave.web.case_state import CaseSource
 from strikewave.web.case_values import by_full_run, edited_fields, loaded, result_file, told
 from strikewave.web.charts import ChartLine, line_chart, points, svg_of, train_chart
@@ -236,7 +236,7 @@ def wishes(source: CaseSource) -> dict[str, dict[str, list[str]]]:
 def _equal_blows(case: Case) -> dict[str, list[str]]:
     """Return what the study of equal blows asks, its ranges in proportion to the support of another case."""
     study, fields, ranges = load_design(STUDY), edited_fields(case), []
-    for text in varied_texts(study.file.vary):
+    for text in vary_texts(study.file.vary):
         axis = read_variable(study.case, text).axis
         one, of_study = fields.get(axis.path), study.case.values()[axis.path].si
         if one is not None and one.value > 0.0:
