@@ -426,7 +426,7 @@ def test_no_run_is_shorter_than_the_least_width(published, mass):
     wanted = goal(width=60e-6)
     design = RotaryDesign(published.with_values({"feed.blows": Value(si=2, typed=2)}), wanted, 4, mass=mass)
     depth, stiffness, speed = design.start
-    observation = design.run(design.case_at(np.array([0.3 * depth, 50.0 * stiffness, speed])), 1e-7).observation
+    _, _, observation = design.run(design.case_at(np.array([0.3 * depth, 50.0 * stiffness, speed])), 1e-7)
     least = least_width(published, goal(peak=observation.peak.first), SettingsChoices(masses=(mass,)))
     assert least < observation.width.first < 1.35 * least
 

@@ -1,7 +1,7 @@
-"""Settings of the rotary machine that give blows of an asked peak and width at an asked interval.
+"""Settings of the rotary machine that give blows of a wanted peak and width at a wanted interval.
 
-Closed forms (`estimate`) say where to begin, full runs of all blows (`search`) correct engagement, stiffness and speed,
-and every candidate is judged by a full run (`candidate`).
+Closed forms (`rotary_estimates`) give the start, full runs of all blows (`machine`) correct engagement, stiffness and
+speed, and a full run judges every candidate (`rotary_candidate`).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +47,6 @@ from strikewave.studies.search.machine import (
     PEAK,
     MachineSearch,
     SearchEnd,
-    Tried,
     chosen,
     ranked,
     refuse_changes,
@@ -88,55 +87,53 @@ Array = NDArray[np.float64]
 
 LEAST_SHARES, LARGEST_SHARES = (0.02, 0.02, 0.8), (math.inf, 50.0, 1.25)
 """Least and largest engagement, stiffness and speed over their first estimates. Beyond fifty times the estimated
-stiffness the contact alone makes the width; a fiftieth is chosen likewise. The speed alone makes the interval, so that
-it moves by little more than the droop of the controller. The engagement is bounded above by `RotaryDesign.deepest`."""
+stiffness the contact alone sets the width; a fiftieth is chosen likewise. The speed alone sets the interval, and moves
+by little more than the droop of the controller. `RotaryDesign.deepest` bounds the engagement above."""
 STIFF_START = 10.0
-"""Stiffness from which the search begins, over that of the object alone, where the other spring in series is too soft
-for the width: nearly rigid beside the other one."""
+"""First stiffness, over that of the object alone, where the other spring in series is too soft for the width: nearly
+rigid beside it."""
 AT_BOUND = 1e-6
-"""Distance of a logarithm from its bound within which a setting stands there: below every step, above rounding."""
+"""Distance of a logarithm from its bound at which a setting counts as there: below every step, above rounding."""
 SLOPES = np.array([[0.5, 0.35, 1.0], [0.0, -0.35, 0.0], [0.0, 0.0, -1.0]])
 """First guess of d ln(peak, width, interval)/d ln(engagement, stiffness, speed): a half-sine on springs in series."""
 VARIED = {
     "frame": ("object.frame_stiffness", "object.frame_damping"),
     "mount": ("striker.mount_stiffness", "striker.mount_damping"),
 }
-"""Settings that give the width: a stiffness, and the damper beside it, which keeps its damping ratio."""
+"""Settings that give the width: a stiffness, and its damper, which keeps the damping ratio."""
 STRIKERS = (1, 2, 3, 4, 6, 8, 12)
-"""Numbers of strikers that are tried by default, besides that of the case: each about a third to twice more than the
-one before, since the speed goes with its inverse."""
+"""Numbers of strikers tried by default, besides that of the case: each a third to twice more than the one before, since
+the speed goes with the inverse."""
 MASS_SHARES = (0.5, 2.0)
-"""Masses of a striker over that of the case which are tried besides, on the best support: a factor of two up and down
-shows which way to go."""
+"""Masses of a striker, over that of the case, tried on the best support: a factor of two shows which way to go."""
 RETURN_SHARE = (0.12, 0.55)
-"""Least and largest time of the object's return that is tried, over the interval. The rest is left for bounces on the
-stop: the settings of li-ma-2019 that meet a goal settle in 0.2 to 1.0 of the interval (measured)."""
+"""Least and largest time of the object's return, over the interval. Bounces on the stop need the rest: settings of
+li-ma-2019 that meet a goal settle in 0.2 to 1.0 of the interval (measured)."""
 PASSED = 1.3
-"""Least time of return that is tried, over the passage of a nose by the first estimate, which is too short: engagement
-grows by up to 1.6 in the search (measured), and the passage with its root."""
+"""Least time of return over the first estimate of the passage of a nose, which is too short: the engagement grows by up
+to 1.6 in the search (measured), and the passage with its root."""
 WIDTHS = 10.0
-"""Least time of return that is tried, over the width of the pulse: what returns sooner takes part in the pulse."""
+"""Least time of return over the width of the pulse: an object that returns sooner takes part in the pulse."""
 PRELOADS, DAMPINGS, TIMES = (0.3, 1.0), (0.2, 0.4, 0.7), 3
-"""Series of supports: preload ratios, damping ratios (see `support_for`), and how many times of return. Chosen: from
-a weak to a strong preload and from light to nearly critical damping, in steps that differ clearly."""
+"""Series of supports: preload ratios, damping ratios (see `support_for`), number of return times. Chosen: from a weak
+to a strong preload and from light to nearly critical damping, in steps that differ clearly."""
 SUPPORTS = 6
-"""Supports of the series that are run, those that settle soonest, for each number of strikers: a third of the series,
-about 0.8 s each (measured, li-ma-2019)."""
+"""Supports of the series, those that settle soonest, that are run for each number of strikers: a third of them, for a
+run takes about 0.8 s (measured, li-ma-2019)."""
 SUPPORT_DIGITS = 3
-"""Significant digits of spring, preload and damper: no spring is made more exactly, and no run depends on more."""
+"""Significant digits of spring, preload and damper: no spring is made more exactly."""
 PRESSED = 0.5
-"""Largest compression of the stop by the preload alone, over the largest displacement: beyond it the object sits on its
-stop more than it flies, and the closed forms of a rigid stop do not hold."""
+"""Largest compression of the stop by the preload, over the largest displacement: beyond it the object sits on its stop
+more than it flies, and the closed forms of a rigid stop do not hold."""
 MOST_STRIKERS = 100
 """Most strikers: the limit of ``machine.strikers`` in a case."""
 SHORTEST = 10.0
-"""Least interval over the width of the pulse: what comes sooner runs into the pulse before."""
+"""Least interval over the width of the pulse: a sooner blow runs into the pulse before."""
 LEAST_SHARE = 0.9
-"""Share of the width of a half-sine on the contact alone below which a width is refused: the tenth is left for what a
-half-sine is not. Full runs with a nearly rigid frame stand above it by less than a third."""
+"""Share of the width of a half-sine on the contact alone below which a width is refused: no pulse is a half-sine to a
+tenth. Full runs with a nearly rigid frame stand above it by less than a third."""
 MOST_CANDIDATES = 500
-"""More combinations of strikers, masses and supports than this are refused: at 0.8 s each (measured, li-ma-2019) they
-take seven minutes."""
+"""Most combinations of strikers, masses and supports: at 0.8 s each (measured, li-ma-2019) they take seven minutes."""
 SOURCES = ("li-ma-2019", "timoshenko-goodier-1970", "schwager-poschel-2007")
 """Keys of the sources: of the machine, the stress of the disc, the time on the stop."""
 
@@ -180,17 +177,9 @@ class SettingsChoices:
         return f"{limits} {(tuple(self.strikers), self.in_kg, self.vary)}"
 
 
-class BlowsRun(NamedTuple):
-    """A run of the machine, its blows, and their measures."""
-
-    run: MachineRun
-    blows: Sequence[Blow]
-    observation: Observation
-
-
 @dataclass(frozen=True)
 class JudgedBlows:
-    """What is kept of a full run: the measures of its blows, the limits, and the verdicts on blows and run."""
+    """Stored outcome of a full run: measures of its blows, limits, and verdicts on blows and run."""
 
     observation: Observation
     limits: tuple[Limit, ...]
@@ -200,10 +189,10 @@ class JudgedBlows:
 
 @dataclass(frozen=True)
 class RotaryDesign:
-    """A case with a goal and what is tried: first estimates, bounds, and the case at given settings.
+    """A combination that is tried for a goal: first estimates, bounds, and the case at its settings.
 
-    Settings are engagement (m), stiffness (N/m) and speed (rad/s). ``support`` (what brings the object back) and
-    ``mass`` of a striker (kg) are None where those of the case are kept; ``note`` says why a value was chosen.
+    Settings are engagement (m), stiffness (N/m) and speed (rad/s). ``support`` of the object and ``mass`` of a striker
+    (kg) are None for those of the case; ``note`` says why a value was chosen.
     """
 
     answered_by: ClassVar[Any] = tuple[SearchEnd, JudgedBlows]
@@ -217,7 +206,7 @@ class RotaryDesign:
     note: str = ""
 
     def text(self) -> str:
-        """Return all that its search depends on."""
+        """Return a text of all values that its search depends on."""
         goal, spec = self.goal, self.goal.specification
         asked = goal.interval, goal.peak, goal.width, goal.disc, goal.stop_limit
         judged = "" if spec is None else f"{spec.asked} {spec.text}"
@@ -226,7 +215,7 @@ class RotaryDesign:
 
     @property
     def called(self) -> str:
-        """What it is called where it gives no result."""
+        """Its name in a sentence on a failure."""
         return f"{self.strikers} strikers"
 
     @cached_property
@@ -311,38 +300,37 @@ class RotaryDesign:
             numbers["striker.mass"] = self.mass
         if self.support is not None:
             numbers |= {f"object.{name}": value for name, value in self.support._asdict().items()}
-        numbers |= self._feed_times(depth)
-        return {path: chosen(path, value, self.note) for path, value in numbers.items()}
-
-    def _feed_times(self, depth: float) -> dict[str, float]:
-        """Return the times of the feed that are too long to clear the strikers before and after the blows."""
+        # the feed of the case stays where it clears the strikers before and after the blows in time
         feed, period = self.case.rotary_tables().feed, self.goal.interval
-        longest = {
-            "stroke_time": feed_time(feed.arrival.si * period, depth, feed.stroke.si),
-            "retract_time": feed_time(period - feed.release_delay.si, depth, feed.stroke.si),
-        }
-        return {f"feed.{name}": time for name, time in longest.items() if time < getattr(feed, name).si}
+        for name, clear in (
+            ("stroke_time", feed.arrival.si * period),
+            ("retract_time", period - feed.release_delay.si),
+        ):
+            longest = feed_time(clear, depth, feed.stroke.si)
+            if longest < getattr(feed, name).si:
+                numbers[f"feed.{name}"] = longest
+        return {path: chosen(path, value, self.note) for path, value in numbers.items()}
 
     def case_at(self, settings: Array) -> Case:
         """Return the case at settings."""
         return self.case.with_values(self.changes(settings))
 
-    def run(self, case: Case, tolerance: float) -> BlowsRun:
-        """Run a case, and return its blows."""
+    def run(self, case: Case, tolerance: float) -> tuple[MachineRun, Sequence[Blow], Observation]:
+        """Return the run of a case, its blows, and their measures; a run without a blow is an error."""
         run = run_machine(build_machine(case), tolerance)
         train = blows(run)
         observation = observe_blows(run, train, self.goal)
         if observation is None:
             raise StrikewaveError("no striker touches the object")
-        return BlowsRun(run, train, observation)
+        return run, train, observation
 
     def off(self, settings: Array) -> Array:
         """Return the logarithms of peak, width and interval over the goal."""
-        observation = self.run(self.case_at(settings), RUN_TOLERANCE).observation
+        _, _, observation = self.run(self.case_at(settings), RUN_TOLERANCE)
         return np.log1p(list(observation.misses.values()))
 
     def at_bound(self, logs: Array, low: Array, high: Array) -> str:
-        """Return which setting stands at its bound; empty where none does."""
+        """Return the sentence on a setting at its bound; empty for none."""
         if logs[0] > high[0] - AT_BOUND:
             return f"the engagement is the largest that strikers and stroke allow, {self.deepest * 1e3:.4g} mm"
         if logs[1] > high[1] - AT_BOUND:
@@ -350,7 +338,7 @@ class RotaryDesign:
         return f"the {self.vary} cannot be soft enough" if logs[1] < low[1] + AT_BOUND else ""
 
     def answer(self) -> tuple[SearchEnd, JudgedBlows]:
-        """Return where its search ends, and what is kept of the full run there."""
+        """Return the end of its search, and the outcome of the full run there."""
         end = search_end(self.off, self.start, self.bounds, SLOPES, self.at_bound)
         case = self.case_at(np.array(end.settings))
         run, train, observation = self.run(case, case.solver.tolerance.si)
@@ -364,7 +352,7 @@ class RotaryDesign:
         return end, JudgedBlows(observation, limits, judged, verdict)
 
     def candidate(self, answer: tuple[SearchEnd, JudgedBlows]) -> SettingsCandidate:
-        """Return what was found with all that it is judged by."""
+        """Return the candidate of an answer."""
         end, found = answer
         settings = np.array(end.settings)
         return SettingsCandidate(
@@ -385,7 +373,7 @@ class RotaryDesign:
 def sensible_strikers(
     case: Case, goal: BlowGoal, choice: SettingsChoices
 ) -> tuple[list[int], tuple[StrikersLeftOut, ...]]:
-    """Return the numbers of strikers to run, and why each other one is left out."""
+    """Return the numbers of strikers to run, and the reason why each other number is left out."""
     rig = case.rotary_tables()
     wanted = choice.strikers or tuple(sorted({*STRIKERS, int(rig.machine.strikers.si)}))
     radius, stroke = rig.machine.radius.si, rig.feed.stroke.si
@@ -413,35 +401,26 @@ def sensible_strikers(
             )
             continue
         sensible.append(number)
-    if not sensible:
-        raise _none_left(goal, reached, change, left_out)
-    return sensible, tuple(StrikersLeftOut(number, why) for number, why in left_out.items())
-
-
-def _none_left(goal: BlowGoal, reached: float, change: float, left_out: dict[int, str]) -> InputError:
-    """Return why no number of strikers is left: the noses come too slowly, or leave no time to return.
-
-    ``reached`` is the fastest approach of a nose, ``change`` the velocity change of the pulse, m/s.
-    """
-    if 2.0 * reached < change:
+    if not sensible and 2.0 * reached < change:
         largest = goal.peak * 2.0 * reached / change / STANDARD_GRAVITY
         allowed = (
             f"at most {plain(largest, 4)} g with this width, interval and radius, where the noses come at "
             f"{plain(reached)} m/s and nothing is lost"
         )
         hint = "a larger machine.radius or feed.stroke (--set), other --strikers, a shorter width or interval help"
-        return InputError("--peak", f"{plain(goal.peak / STANDARD_GRAVITY, 4)} g", allowed, hint)
-    why = "; ".join(f"{number} strikers: {reason}" for number, reason in left_out.items())
-    return InputError(
-        "--strikers", ", ".join(map(str, left_out)), "a number that leaves the object time to return", why
-    )
+        raise InputError("--peak", f"{plain(goal.peak / STANDARD_GRAVITY, 4)} g", allowed, hint)
+    if not sensible:
+        why = "; ".join(f"{number} strikers: {reason}" for number, reason in left_out.items())
+        allowed = "a number that leaves the object time to return"
+        raise InputError("--strikers", ", ".join(map(str, left_out)), allowed, why)
+    return sensible, tuple(StrikersLeftOut(number, why) for number, why in left_out.items())
 
 
 def supports(case: Case, goal: BlowGoal, strikers: int) -> list[Support | None]:
-    """Return what may bring the object back: the case's own (None), and those of the series that settle soonest.
+    """Return the supports to try: that of the case (None), and those of the series that settle soonest.
 
-    The first arc takes between the passage of a nose and about half the interval. What would move beyond the stroke, or
-    press the stop by more than `PRESSED` of its largest displacement, comes last.
+    The first arc takes between the passage of a nose and about half the interval. Supports that let the object move
+    beyond the stroke, or press the stop by more than `PRESSED` of its largest displacement, come last.
     """
     rig = case.rotary_tables()
     assert rig.object.mass is not None
@@ -465,26 +444,12 @@ def supports(case: Case, goal: BlowGoal, strikers: int) -> list[Support | None]:
 
 
 def is_rotary(case: Case) -> bool:
-    """Tell whether a case is of a rotary machine, or at least of no other one."""
+    """Tell whether a case has a rotary machine, or no machine of another kind."""
     return getattr(case.machine, "kind", "rotary") == "rotary"
 
 
 def check_goal(case: Case, goal: BlowGoal, choice: SettingsChoices) -> None:
-    """Refuse what no setting can give, before anything is run."""
-    _check_machine(case)
-    _check_blows(goal)
-    _check_strikers(case, choice)
-    _check_feed(case, goal)
-    _check_choice(goal, choice)
-    least = least_width(case, goal, choice)
-    if goal.width < least:
-        allowed = f"at least about {plain(least * 1e6)} us at this peak: object and striker are no stiffer"
-        hint = "a lighter striker or a stiffer contact helps" + ("" if choice.vary == "frame" else ", or --vary frame")
-        raise InputError("--width", f"{plain(goal.width * 1e6, 4)} us", allowed, hint)
-
-
-def _check_machine(case: Case) -> None:
-    """Refuse what is no rotary machine with a nose on a frame, or one that strikes at an angle."""
+    """Refuse a goal that no setting can give, before anything is run."""
     if case.machine is None or case.stack.layer or not is_rotary(case):
         allowed = "a machine case whose object is a nose on a frame, such as li-ma-2019"
         raise InputError("--from", case.name, allowed, "a stack of layers has no frame stiffness to choose")
@@ -493,45 +458,18 @@ def _check_machine(case: Case) -> None:
         allowed = "0: noses that strike as a cam"
         raise InputError("machine.blow_angle", angle.typed, allowed, "remove it, or the first estimates do not hold")
 
-
-def _check_blows(goal: BlowGoal) -> None:
-    """Refuse blows of nothing, and those that run into one another."""
     for field, value in (("--interval", goal.interval), ("--peak", goal.peak), ("--width", goal.width)):
         if not 0.0 < value < math.inf:
             raise InputError(field, value, "above zero")
     if goal.width * SHORTEST > goal.interval:
-        longest = goal.interval / SHORTEST * 1e6
-        allowed = f"at most {plain(longest, 4)} us, a tenth of the interval"
+        allowed = f"at most {plain(goal.interval / SHORTEST * 1e6, 4)} us, a tenth of the interval"
         raise InputError("--width", f"{plain(goal.width * 1e6, 4)} us", allowed, "longer pulses run into the next blow")
 
-
-def _check_feed(case: Case, goal: BlowGoal) -> None:
-    """Refuse a feed that holds the object for the next striker, or brings it there with the first one."""
-    feed, typed = case.rotary_tables().feed, f"{plain(goal.interval * 1e3, 4)} ms"
-    if feed.release_delay.si >= goal.interval:
-        allowed = f"less than the interval, {typed}: the next striker comes before the object leaves"
-        raise InputError("feed.release_delay", feed.release_delay.typed, allowed, "shorten it by --set")
-    if feed.arrival.si == 0.0:
-        raise InputError("feed.arrival", feed.arrival.typed, "above 0: the object comes between two strikers")
-
-
-def _check_choice(goal: BlowGoal, choice: SettingsChoices) -> None:
-    """Refuse a stiffness that is not there to vary, a disc without a yield strength, and too many settings to try."""
-    if choice.vary not in VARIED:
-        raise InputError("--vary", choice.vary, " or ".join(VARIED))
-    if goal.disc.yield_strength is None or goal.disc.kind != "metal":
-        raise InputError("--disc", goal.disc.name, "a metal with a yield strength", "see `strikewave materials`")
-    count = len(choice.strikers) * max(len(choice.masses), 1) * (SUPPORTS + 1)
-    if count > MOST_CANDIDATES:
-        raise InputError("--strikers", f"{count} settings to try", f"at most {MOST_CANDIDATES}", "ask for fewer")
-
-
-def _check_strikers(case: Case, choice: SettingsChoices) -> None:
-    """Refuse numbers of strikers out of range, and those that rows of single strikers contradict."""
     odd = [number for number in choice.strikers if not 1 <= number <= MOST_STRIKERS]
     if odd:
         raise InputError("--strikers", odd[0], f"a whole number from 1 to {MOST_STRIKERS}")
-    rows = {int(row.number.si): row for row in case.rotary_tables().striker.each}
+    rig = case.rotary_tables()
+    rows = {int(row.number.si): row for row in rig.striker.each}
     last = max(rows, default=0)
     if choice.strikers and min(choice.strikers) < last:
         allowed = f"at most {min(choice.strikers)}, as --strikers asks"
@@ -540,6 +478,27 @@ def _check_strikers(case: Case, choice: SettingsChoices) -> None:
     if choice.masses and own:
         allowed = f"none: striker {own[0]} has a mass of its own"
         raise InputError("--striker-mass", f"{choice.in_kg[0]:g} kg", allowed, "remove the masses of [[striker.each]]")
+
+    feed = rig.feed
+    if feed.release_delay.si >= goal.interval:
+        typed = f"{plain(goal.interval * 1e3, 4)} ms"
+        allowed = f"less than the interval, {typed}: the next striker comes before the object leaves"
+        raise InputError("feed.release_delay", feed.release_delay.typed, allowed, "shorten it by --set")
+    if feed.arrival.si == 0.0:
+        raise InputError("feed.arrival", feed.arrival.typed, "above 0: the object comes between two strikers")
+
+    if choice.vary not in VARIED:
+        raise InputError("--vary", choice.vary, " or ".join(VARIED))
+    if goal.disc.yield_strength is None or goal.disc.kind != "metal":
+        raise InputError("--disc", goal.disc.name, "a metal with a yield strength", "see `strikewave materials`")
+    count = len(choice.strikers) * max(len(choice.masses), 1) * (SUPPORTS + 1)
+    if count > MOST_CANDIDATES:
+        raise InputError("--strikers", f"{count} settings to try", f"at most {MOST_CANDIDATES}", "ask for fewer")
+    least = least_width(case, goal, choice)
+    if goal.width < least:
+        allowed = f"at least about {plain(least * 1e6)} us at this peak: object and striker are no stiffer"
+        hint = "a lighter striker or a stiffer contact helps" + ("" if choice.vary == "frame" else ", or --vary frame")
+        raise InputError("--width", f"{plain(goal.width * 1e6, 4)} us", allowed, hint)
 
 
 def least_width(case: Case, goal: BlowGoal, choice: SettingsChoices) -> float:
@@ -567,7 +526,7 @@ def least_width(case: Case, goal: BlowGoal, choice: SettingsChoices) -> float:
 
 
 def check_changes(changes: Sequence[str], vary: str) -> None:
-    """Refuse a change (``path=value``) of a field that is chosen here."""
+    """Refuse a change (``path=value``) of a field that the search chooses."""
     chosen_here = {
         "machine.speed": (", with the strikers by --interval", "leave it out, or ask for another --interval"),
         "machine.engagement": (", by --peak", "leave it out, or ask for another --peak"),
@@ -580,7 +539,7 @@ def check_changes(changes: Sequence[str], vary: str) -> None:
 
 @declare.dataclass
 class SettingsGoal:
-    """What the blows shall be."""
+    """Wanted blows."""
 
     interval: float = declare.number(INTERVAL, "wanted interval of the blows")
     peak: float = declare.number(PEAK, "wanted peak")
@@ -612,16 +571,15 @@ class SettingsStudy(MachineSearch):
 
     @declare.computed(declare.word("how many meet the goal", headline="settings that meet the goal", in_document=False))
     def met_count(self) -> str:
-        """How many of the settings meet the goal."""
+        """Number of settings that meet the goal, of all."""
         return f"{self.meeting} of {len(self.candidates)}"
 
     @declare.computed(declare.part(SettingsGoal, "what the blows shall be", key="goal"))
     def wanted(self) -> SettingsGoal:
-        """What the blows shall be, and what may be chosen."""
+        """Wanted blows, and the stiffness that may be chosen."""
         goal = self.goal
-        return SettingsGoal(
-            goal.interval, goal.peak, goal.width, goal.stop_limit, WITHIN, goal.disc.name, self.choice.vary
-        )
+        wanted = goal.interval, goal.peak, goal.width, goal.stop_limit
+        return SettingsGoal(*wanted, WITHIN, goal.disc.name, self.choice.vary)
 
     specification = declare.computed(
         declare.part(Specification, "what the blows are judged by", key="spec", optional=True)
@@ -655,12 +613,12 @@ class SettingsStudy(MachineSearch):
 
     @property
     def goal_words(self) -> str:
-        """What candidates give that meet the goal, in words."""
+        """The goal with its tolerance, in words."""
         near = f"each within {percent(WITHIN, 0)}"
         return f"{self.goal.printed}, {near}, with all blows full and all limits kept"
 
     def candidate_columns(self, rows: Sequence[SettingsCandidate], table: str = "ranking") -> list[Column]:
-        """Return the columns of candidates, or of what the "mass" of a striker costs, without what was not varied."""
+        """Return the columns of candidates, or of the table "mass", without the stiffness that was not varied."""
         columns = columns_of(SettingsCandidate, rows, table)
         return [column for column in columns if column.name not in set(VARIED) - {self.choice.vary}]
 
@@ -690,8 +648,20 @@ def design_settings(
     with given_or_temporary(store) as kept, pool or ProcessPool(1) as open_pool:
         tried = tried_designs(first, kept, open_pool, _of_all(advance, 0, len(first) + heavier))
         if heavier:
-            later = _of_all(advance, len(first), len(first) + heavier)
-            tried += tried_designs(list(_other_masses(tried, numbers)), kept, open_pool, later)
+            # on the best support alone: every support would take `SUPPORTS` times the runs
+            ends = [
+                (end.rank, design)
+                for design, end in tried
+                if isinstance(design, RotaryDesign) and isinstance(end, SettingsCandidate)
+            ]
+            others = []
+            for number in numbers:
+                own_ends = [pair for pair in ends if pair[1].strikers == number]
+                if own_ends:
+                    _, best = min(own_ends, key=lambda pair: pair[0])
+                    mass = case.rotary_tables().striker.mass.si
+                    others += [dataclasses.replace(best, mass=share * mass) for share in MASS_SHARES]
+            tried += tried_designs(others, kept, open_pool, _of_all(advance, len(first), len(first) + heavier))
     candidates, failed, verdicts = ranked(tried)
     study = SettingsStudy(
         case, goal, choice, candidates, failed, left_out=left_out, citations=SOURCES, verdicts=verdicts
@@ -700,25 +670,10 @@ def design_settings(
 
 
 def _of_all(advance: Advance | None, before: int, whole: int) -> Advance | None:
-    """Return what tells of a part of all searches, with those before it."""
+    """Return a report of progress over all searches, for a part that begins after some of them."""
     if advance is None:
         return None
     return lambda now: advance(now._replace(total=whole, done=before + now.done))
-
-
-def _other_masses(tried: Tried[SettingsCandidate], numbers: Sequence[int]) -> Iterator[RotaryDesign]:
-    """Yield the best design of each number of strikers with other masses of a striker."""
-    ends = [(design, end) for design, end in tried if isinstance(design, RotaryDesign)]
-    for number in numbers:
-        pairs = [
-            (end.rank, design)
-            for design, end in ends
-            if design.strikers == number and isinstance(end, SettingsCandidate)
-        ]
-        if pairs:
-            _, design = min(pairs, key=lambda pair: pair[0])
-            for share in MASS_SHARES:
-                yield dataclasses.replace(design, mass=share * design.case.rotary_tables().striker.mass.si)
 
 
 def _notices(study: SettingsStudy) -> Iterator[Notice]:

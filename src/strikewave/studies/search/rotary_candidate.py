@@ -1,4 +1,4 @@
-"""What is asked of settings, and one as full runs show it: what its blows are, and which limits it keeps."""
+"""Goal of blows, and a candidate of settings by its full run: measures of its blows, and its limits."""
 
 from __future__ import annotations
 
@@ -35,25 +35,21 @@ from strikewave.uncertainty.statistics import variation
 Array = NDArray[np.float64]
 
 WITHIN = 0.05
-"""Largest miss of peak, width and interval of a setting that meets the goal. Chosen: the search comes to `CLOSE`, far
-below; a real machine scatters by some per cent."""
+"""Largest miss of peak, width and interval that meets the goal. Chosen: a real machine scatters by some per cent."""
 STRETCH_SHARE = 0.1
-"""Largest stretch of the mount by the striker's circling, over the engagement. The reach of the noses grows by it, and
-the approach with its root: a tenth changes the peak by 5 %, as much as `WITHIN` allows."""
+"""Largest stretch of the mount by the striker's circling, over the engagement: a tenth changes the approach, which goes
+with the root of the reach, and so the peak by 5 %, as much as `WITHIN` allows."""
 LARGEST_DROP = 0.05
-"""Largest share of the set speed by which a blow may meet the turntable slower: approach and peak follow the speed, and
-change by as much as `WITHIN` allows."""
+"""Largest loss of turntable speed at a blow, over the set speed: approach and peak follow it, by `WITHIN` at most."""
 LARGEST_SCATTER = 0.05
-"""Largest standard deviation of the peaks over their mean: as much as `WITHIN` allows the typical one to miss."""
+"""Largest standard deviation of the peaks over their mean: as much as `WITHIN` allows the typical blow to miss."""
 SAMPLE_STEP = 20e-6
-"""Step at which the stop's force is read between blows, s: a 240th of the 4.8 ms that the object of li-ma-2019 stays on
-its stop (half a period), so that the largest sample misses the largest force by 1e-4 at most."""
+"""Step of samples of the stop's force, s: a 240th of the 4.8 ms that the object of li-ma-2019 stays on its stop (half a
+period), so that the largest sample misses the largest force by 1e-4 at most."""
 AFTER_LAST = 0.9
-"""Share of the striking period after the last touch over which its energy is counted: up to shortly before the next
-striker would come, as for the blows before it."""
+"""Share of the striking period over which the energy of the last blow is counted: the next striker would come then."""
 SCATTER_DIGITS = 3
-"""Decimals to which scatters are compared in the ranking, 0.1 %: those that differ by less go by the force of the stop,
-since tolerances scatter the blows by more."""
+"""Decimals to which the ranking compares scatters, 0.1 %: tolerances scatter blows by more; then the stop decides."""
 
 
 INTERVAL = Quantity("s", "ms", "interval", 3, 0)
@@ -66,9 +62,9 @@ SCATTER, MISS = "standard deviation over mean of all struck blows", "by how much
 
 @dataclass(frozen=True)
 class BlowGoal:
-    """What the blows shall be, SI; ``disc`` carries the strikers, ``stop_limit`` is the largest force of the stop.
+    """Wanted blows, SI; ``disc`` carries the strikers, ``stop_limit`` is the largest force of the stop.
 
-    With a specification peak and width are those of its ideal pulse, and each blow is judged by it.
+    With a specification, peak and width are those of its ideal pulse, and it judges each blow.
     """
 
     interval: float
@@ -80,14 +76,14 @@ class BlowGoal:
 
     @property
     def words(self) -> str:
-        """It in words."""
+        """The goal in words."""
         pulse = f"{self.peak / STANDARD_GRAVITY:.6g} g and {self.width * 1e6:.6g} us"
         by = "" if self.specification is None else f", by {self.specification.asked}"
         return f"blows of {pulse} every {self.interval * 1e3:.6g} ms{by}"
 
     @property
     def printed(self) -> str:
-        """It in words with its units as print spells them."""
+        """The goal in words, with units as print spells them."""
         return self.words.replace(" us ", " µs ")
 
     @property
@@ -134,7 +130,7 @@ def blow_goal(
 
 @declare.dataclass
 class PeakSpread:
-    """The peaks of blows; the typical one is that of all struck ones where no later one is full."""
+    """Peaks of the blows; the typical one is that of all struck blows where no later one is full."""
 
     typical: float = declare.number(PEAK, TYPICAL, column=MAIN, tables="ranking", headline="typical peak")
     first: float = declare.number(PEAK, FIRST)
@@ -147,7 +143,7 @@ class PeakSpread:
 
 @declare.dataclass
 class WidthSpread:
-    """The widths of blows, alike."""
+    """Widths of the blows, likewise."""
 
     typical: float = declare.number(PULSE_WIDTH, TYPICAL, column=MAIN, tables="ranking", headline="typical width")
     first: float = declare.number(PULSE_WIDTH, FIRST)
@@ -158,7 +154,7 @@ class WidthSpread:
 
 @declare.dataclass
 class IntervalSpread:
-    """The times between blows; the typical one is the median of all."""
+    """Times between the blows; the typical one is the median of all."""
 
     typical: float = declare.number(INTERVAL, TYPICAL, column=MORE, tables="ranking", headline="interval")
     first: float = declare.number(INTERVAL, FIRST)
@@ -169,7 +165,7 @@ class IntervalSpread:
 
 @declare.dataclass
 class Supply:
-    """What stop and drive bear between the first blow and the retraction."""
+    """Loads of stop and drive between the first blow and the retraction."""
 
     stop_force: float = declare.number(
         Quantity("N", "kN", "stop", digits=3),
@@ -192,7 +188,7 @@ class Supply:
 
 @declare.dataclass
 class BlowKinds:
-    """How many blows there were, and of what kind."""
+    """Number and kinds of the blows."""
 
     wanted: int = declare.count("how many blows were wanted")
     kinds: tuple[str, ...] = declare.word("full, glancing, double or missed, of each blow")
@@ -200,7 +196,7 @@ class BlowKinds:
 
     @declare.computed(declare.word("blows that are not as they should be, in words"))
     def odd(self) -> str:
-        """Blows that are not as they should be; empty where all wanted ones came and were full."""
+        """Blows that are not as wanted, in words; empty where all wanted ones came and were full."""
         counts = {kind: self.kinds.count(kind) for kind in ("missed", "double", "glancing") if kind in self.kinds}
         deviations = [f"{number} {kind}" for kind, number in counts.items()]
         again = self.touched_again - counts.get("double", 0)
@@ -237,7 +233,7 @@ class Observation:
 
 @declare.dataclass
 class FirstGuess:
-    """The closed forms with which a search began."""
+    """Closed forms with which a search began."""
 
     velocity_change: float = declare.number(VELOCITY_CHANGE, "velocity change of the wanted pulse")
     approach: float = declare.number(VELOCITY_CHANGE, "approach speed that gives it")
@@ -253,10 +249,10 @@ class FirstGuess:
 def _of_case(
     path: str, quantity: Quantity, tables: str = "ranking", **shown: Any
 ) -> declare.ComputedField[float | None]:
-    """Declare a value of the case of a candidate, which documents have only where it was chosen."""
+    """Declare a value of the case of a candidate; documents have it among its settings."""
     shown = {"column": MORE + 1, **shown, "tables": tables, "in_document": False}
     declared = declare.computed(declare.number(quantity, f"{path} of its case", key=path, **shown))
-    return declared(lambda one: getattr(one.case.values().get(path), "si", None))
+    return declared(lambda candidate: getattr(candidate.case.values().get(path), "si", None))
 
 
 @declare.dataclass(eq=False)
@@ -294,7 +290,7 @@ class SettingsCandidate(MachineCandidate):
 
     @declare.computed(declare.named(ChosenValue, "what was chosen"))
     def settings(self) -> dict[str, ChosenValue]:
-        """What was chosen, by its path."""
+        """Chosen values, by their paths."""
         values = self.case.values()
         return {path: ChosenValue(values[path].si, values[path].typed) for path in self.chosen}
 
@@ -309,7 +305,7 @@ class SettingsCandidate(MachineCandidate):
         )
     )
     def engagement_sensitivity(self) -> float:
-        """Relative change of the approach speed, and with it of the peak, with the engagement."""
+        """Relative change of the approach speed, and so of the peak, with the engagement."""
         values = self.case.values()
         return engagement_sensitivity(values["machine.engagement"].si, values["machine.radius"].si)
 
@@ -326,7 +322,7 @@ class SettingsCandidate(MachineCandidate):
         declare.rows(Clause, "clauses of the specification, each by the blow that it judges worst", optional=True)
     )
     def clauses(self) -> list[Clause] | None:
-        """Each clause of the specification where it came out worst, with its blow; None without one."""
+        """Clauses of the specification, each with the blow that it judges worst; None without one."""
         if not self.verdicts:
             return None
         return [replace(clause, blow=place + 1) for clause, place in worst_clauses(self.verdicts)]
@@ -380,15 +376,17 @@ def observe_blows(run: MachineRun, train: Sequence[Blow], goal: BlowGoal) -> Obs
     times = [blow.time for blow in struck]
     gaps = [later - earlier for earlier, later in pairwise(times)] or [goal.interval]
     full = [blow.kind == "full" for blow in struck]
+    # a contact more than a pulse width after the one before is a new touch; only one with a tenth of the impulse makes
+    # a blow "double", lighter ones count here too
+    table = contact_table(run)
+    groups = [table[table[:, 4] == passing, :2] for passing in np.unique(table[:, 4])]
+    late = [np.any(rows[1:, 0] - rows[:-1, 1] > blow.width) for rows, blow in zip(groups, struck, strict=True)]
+    kinds = tuple(blow.kind for blow in train)
     return Observation(
         peak=PeakSpread(*_spread([blow.rigid_peak for blow in struck], full, goal.peak)),
         width=WidthSpread(*_spread([blow.width for blow in struck], full, goal.width)),
         interval=IntervalSpread(*_spread(gaps, [], goal.interval)),
-        blows=BlowKinds(
-            wanted=run.machine.drive.feed.blows,
-            kinds=tuple(blow.kind for blow in train),
-            touched_again=_touched_again(run, [blow.width for blow in struck]),
-        ),
+        blows=BlowKinds(wanted=run.machine.drive.feed.blows, kinds=kinds, touched_again=int(sum(late))),
         approach=median(blow.approach_speed for blow in struck),
         velocity_change=median(blow.velocity_change for blow in struck),
         peak_force=max(blow.peak_force for blow in struck),
@@ -398,83 +396,43 @@ def observe_blows(run: MachineRun, train: Sequence[Blow], goal: BlowGoal) -> Obs
     )
 
 
-def _touched_again(run: MachineRun, widths: Sequence[float]) -> int:
-    """Return how many blows have a contact more than a pulse width after the one before it.
-
-    Such a blow is called double where that carries a tenth of the impulse; lighter ones count here too.
-    """
-    table = contact_table(run)
-    groups = [table[table[:, 4] == passing, :2] for passing in np.unique(table[:, 4])]
-    late = [np.any(rows[1:, 0] - rows[:-1, 1] > width) for rows, width in zip(groups, widths, strict=True)]
-    return int(sum(late))
-
-
 def _spread(values: Sequence[float], full: Sequence[bool], goal: float) -> tuple[float, float, float, float, float]:
     """Return typical, first and worst value, variation and miss; the typical one is that of the later full blows."""
     later = [value for value, counts in zip(values[1:], full[1:], strict=False) if counts] or values
     known = [value for value in later if math.isfinite(value)]
     typical = median(known) if known else math.nan
-    return typical, values[0], _farthest(values, goal), variation(values), typical / goal - 1.0
-
-
-def _farthest(values: Sequence[float], goal: float) -> float:
-    return max(values, key=lambda value: abs(value - goal) if math.isfinite(value) else math.inf)
+    worst = max(values, key=lambda value: abs(value - goal) if math.isfinite(value) else math.inf)
+    return typical, values[0], worst, variation(values), typical / goal - 1.0
 
 
 def supply(run: MachineRun, touches: Sequence[float]) -> Supply:
-    """Return what stop and drive bear from the first touch to the retraction; see `Supply`.
+    """Return the loads of stop and drive from the first touch to the retraction; see `Supply`.
 
-    The force of the stop is that of `StruckObject`: k d + c d', never negative, d = compression at rest - (x + q).
+    The force of the stop is that of `StruckObject`: k d + c d', never negative, d = compression at rest - (x + q). A
+    blow takes what the drive gives until the next one touches, less what stays in turntable, motor and belt and what
+    drag and belt lose: a ripple of the drive, which gives and takes by itself, cancels.
     """
-    return Supply(_stop_force(run, touches), *_taken(run, touches))
-
-
-def _retracted_at(run: MachineRun) -> float:
-    """Return when the object is retracted, s."""
-    return dict(run.phases)["retract"]
-
-
-def _stop_force(run: MachineRun, touches: Sequence[float]) -> float:
-    """Return the largest force of the stop, N."""
-    struck = run.machine.struck
-    times = np.arange(touches[0], max(_retracted_at(run), touches[-1]) + SAMPLE_STEP, SAMPLE_STEP)
+    struck, retracted = run.machine.struck, dict(run.phases)["retract"]
+    times = np.arange(touches[0], max(retracted, touches[-1]) + SAMPLE_STEP, SAMPLE_STEP)
     moments = run.sample(np.minimum(times, run.end))
     deep = struck.stop_compression - moments.assembly_place - run.machine.engagement
     force = struck.stop_stiffness * deep - struck.stop_damping * moments.assembly_speed
-    return float(np.max(force[deep > 0.0], initial=0.0))
+    stop_force = float(np.max(force[deep > 0.0], initial=0.0))
 
-
-def _taken(run: MachineRun, touches: Sequence[float]) -> tuple[float, float, float, float]:
-    """Return what blows take from the drive, and what it makes good; see `Supply`.
-
-    A blow takes what the drive gives until the next one touches, less what stays in turntable, motor and belt and what
-    drag and belt lose: a ripple of the drive, which gives and takes by itself, cancels.
-    """
     disc, n = run.machine.drive.turntable, len(touches)
     spacing = (touches[-1] - touches[0]) / (n - 1) if n > 1 else run.machine.pitch / disc.speed
-    after = min(max(_retracted_at(run), touches[-1]), touches[-1] + AFTER_LAST * spacing)
-    given, stored, speed = _drive(run, np.array([*touches, after]))
-    taken = np.diff(given) - np.diff(stored)
+    after = min(max(retracted, touches[-1]), touches[-1] + AFTER_LAST * spacing)
+    span = run.spans[0]  # the object is a nose on a frame: one span holds the whole run
+    assert isinstance(span, ChainSpan)
+    states, at = span.motion.sample(np.array([*touches, after]))[0], span.layout
+    speed, twist, motor = states[:, at.turntable_speed], states[:, at.belt_twist], states[:, at.motor_speed]
+    stored = 0.5 * disc.turning * speed**2
+    if not disc.rigid_belt:
+        stored = 0.5 * (disc.inertia * speed**2 + disc.motor_inertia * motor**2 + disc.belt_stiffness * twist**2)
+    taken = np.diff(states[:, at.driven] - states[:, at.dragged]) - np.diff(stored)
     lost = taken / (disc.turning * speed[:-1])
     regained = float(speed[-2] - speed[-3] + lost[-2]) if n > 1 else math.nan
-    return float(np.mean(taken)), float(np.max(lost)), regained, float(np.min(speed[:-1]))
-
-
-def _drive(run: MachineRun, times: Array) -> tuple[Array, Array, Array]:
-    """Return at some times the work of the drive less drag and slip of the belt (J), energy stored (J), speed (rad/s).
-
-    Stored in turntable, motor and belt; the object is a nose on a frame, so that one span holds the whole run.
-    """
-    disc, span = run.machine.drive.turntable, run.spans[0]
-    assert isinstance(span, ChainSpan)
-    states, _ = span.motion.sample(times)
-    at = span.layout
-    speed, twist, motor = states[:, at.turntable_speed], states[:, at.belt_twist], states[:, at.motor_speed]
-    work = states[:, at.driven] - states[:, at.dragged]
-    if disc.rigid_belt:
-        return work, 0.5 * disc.turning * speed**2, speed
-    stored = 0.5 * (disc.inertia * speed**2 + disc.motor_inertia * motor**2 + disc.belt_stiffness * twist**2)
-    return work, stored, speed
+    return Supply(stop_force, float(np.mean(taken)), float(np.max(lost)), regained, float(np.min(speed[:-1])))
 
 
 def limits_of(case: Case, run: MachineRun, observation: Observation, goal: BlowGoal) -> tuple[Limit, ...]:
@@ -513,30 +471,20 @@ def mount_stretch(striker: Striker, disc: Turntable) -> float:
 
 
 def yield_load(case: Case) -> float | None:
-    """Return the least load at which a striker's contact first yields inside, N.
+    """Return the least load at which the contact of a striker first yields inside, N.
 
-    None where yielding is modelled, or the load is not known.
+    None where yielding is modelled, or the load is unknown.
     """
     rig = case.rotary_tables()
+    table = rig.striker
     if rig.contact.yield_pressure is not None or rig.contact.law in (POWER, CUSHION):
         return None
-    pair = material(rig.striker.material), material(rig.object.material)
-    long = "length" in stiffness_law(rig.contact.law).needs
-    loads = []
-    for radius, length in _noses(case):
-        first = first_yield(*pair, Geometry(radius, math.inf, length if long else None))
-        if first is None:
-            return None
-        loads.append(first.load)
-    return min(loads)
-
-
-def _noses(case: Case) -> set[tuple[float, float]]:
-    """Return radius and contact length of the strikers' noses, m: the common ones, and those of single strikers."""
-    table = case.rotary_tables().striker
-    own = {
-        ((row.nose_radius or table.nose_radius).si, (row.contact_length or table.contact_length).si)
-        for row in table.each
-    }
-    alike = len(table.each) < case.rotary_tables().machine.strikers.si
-    return own | {(table.nose_radius.si, table.contact_length.si)} if alike else own
+    radius, length = table.nose_radius, table.contact_length
+    noses = {((row.nose_radius or radius).si, (row.contact_length or length).si) for row in table.each}
+    if len(table.each) < rig.machine.strikers.si:  # strikers without a row have the common nose
+        noses.add((radius.si, length.si))
+    pair = material(table.material), material(rig.object.material)
+    is_long = "length" in stiffness_law(rig.contact.law).needs
+    firsts = [first_yield(*pair, Geometry(nose, math.inf, size if is_long else None)) for nose, size in noses]
+    loads = [first.load for first in firsts if first is not None]
+    return min(loads) if len(loads) == len(firsts) else None

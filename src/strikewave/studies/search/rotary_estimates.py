@@ -14,14 +14,12 @@ from strikewave.base.constants import Material
 from strikewave.signal.pulse import HALF_SINE_WIDTH
 
 SETTLED = 0.01
-"""Share of the speed after the blow below which the object counts as at rest: less changes the next approach, and so
-the next peak, by a hundredth at most."""
+"""Share of the speed after the blow below which the object counts as at rest: it changes the next peak by 1 %."""
 MOST_BOUNCES = 200
-"""An object that bounces more often on its stop does not come to rest: two hundred bounces bring even a restitution of
-0.977 down to `SETTLED`."""
+"""Bounces after which an object counts as never at rest: two hundred bring a restitution of 0.977 down to `SETTLED`."""
 CLEARANCE = 1.25
-"""Way of the carriage from the strike position, over the engagement, at which strikers pass without touching. Chosen: a
-quarter more than the noses reach, for what they stretch and for errors of reach."""
+"""Way of the carriage over the engagement at which strikers pass without touching. Chosen: a quarter more than the
+noses reach, for their stretch and for errors of reach."""
 ROUNDING = 1e-12
 """Share by which a way may exceed the stroke by rounding alone."""
 
@@ -106,7 +104,7 @@ class Arc(NamedTuple):
 
 
 class Support(NamedTuple):
-    """What brings the object back: spring, N/m; preload, N; damper, N s/m."""
+    """Support that brings the object back: spring, N/m; preload, N; damper, N s/m."""
 
     spring: float
     preload: float
