@@ -588,7 +588,7 @@ class DropStudy(MachineSearch):
     """Ranked designs of a drop table for a specification; see `MachineSearch`."""
 
     command: ClassVar[str] = "settings"
-    drawing: ClassVar[str] = "drop_report"
+    drawing: ClassVar[str] = "settings_report"
     noun: ClassVar[str] = "design"
 
     goal: DropGoal

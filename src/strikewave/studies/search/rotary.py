@@ -563,7 +563,7 @@ class SettingsStudy(MachineSearch):
     """Ranked settings of the rotary machine for blows; see `MachineSearch`."""
 
     command: ClassVar[str] = "settings"
-    drawing: ClassVar[str] = "rotary_report"
+    drawing: ClassVar[str] = "settings_report"
     noun: ClassVar[str] = "setting"
 
     goal: BlowGoal

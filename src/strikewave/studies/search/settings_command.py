@@ -192,6 +192,7 @@ def command(
     from strikewave.studies.search import drop_table as drops
     from strikewave.studies.search.rotary import SettingsChoices, check_changes, check_goal, is_rotary
     from strikewave.studies.search.rotary_candidate import blow_goal
+    from strikewave.studies.search.settings_report import SearchCommand
 
     place, typed = source or (REFERENCE if spec is None else DROP_TABLE), changes or ()
     workers = Workers(running.workers, cluster=running.cluster)
@@ -199,8 +200,6 @@ def command(
         _refuse({"--peak": wanted.peak, "--width": wanted.width}, "none with --spec, which states it")
         case = load_case(place, typed)
         if not is_rotary(case):
-            from strikewave.studies.search.drop_report import DropCommand
-
             options = {
                 "--interval": wanted.interval,
                 "--blows": wanted.blows,
@@ -214,11 +213,9 @@ def command(
             drops.check_drop(case, drop_goal, drop_choice)
             drops.check_drop_changes(typed, case, drop_choice)
             usual = source is None and not (changes or drop.given())
-            return DropCommand(
+            return SearchCommand(
                 case, (drop_goal, drop_choice), workers.pool(), usual, place=running.store, fresh=running.fresh
             ).run((), output)
-    from strikewave.studies.search.rotary_report import SearchCommand
-
     _refuse(drop.given(), "none of a rotary machine: it is of a drop table, with --spec")
     usual = not (changes or spec or rotary.strikers or rotary.striker_mass or wanted.stop_limit)
     usual = usual and wanted.blows is None and (place, rotary.vary, rotary.disc) == (REFERENCE, STIFFNESS, DISC)
