@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from strikewave.analyses.record.rows import advised_filter, units_given
-from strikewave.analyses.record.tables import rows_of
 from strikewave.base import declare
 from strikewave.base.declare import NO_UNIT, Quantity, declarations
 from strikewave.base.errors import InputError
@@ -200,7 +199,7 @@ def try_records(
     readings: Sequence[FileReading], filter_: Filter | None, stated: StatedSensor, field: str
 ) -> SensorTrials:
     """Try every blow of every acceleration on a sensor; ``filter_`` was taken before the blows were measured."""
-    rows = rows_of(readings)
+    rows = [(file, reading) for file in readings for reading in file.channels]
     own = [(file, reading) for file, reading in rows if reading.channel.unit == "m/s^2"]
     if not own:
         unit = next((reading.channel.unit for _, reading in rows if reading.channel.unit), "no known unit")
