@@ -29,13 +29,13 @@ from strikewave.specifications.judged_records import (
     filter_leaves,
     judge_records,
     measured_figure,
+    read_direction,
     rests_on_indicative,
     shock_of,
     troubles_of,
 )
 from strikewave.specifications.judging import Limits, PulseLimits, judged
 from strikewave.specifications.reading import load_specification
-from strikewave.specifications.shock_directions import read_direction
 
 GRAVITY = 9.80665
 STEP = 1e-4

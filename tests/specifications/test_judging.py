@@ -11,14 +11,17 @@ from strikewave.signal.filters import Filter
 from strikewave.specifications.ideal_pulses import IdealPulse, PulseBand
 from strikewave.specifications.judging import (
     Clause,
+    DecibelBand,
     Limits,
     MeasuredFigure,
     PulseLimits,
     Shock,
     ShockVerdict,
+    SpectrumLimits,
     area_between,
     decide,
     judge_shock,
+    judge_spectrum,
     judged,
     not_judged,
     refused,
@@ -26,7 +29,6 @@ from strikewave.specifications.judging import (
     worst_clauses,
 )
 from strikewave.specifications.reading import load_specification
-from strikewave.specifications.spectrum_limits import DecibelBand, SpectrumLimits, judge_spectrum
 
 
 @functools.cache

@@ -5,8 +5,7 @@ import math
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.specifications.reading import ShockCount
-from strikewave.specifications.shock_directions import (
+from strikewave.specifications.judged_records import (
     CountedShock,
     check_directions,
     cross_axis_fits,
@@ -14,6 +13,7 @@ from strikewave.specifications.shock_directions import (
     direction_fits,
     read_direction,
 )
+from strikewave.specifications.reading import ShockCount
 
 
 def shocks(direction, verdicts, file="a.csv", channel=1, name=""):

@@ -396,8 +396,7 @@ class RecordJudging(SpectraJudging):
 
     def asked(self, test: Mapping[str, Any]) -> Asked:
         """Return how records are judged; the direction that a test states holds where no option does."""
-        from strikewave.specifications.judged_records import Asked
-        from strikewave.specifications.shock_directions import read_direction
+        from strikewave.specifications.judged_records import Asked, read_direction
 
         stated: Any = self.direction
         across: Any = self.cross_axis

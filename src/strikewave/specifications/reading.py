@@ -15,8 +15,7 @@ from strikewave.base.documents import read_toml
 from strikewave.base.errors import EXISTING_FILE, InputError, nearest, show
 from strikewave.cases.paths import Form
 from strikewave.specifications.ideal_pulses import IdealPulse, PulseBand, from_width
-from strikewave.specifications.judging import Limits, PulseLimits, weakest
-from strikewave.specifications.spectrum_limits import DecibelBand, SpectrumLimits
+from strikewave.specifications.judging import DecibelBand, Limits, PulseLimits, SpectrumLimits, weakest
 from strikewave.specifications.tables import (
     ConditionTable,
     SpecificationFile,

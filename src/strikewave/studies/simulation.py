@@ -6,7 +6,7 @@ import functools
 from collections.abc import Mapping
 from typing import Any
 
-from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.analyses.compare.agreement import ComparedCurve
 from strikewave.base.datasets import LabelledArrays
 from strikewave.base.declare import banded_quantities
 from strikewave.base.errors import InputError, nearest

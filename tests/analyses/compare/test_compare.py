@@ -10,8 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from strikewave import InputError, Scoring, compare, load_case, load_solution, run_case
-from strikewave.analyses.compare.agreement import agreement
-from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, even_history, mean_curve
+from strikewave.analyses.compare.agreement import ComparedCurve, agreement, checked_curve, even_history, mean_curve
 from strikewave.analyses.compare.run import _ringing
 from strikewave.analyses.compare.simulated import _parts, solution_curve
 from strikewave.base.datasets import LabelledArrays

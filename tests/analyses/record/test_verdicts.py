@@ -12,9 +12,8 @@ from strikewave.base.errors import InputError
 from strikewave.signal.filters import Filter, effect_on_half_sine
 from strikewave.specifications.ideal_pulses import IdealPulse
 from strikewave.specifications.judged_records import filter_leaves
-from strikewave.specifications.judging import Limits, MeasuredFigure, Shock, _width_clause
+from strikewave.specifications.judging import Limits, MeasuredFigure, Shock, SpectrumLimits, _width_clause
 from strikewave.specifications.reading import load_specification
-from strikewave.specifications.spectrum_limits import SpectrumLimits
 
 GRAVITY = 9.80665
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from strikewave import load_case
-from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.analyses.compare.agreement import ComparedCurve
 from strikewave.base.result import Verdict
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.pulse import Pulse

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import t
 
-from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.analyses.compare.agreement import ComparedCurve
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.filters import Filter
 from strikewave.studies.fit.checking import (

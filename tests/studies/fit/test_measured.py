@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from strikewave.analyses.compare.agreement import BESIDE
-from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.analyses.compare.agreement import BESIDE, ComparedCurve
 from strikewave.base.errors import InputError
 from strikewave.signal.alignment import EvenHistory
 from strikewave.signal.pulse import FOOT, Pulse

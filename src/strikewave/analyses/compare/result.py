@@ -10,8 +10,15 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.agreement import CurveAgreement, PairOfFigures
-from strikewave.analyses.compare.curve import FIGURES, OF_FILES, QUANTITIES, ComparedCurve, SpecificationVerdict
+from strikewave.analyses.compare.agreement import (
+    FIGURES,
+    OF_FILES,
+    QUANTITIES,
+    ComparedCurve,
+    CurveAgreement,
+    PairOfFigures,
+    SpecificationVerdict,
+)
 from strikewave.analyses.compare.limits import METRICS, Judged, verdict_of
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity

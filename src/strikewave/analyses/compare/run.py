@@ -11,14 +11,18 @@ from typing import Any
 import numpy as np
 
 from strikewave.analyses.clauses import budget_notices
-from strikewave.analyses.compare.agreement import LOST, RULES, CurveAgreement, agreement, shift_to_gap
-from strikewave.analyses.compare.curve import (
+from strikewave.analyses.compare.agreement import (
+    LOST,
     PREFIX,
     QUANTITIES,
+    RULES,
     ComparedCurve,
+    CurveAgreement,
     SpecificationVerdict,
+    agreement,
     checked_curve,
     judged_by,
+    shift_to_gap,
     specified_curve,
     verdict_notices,
 )

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.curve import QUANTITIES, ComparedCurve, even_history
+from strikewave.analyses.compare.agreement import QUANTITIES, ComparedCurve, even_history
 from strikewave.base.datasets import LabelledArrays, is_sealed, open_result
 from strikewave.base.errors import InputError, nearest
 from strikewave.base.result import FAILED, RUN_BROKEN, VERDICT, Band, Notice, Result, status_of

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from strikewave.analyses.compare.curve import ComparedCurve, checked_curve, mean_curve
+from strikewave.analyses.compare.agreement import ComparedCurve, checked_curve, mean_curve
 from strikewave.base.errors import InputError, StrikewaveError, nearest, show
 from strikewave.base.result import Notice
 from strikewave.cases.files import bundled_cases

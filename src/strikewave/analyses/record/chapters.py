@@ -17,8 +17,7 @@ from strikewave.analyses.record.figures.records import (
     transfer_figure,
 )
 from strikewave.analyses.record.rows import RecordMotion, ResponseSummary, advised_filter, base_of, harmed, responding
-from strikewave.analyses.record.sensor_pairs import RecordPair
-from strikewave.analyses.record.sensor_trials import SensorTrials, lacking
+from strikewave.analyses.record.sensors import RecordPair, SensorTrials, lacking
 from strikewave.analyses.record.tables import (
     Columns,
     Names,

@@ -39,7 +39,7 @@ from strikewave.reporting.numbers import axis_unit, listed, time_unit
 from strikewave.reporting.parts import NONE, Cell, Code, Part, Photo, Picture, Section, SignatureLines, Table, Tag
 from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import BLUE, GREY, HALF, ORANGE, RED, legend_below, new_figure, plain, quiet, thin
-from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
+from strikewave.specifications.judged_records import DIRECTIONS, JudgedShock, RecordsVerdict
 from strikewave.specifications.judging import (
     CANNOT_TELL,
     FAIL,
@@ -52,7 +52,6 @@ from strikewave.specifications.judging import (
     judged,
     together,
 )
-from strikewave.specifications.shock_directions import DIRECTIONS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

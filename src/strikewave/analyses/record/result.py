@@ -29,8 +29,16 @@ from strikewave.analyses.record.rows import (
     summaries,
     units_given,
 )
-from strikewave.analyses.record.sensor_pairs import PAIR_COLUMNS, PairRow, RecordPair, all_pairs, transfer_columns
-from strikewave.analyses.record.sensor_trials import SensorRow, SensorTrials, try_records
+from strikewave.analyses.record.sensors import (
+    PAIR_COLUMNS,
+    PairRow,
+    RecordPair,
+    SensorRow,
+    SensorTrials,
+    all_pairs,
+    transfer_columns,
+    try_records,
+)
 from strikewave.base import declare
 from strikewave.base.declare import NOT_MEASURED, GivenUnits, Quantity, declarations
 from strikewave.base.errors import StrikewaveError

@@ -28,9 +28,8 @@ from strikewave.specifications.judged_records import (
     asked_of_spectra,
     judge_records,
 )
-from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, Clause
+from strikewave.specifications.judging import CANNOT_TELL, FAIL, PASS, Clause, judge_spectrum
 from strikewave.specifications.reading import Specification
-from strikewave.specifications.spectrum_limits import judge_spectrum
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

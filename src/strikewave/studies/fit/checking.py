@@ -11,8 +11,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.agreement import CurveAgreement, agreement
-from strikewave.analyses.compare.curve import FIGURES, ComparedCurve
+from strikewave.analyses.compare.agreement import FIGURES, ComparedCurve, CurveAgreement, agreement
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, NOT_MEASURED, GivenUnits, Quantity
 from strikewave.base.errors import InputError, nearest

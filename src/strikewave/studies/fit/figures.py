@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.curve import QUANTITIES
+from strikewave.analyses.compare.agreement import QUANTITIES
 from strikewave.base.result import Verdicts, worse
 from strikewave.base.shock_quantities import usual_unit
 from strikewave.reporting.numbers import axis_unit, headed, time_unit

@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.agreement import BESIDE
-from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.analyses.compare.agreement import BESIDE, ComparedCurve
 from strikewave.base.errors import InputError
 from strikewave.records.baseline import MEDIAN
 from strikewave.signal.alignment import EvenHistory

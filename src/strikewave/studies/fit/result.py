@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.curve import QUANTITIES
+from strikewave.analyses.compare.agreement import QUANTITIES
 from strikewave.base import declare
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, GivenUnits, Quantity
 from strikewave.base.result import FAILED, INFO, Notice

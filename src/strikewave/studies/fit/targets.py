@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from strikewave.analyses.compare.curve import ComparedCurve
+from strikewave.analyses.compare.agreement import ComparedCurve
 from strikewave.analyses.compare.sources import SourceOptions, parse_name, paths_of, read_shots
 from strikewave.base.errors import InputError
 from strikewave.base.quantities import Range, Value

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.compare.curve import judged_by
+from strikewave.analyses.compare.agreement import judged_by
 from strikewave.base import declare
 from strikewave.base.constants import material
 from strikewave.base.declare import NO_UNIT, Quantity

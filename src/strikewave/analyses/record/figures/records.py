@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.analyses.record.rows import RecordMotion
-from strikewave.analyses.record.sensor_pairs import RecordPair
+from strikewave.analyses.record.sensors import RecordPair
 from strikewave.base.shock_quantities import usual_unit
 from strikewave.records.campaign import Campaign
 from strikewave.records.health_notice import HealthNotice

@@ -24,8 +24,7 @@ from strikewave.reporting.style import (
     thin,
 )
 from strikewave.specifications.judged_records import JudgedShock
-from strikewave.specifications.judging import FAIL, PASS, PulseLimits, Shock, ShockVerdict
-from strikewave.specifications.spectrum_limits import SpectrumLimits
+from strikewave.specifications.judging import FAIL, PASS, PulseLimits, Shock, ShockVerdict, SpectrumLimits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

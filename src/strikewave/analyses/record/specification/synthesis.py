@@ -37,8 +37,8 @@ from strikewave.signal.synthesis import (
     synthesized,
 )
 from strikewave.specifications.judged_records import JudgedSpectrum, SpectraVerdict, asked_of_spectra
+from strikewave.specifications.judging import SpectrumLimits, judge_spectrum
 from strikewave.specifications.reading import Specification, load_specification
-from strikewave.specifications.spectrum_limits import SpectrumLimits, judge_spectrum
 
 Array = NDArray[np.float64]
 
