@@ -13,7 +13,7 @@ from strikewave.base.result import BALANCE_LIMIT, BalanceCheck
 from strikewave.fem.run import ENERGY_LIMIT, HOURGLASS_LIMIT
 from strikewave.reporting.chapters import balance_table
 from strikewave.web import markup
-from strikewave.web.case_values import told
+from strikewave.web.case_values import notices_and_balance
 
 SOURCE = Path(__file__).parents[2] / "src" / "strikewave"
 BARS = ["fem.duration=2 us", "fem.frames=0", "mesh.part.striker.size=3 mm", "mesh.part.bar.size=3 mm"]
@@ -55,7 +55,7 @@ def test_screen_app_and_report_state_the_limits_of_the_analysis(solved):
     screen = io.StringIO()
     with contextlib.redirect_stdout(screen):
         show(solution)
-    page = markup.checks(told(solution)["balance"], ())
+    page = markup.checks(notices_and_balance(solution)["balance"], ())
     printed = " ".join(screen.getvalue().split())
     stated = re.compile(r"(?P<name>[a-z ]+) [-+0-9.e]+ \(limit (?P<limit>[0-9.e-]+)\)")
     for text in (printed[printed.index("balance: ") + 9 :], page.partition("balances: ")[2]):

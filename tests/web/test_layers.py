@@ -100,7 +100,7 @@ def test_a_layer_of_numbers_of_its_own_is_added_and_listed_with_them():
     }
     text = with_layer(of_joined(), "a", own | {"material": "", "poissons_ratio": "0.3"})
     row = listed_stack(of_joined(text)).rows[1]
-    assert row.layer_words == "1850 kg/m^3, 24 GPa, 5 mm"
+    assert row.layer_label == "1850 kg/m^3, 24 GPa, 5 mm"
     layer = build_stack(parse_case(text, "joined")).layers[1]
     assert (layer.density, layer.modulus, layer.poissons_ratio) == (1850.0, 24e9, 0.3)
     assert layer.area == pytest.approx(3e-4, rel=1e-12)

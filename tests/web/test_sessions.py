@@ -127,13 +127,13 @@ def test_what_two_pages_of_one_browser_keep_is_apart_and_goes_with_its_page(tmp_
     nicegui = pytest.importorskip("nicegui")  # which takes seconds to import
     from nicegui.page import page
 
-    from strikewave.web.parts import kept
+    from strikewave.web.parts import page_file
 
     session = Session(tmp_path)
     pages = [nicegui.Client(page("/elements")) for _ in range(2)]
     for place, one in enumerate(pages):
         with one:
-            kept(session, "field.bin", bytes([place]))
+            page_file(session, "field.bin", bytes([place]))
     files = {path.name: path.read_bytes() for path in session.place(KEPT).iterdir()}
     assert files == {f"{one.id}-field.bin": bytes([place]) for place, one in enumerate(pages)}
     pages[0].delete()

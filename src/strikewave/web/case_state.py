@@ -1,4 +1,4 @@
-"""A case as pages hold it: its state as an address and as a command line, its fields, layers and sections."""
+"""A case on a page: its state as an address and as a command line, its fields, layers and sections."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from strikewave.reporting.numbers import spelled
 CASE_FILE = ".toml"
 """Ending of the name of a case file."""
 LARGEST_TEXT = 1_000_000
-"""Most bytes that a case may have, as a file and in an address."""
+"""Most bytes of a case, as a file and in an address."""
 LONGEST_LINK = 6000
 """Characters of an address that browsers, mail and proxies all leave whole."""
 MOST_CHANGES = 200
 LONGEST_CHANGE = 300
-"""Bounds of what an address may ask for: more than all fields of the largest built-in case."""
+"""Bounds of the changes in an address: more than all fields of the largest built-in case."""
 
 
 class CaseSource(NamedTuple):
-    """A case as plain values for another process: a built-in one by name, or a text; and the folder of its files."""
+    """A case as plain values for another process: a built-in one by name, or a text; with the folder of its files."""
 
     name: str
     text: str
@@ -40,17 +40,7 @@ class CaseSource(NamedTuple):
 
 @dataclass(frozen=True)
 class CaseState:
-    """A case with changes, as a page shows it.
-
-    Attributes
-    ----------
-    name : str
-        Name of a built-in case, or of a file that was dropped.
-    text : str
-        Text of the dropped file; empty for a built-in case.
-    changes : mapping of str to str
-        Changed values, by path.
-    """
+    """A built-in case, or the text of a dropped file, with changed values by path."""
 
     name: str
     text: str = ""
@@ -58,7 +48,7 @@ class CaseState:
 
     @classmethod
     def of_file(cls, path: Path) -> CaseState:
-        """Return what a dropped case file says."""
+        """Return the state of a dropped case file."""
         try:
             return cls(path.name[: -len(CASE_FILE)], path.read_text("utf-8-sig"))
         except UnicodeDecodeError:
@@ -66,34 +56,28 @@ class CaseState:
 
     @classmethod
     def of_source(cls, source: CaseSource) -> CaseState:
-        """Return it from plain values."""
+        """Return the state of plain values."""
         pairs = (change.partition("=") for change in source.changes)
         return cls(source.name, source.text, {path: value for path, _, value in pairs})
 
     def source(self, folder: Path | str = "") -> CaseSource:
-        """Return it as plain values."""
+        """Return the state as plain values."""
         return CaseSource(self.name, self.text, tuple(f"{p}={v}" for p, v in self.changes.items()), str(folder))
 
     def changed(self, path: str, value: str) -> CaseState:
-        """Return it with one more change, in the place of an earlier one of that path."""
+        """Return the state with one more change, in the place of an earlier one of that path."""
         return replace(self, changes={**self.changes, path: value})
 
     def without(self, path: str) -> CaseState:
-        """Return it with the case's own value of a path."""
+        """Return the state with the case's own value of a path."""
         return replace(self, changes={p: v for p, v in self.changes.items() if p != path})
 
     def is_same_case(self, other: CaseState) -> bool:
-        """Whether another state is of the same case, whatever is changed in it."""
+        """Tell whether another state is of the same case, whatever is changed in it."""
         return (self.name, self.text) == (other.name, other.text)
 
     def query(self, changes_key: str = "set") -> list[tuple[str, str]]:
-        """Return it as the parts of an address; a dropped file that is too long for one is left out.
-
-        Examples
-        --------
-        >>> CaseState("li-ma-2019", changes={"machine.speed": "700 rpm"}).query()
-        [('case', 'li-ma-2019'), ('set', 'machine.speed=700 rpm')]
-        """
+        """Return the state as the parts of an address; a dropped file that is too long for one is left out."""
         parts = [("case", self.name)]
         if self.text and self.fits_address:
             parts.append(("toml", self._packed))
@@ -101,7 +85,7 @@ class CaseState:
 
     @classmethod
     def read(cls, parts: Iterable[tuple[str, str]], usual: str, changes_key: str = "set") -> CaseState:
-        """Return what an address says.
+        """Return the state of an address.
 
         Examples
         --------
@@ -118,32 +102,21 @@ class CaseState:
         return cls(values.get("case", usual), _unpacked(values.get("toml", "")), {p: v for p, _, v in pairs if p})
 
     def command(self, program: str = "run", *more: str) -> str:
-        """Return the command line that gives the same.
+        """Return the command line with the same result.
 
         Examples
         --------
         >>> CaseState("li-ma-2019", changes={"machine.speed": "700 rpm"}).command()
         "strikewave run li-ma-2019 --set 'machine.speed=700 rpm'"
         """
-        words = [program, file_word(self.file)]
-        for path, value in self.changes.items():
-            words += ["--set", f"{path}={value}"]
-        return command_line([*words, *more])
+        options = [word for path, value in self.changes.items() for word in ("--set", f"{path}={value}")]
+        return command_line([program, file_word(self.file), *options, *more])
 
     def python(self, call: str = "run_case", more: str = "") -> str:
-        """Return the Python lines that give the same.
-
-        Examples
-        --------
-        >>> print(CaseState("li-ma-2019", changes={"machine.speed": "700 rpm"}).python())
-        import strikewave
-        <BLANKLINE>
-        case = strikewave.load_case('li-ma-2019', ['machine.speed=700 rpm'])
-        result = strikewave.run_case(case)
-        """
+        """Return the Python lines with the same result."""
         changes = list(self.source().changes)
-        given = f"{self.file!r}, {changes!r}" if changes else f"{self.file!r}"
-        return f"import strikewave\n\ncase = strikewave.load_case({given})\nresult = strikewave.{call}(case{more})"
+        case = f"{self.file!r}, {changes!r}" if changes else f"{self.file!r}"
+        return f"import strikewave\n\ncase = strikewave.load_case({case})\nresult = strikewave.{call}(case{more})"
 
     @cached_property
     def _packed(self) -> str:
@@ -151,12 +124,12 @@ class CaseState:
 
     @property
     def fits_address(self) -> bool:
-        """Whether its text is short enough for an address."""
+        """Whether the text is short enough for an address."""
         return len(self._packed) <= LONGEST_LINK
 
     @property
     def file(self) -> str:
-        """What a command line calls the case: a built-in name, or the file to be saved."""
+        """Name of the case on a command line: a built-in one, or the file to be saved."""
         return f"{self.name}.toml" if self.text else self.name
 
 
@@ -166,19 +139,13 @@ def is_case(path: Path) -> bool:
 
 
 def address(page: str, parts: Iterable[tuple[str, str]]) -> str:
-    """Return the address of a page with its state.
-
-    Examples
-    --------
-    >>> address("/machine", [("case", "a b")])
-    '/machine?case=a+b'
-    """
-    words = urlencode(list(parts))
-    return f"{page}?{words}" if words else page
+    """Return the address of a page with its state."""
+    query = urlencode(list(parts))
+    return f"{page}?{query}" if query else page
 
 
 def _unpacked(packed: str) -> str:
-    """Return the text of a case from an address; never more of it than a case file may have."""
+    """Return the text of a case from an address; at most as much as a case file may have."""
     if not packed:
         return ""
     try:
@@ -192,73 +159,43 @@ def _unpacked(packed: str) -> str:
 
 
 class EditedField(NamedTuple):
-    """A quantity of a case.
-
-    Attributes
-    ----------
-    path : str
-        In the case.
-    what, how : str
-        Meaning of the quantity, and how to obtain it on a real machine.
-    typed : str
-        As the case has it, with its unit.
-    unit : str
-        The unit in which it is typed and slid; empty for a number.
-    value : float
-        In that unit.
-    low, high, step : float
-        Ends and step of the slider, in that unit.
-    provenance : str
-        Where the value of the case comes from.
-    scale : float
-        Size of its unit in SI.
-    """
+    """A quantity of a case with its slider; all numbers but ``scale`` in the unit of the slider."""
 
     path: str
-    what: str
-    how: str
-    typed: str
-    unit: str
+    what: str  # meaning of the quantity
+    how: str  # way to obtain it on a real machine
+    typed: str  # as the case has it, with its unit
+    unit: str  # empty for a number
     value: float
     low: float
     high: float
     step: float
     provenance: str
-    scale: float
+    scale: float  # size of the unit in SI
 
     def shown(self, si: float) -> float:
-        """Return an SI value in the unit in which it is slid."""
+        """Return an SI value in the unit of the slider."""
         return si / self.scale
 
     def text(self, value: float) -> str:
-        """Return a value of the slider as a case file has it.
-
-        Examples
-        --------
-        >>> from strikewave import load_case
-        >>> from strikewave.web.case_values import edited_fields
-        >>> edited_fields(load_case("li-ma-2019"))["machine.speed"].text(700.0)
-        '700 rpm'
-        """
+        """Return a value of the slider as a case file has it."""
         number = f"{value:.0f}" if self.step >= 1.0 and float(value).is_integer() else f"{value:.6g}"
         return f"{number} {self.unit}".strip()
 
     def with_unit(self, typed: str) -> str:
-        """Return what was typed into the field: a bare number has the unit that stands in its label.
+        """Return a typed text; a bare number takes the unit of the label.
 
         Examples
         --------
-        >>> from strikewave import load_case
-        >>> from strikewave.web.case_values import edited_fields
-        >>> speed = edited_fields(load_case("li-ma-2019"))["machine.speed"]
-        >>> speed.with_unit("7e2"), speed.with_unit("70 rad/s")
-        ('7e2 rpm', '70 rad/s')
+        >>> speed = EditedField("machine.speed", "", "", "730 rpm", "rpm", 730.0, 500.0, 900.0, 1.0, "published", 0.105)
+        >>> speed.with_unit("7e2"), speed.with_unit("70 rad/s"), speed.text(700.0)
+        ('7e2 rpm', '70 rad/s', '700 rpm')
         """
         return f"{typed.strip()} {self.unit}".strip() if typed_number(typed) is not None else typed.strip()
 
     @property
     def label(self) -> str:
-        """What it is called beside its slider: its whole path in words, for a mass may be that of striker or object."""
+        """Label beside the slider: the whole path in words, since both striker and object have a mass."""
         words = self.path.replace(".", " ").replace("_", " ")
         return f"{words} ({spelled(self.unit)})" if self.unit else words
 
@@ -272,56 +209,35 @@ JOINTS = {
     "contact": "law = hertz\nradius = 1 m",
     "cushion": "cushion.material = natural rubber 65 IRHD\ncushion.thickness = 10 mm\ncushion.diameter = 20 mm",
 }
-"""Kinds of joints, with properties that each may begin from."""
+"""Kinds of joints, each with the properties that it begins from."""
 
 
 class StackRow(NamedTuple):
-    """A layer, and the joint behind it: their keys, and each in words; no key and no words where there is no joint."""
+    """A layer and the joint behind it: keys and labels; empty for the joint where there is none."""
 
     layer: str
-    layer_words: str
+    layer_label: str
     joint: str
-    joint_words: str
+    joint_label: str
 
 
 class ListedStack(NamedTuple):
-    """The layers of a bar, from the loaded face on, and the materials that one more may be of."""
+    """The layers of a bar from the loaded face on, and the materials of one more."""
 
     rows: list[StackRow]
     materials: list[str]
 
 
 class BarSections(NamedTuple):
-    """Stress and velocity of a bar, in the units shown.
+    """Stress and velocity of a bar, in the units shown."""
 
-    Attributes
-    ----------
-    time : array (times,)
-    position : array (places,)
-        From the first face, mm.
-    layer : tuple of str
-        Name of the layer of each place.
-    stress : array (times, places)
-        Compression above zero.
-    velocity : array (times, places)
-    labels : tuple of str
-        Labels of time, stress and velocity, with their units.
-    """
-
-    time: Any
-    position: Any
-    layer: tuple[str, ...]
-    stress: Any
-    velocity: Any
-    labels: tuple[str, str, str]
+    time: Any  # shape (times,)
+    position: Any  # mm from the first face, shape (places,)
+    layer: tuple[str, ...]  # name of the layer of each place
+    stress: Any  # compression above zero, shape (times, places)
+    velocity: Any  # shape (times, places)
+    labels: tuple[str, str, str]  # of time, stress and velocity, with their units
 
     def nearest(self, position: float) -> int:
-        """Return the place that is nearest to a position, mm.
-
-        Examples
-        --------
-        >>> empty = np.zeros((1, 3))
-        >>> BarSections(np.zeros(1), np.array([0.0, 1.0, 2.0]), ("a",) * 3, empty, empty, ("",) * 3).nearest(1.2)
-        1
-        """
+        """Return the place that is nearest to a position in mm."""
         return int(np.argmin(np.abs(self.position - position)))

@@ -1,4 +1,4 @@
-"""What processes of the app make of a case: its quantities and sliders, its layers, the files of its results."""
+"""A case in a process of the app: its quantities and sliders, its layers, the files of its results."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ import math
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from strikewave.analyses.by_tables import check_case
 from strikewave.base.constants import materials
 from strikewave.base.errors import InputError, nearest
-from strikewave.base.quantities import Range
 from strikewave.base.result import Result
 from strikewave.base.units import DIMENSIONS, parse_quantity
 from strikewave.cases.case import FORM, Case, document_of, dump_case, explanations, load_case, parse_case
@@ -26,7 +25,7 @@ from strikewave.web.case_state import CaseSource, EditedField, ListedStack, Stac
 
 
 def loaded(source: CaseSource) -> Case:
-    """Return the case."""
+    """Return the case; its files are dropped ones, for a page opens no other file of the machine it runs on."""
     if source.text:
         case = parse_case(source.text, source.name, source.changes)
     elif source.name in bundled_cases():
@@ -34,38 +33,33 @@ def loaded(source: CaseSource) -> Case:
     else:
         hint = nearest(source.name, bundled_cases())
         raise InputError("case", source.name, "a built-in case, or a file dropped here", hint)
-    return _with_own_files(case, Path(source.folder))
 
+    def dropped(path: str, name: str) -> str:
+        place = Path(source.folder) / Path(name).name
+        if not place.is_file():
+            raise InputError(path, name, "a file dropped here", "drop it beside the case; other files are not opened")
+        return str(place)
 
-def _with_own_files(case: Case, folder: Path) -> Case:
-    """Return a case whose files are those that were dropped: a page opens no other file of the machine it runs on."""
+    tables: dict[str, Any] = {}
     if case.load is not None and case.load.file:
-        own = str(_own_file("load.file", case.load.file, folder))
-        case = case.model_copy(update={"load": case.load.model_copy(update={"file": own})})
+        tables["load"] = case.load.model_copy(update={"file": dropped("load.file", case.load.file)})
     if case.mesh is not None and any(isinstance(part, FilePart) for part in case.mesh.part):
         parts = tuple(
-            part.model_copy(update={"file": str(_own_file("mesh.part.file", part.file, folder))})
+            part.model_copy(update={"file": dropped("mesh.part.file", part.file)})
             if isinstance(part, FilePart)
             else part
             for part in case.mesh.part
         )
-        case = case.model_copy(update={"mesh": case.mesh.model_copy(update={"part": parts})})
-    return case
-
-
-def _own_file(path: str, name: str, folder: Path) -> Path:
-    place = folder / Path(name).name
-    if not place.is_file():
-        raise InputError(path, name, "a file dropped here", "drop it beside the case; other files are not opened")
-    return place
+        tables["mesh"] = case.mesh.model_copy(update={"part": parts})
+    return case.model_copy(update=tables) if tables else case
 
 
 REACH = 2.0
-"""Half widths of what is known of a field that its slider reaches to both sides: beyond what is likely, and back."""
+"""Reach of a slider to both sides, in half widths of the known range of its field: beyond the likely, and back."""
 SHARE = 0.5
-"""Reach of the slider of a field of which nothing is said, as a share of its value."""
+"""Reach of the slider of a field without a known range, as a share of its value. Chosen."""
 LEAST = 0.05
-"""Least that a slider gives of a value above nothing, as a share: a mass or a speed of nothing is no machine."""
+"""Least value of a slider as a share of a value above 0: a machine without mass or speed is none."""
 SLIDER_STEPS = 200
 """Places of a slider: as many as a hand can tell apart on it."""
 
@@ -80,23 +74,25 @@ def edited_fields(case: Case) -> dict[str, EditedField]:
     >>> speed.label, speed.low < 730.0 < speed.high
     ('machine speed (rpm)', True)
     """
-    known = {one.path: one for one in known_inputs(case)} if case.machine is not None else {}
-    words = explanations("" if case.machine is None else case.machine.kind)
+    known = {entry.path: entry for entry in known_inputs(case)} if case.machine is not None else {}
+    meanings = explanations("" if case.machine is None else case.machine.kind)
     fields = {}
     for path, value in case.values().items():
-        field = field_of(case, path)
         allowed = range_of(case, path)
         unit = value.typed_unit
         scale = parse_quantity(f"1 {unit}", allowed.unit, path) if unit and allowed.unit in DIMENSIONS else 1.0
-        one = known.get(path)
-        half = max(one.high - value.si, value.si - one.low) if one is not None else 0.5 * SHARE * abs(value.si)
-        low, high = _ends(value.si, REACH * half, allowed)
+        entry = known.get(path)
+        half = 0.5 * SHARE * abs(value.si)
+        if entry is not None:
+            half = max(entry.high - value.si, value.si - entry.low)
+        least = max(allowed.low, LEAST * value.si) if value.si > 0.0 else allowed.low
+        low, high = max(value.si - REACH * half, least), min(value.si + REACH * half, allowed.high)
         step = 1.0 if allowed.unit == "count" else round_step((high - low) / scale / SLIDER_STEPS)
-        what = words.get(field)
+        meaning = meanings.get(field_of(case, path))
         fields[path] = EditedField(
             path=path,
-            what=what.what if what else path,
-            how=what.how if what else "see docs",
+            what=meaning.what if meaning else path,
+            how=meaning.how if meaning else "see docs",
             typed=str(value.typed),
             unit=unit,
             value=value.si / scale,
@@ -109,32 +105,15 @@ def edited_fields(case: Case) -> dict[str, EditedField]:
     return fields
 
 
-def _ends(value: float, reach: float, allowed: Range) -> tuple[float, float]:
-    """Return the ends of a slider, SI: within what is allowed, and above nothing where the value is."""
-    least = max(allowed.low, LEAST * value) if value > 0.0 else allowed.low
-    return max(value - reach, least), min(value + reach, allowed.high)
-
-
-class PageOfCases(NamedTuple):
-    """A page of cases: its address, and its name."""
-
-    place: str
-    name: str
-
-
-PAGES_OF = {
-    "run": PageOfCases("/", "Machine"),
-    "wave": PageOfCases("/target", "Target"),
-    "fem": PageOfCases("/elements", "Elements"),
-}
-"""The page of each command that runs cases."""
+PAGES_OF = {"run": ("/", "Machine"), "wave": ("/target", "Target"), "fem": ("/elements", "Elements")}
+"""Address and name of the page of each command that runs cases."""
 
 
 def opened(source: CaseSource, program: str) -> dict[str, Any]:
-    """Return what a page needs to be built: the built-in cases with their titles, and the fields of this one."""
+    """Return the content of a new page: the built-in cases with their titles, and the fields of this one."""
     plain = loaded(source._replace(changes=()))
     if plain.command != program:
-        page = PAGES_OF[plain.command].name if plain.command in PAGES_OF else "Fit and study"
+        _, page = PAGES_OF.get(plain.command, ("", "Fit and study"))
         raise InputError(
             "case", source.name, f"a case that `strikewave {program}` runs", f"the page {page} shows this one"
         )
@@ -148,39 +127,32 @@ def opened(source: CaseSource, program: str) -> dict[str, Any]:
 
 @functools.cache
 def titles(program: str) -> dict[str, str]:
-    """Return the built-in cases that a command runs, with their titles.
-
-    Examples
-    --------
-    >>> "li-ma-2019" in titles("run"), "togami-1996-bar" in titles("wave")
-    (True, True)
-    """
+    """Return the built-in cases that a command runs, with their titles."""
     cases = {name: load_case(name) for name in bundled_cases()}
     return {name: f"{name}: {case.title}" for name, case in cases.items() if case.command == program}
 
 
 def values(source: CaseSource) -> dict[str, float]:
-    """Return every quantity of a case, SI, by path: what a change would make of it."""
+    """Return every quantity of a changed case, SI, by path."""
     return {path: value.si for path, value in loaded(source).values().items()}
 
 
 def saved(source: CaseSource) -> str:
-    """Return a case as a file, which gives the same numbers."""
+    """Return a case as a file with the same numbers."""
     return dump_case(loaded(source))
 
 
-def told(result: Result) -> dict[str, Any]:
-    """Return what a page says of every result: notices, and the errors of its balances with their limits."""
+def notices_and_balance(result: Result) -> dict[str, Any]:
+    """Return the notices of a result, and the errors of its balances with their limits."""
     return {
-        "notices": [(one.severity, one.code, one.message) for one in result.notices],
+        "notices": [(notice.severity, notice.code, notice.message) for notice in result.notices],
         "balance": [check.words for check in result.balance_checks],
     }
 
 
-def by_full_run(result: Result) -> str:
-    """Return in words that a full run is shown, and what its checks came to, and those of the runs it is made of."""
-    words = [f"a full run; {result.state}", *([result.verdicts.words] if result.verdicts.words else [])]
-    return "; ".join(words)
+def full_run_label(result: Result) -> str:
+    """Return the state of a full run, with the verdicts of the runs that it is made of."""
+    return "; ".join(filter(None, (f"a full run; {result.state}", result.verdicts.words)))
 
 
 def result_file(result: ShownResult, wanted: str) -> bytes:
@@ -203,13 +175,7 @@ Document = dict[str, Any]
 
 
 def listed_stack(source: CaseSource) -> ListedStack:
-    """Return the layers of a bar, from the loaded face on, each with the joint behind it.
-
-    Examples
-    --------
-    >>> [row.layer for row in listed_stack(CaseSource("li-ma-2019-fig13-bar", "", (), "")).rows]
-    ['upper', 'sensor', 'lower']
-    """
+    """Return the layers of a bar, from the loaded face on, each with the joint behind it."""
     stack = loaded(source).stack
     joints = {joint.after: joint for joint in stack.joint}
     rows = []
@@ -217,29 +183,19 @@ def listed_stack(source: CaseSource) -> ListedStack:
         size = f"{layer.length.typed}" if layer.length is not None else ""
         joint = joints.get(layer.name)
         own = [str(value.typed) for value in (layer.density, layer.modulus) if value is not None]
-        words = ", ".join(filter(None, (layer.material, *own, size)))
-        rows.append(StackRow(layer.name, words, joint.after if joint else "", joint.kind if joint else ""))
+        label = ", ".join(filter(None, (layer.material, *own, size)))
+        rows.append(StackRow(layer.name, label, joint.after if joint else "", joint.kind if joint else ""))
     return ListedStack(rows, list(materials()))
 
 
 def rearranged(source: CaseSource, layers: Sequence[str], joints: Sequence[str]) -> str:
     """Return the case with its layers in another order, as a file.
 
-    Parameters
-    ----------
-    source : CaseSource
-    layers : sequence of str
-        Names of all layers, from the loaded face on.
-    joints : sequence of str
-        Layer that the joint of each place behind a layer stood behind before; empty where none is.
-
-    Raises
-    ------
-    InputError, InputErrors
-        If that is not the layers and joints of the case, or the last layer has a joint behind it.
+    ``layers`` are the names of all layers from the loaded face on; ``joints`` has for each place behind a layer the
+    layer that its joint stood behind before, empty where there is none.
     """
     case = loaded(source)
-    named, behind = [one.name for one in case.stack.layer], [one.after for one in case.stack.joint]
+    named, behind = [layer.name for layer in case.stack.layer], [joint.after for joint in case.stack.joint]
     if sorted(layers) != sorted(named) or sorted(filter(None, joints)) != sorted(behind) or len(joints) != len(layers):
         raise InputError("stack", ", ".join(layers), f"each of {', '.join(named)} once, with the joints behind them")
 
@@ -255,18 +211,7 @@ def rearranged(source: CaseSource, layers: Sequence[str], joints: Sequence[str])
 def with_layer(source: CaseSource, behind: str, fields: Mapping[str, str]) -> str:
     """Return the case with one more layer, as a file; a joint behind its neighbour stays between the two.
 
-    Parameters
-    ----------
-    source : CaseSource
-    behind : str
-        The layer before it; empty for the loaded face.
-    fields : mapping of str to str
-        Fields of its table, its name among them; empty ones are left out.
-
-    Raises
-    ------
-    InputError, InputErrors
-        If there is no such layer, or the new one cannot be as it is said to be.
+    ``behind`` is the layer before it, empty for the loaded face; empty ``fields`` of its table are left out.
     """
     case = loaded(source)
     place = _place(case, behind) + 1 if behind else 0
@@ -277,13 +222,7 @@ def with_layer(source: CaseSource, behind: str, fields: Mapping[str, str]) -> st
 
 
 def without_layer(source: CaseSource, name: str) -> str:
-    """Return the case without a layer, as a file: the joint behind it, its taps and their sensors go with it.
-
-    Raises
-    ------
-    InputError, InputErrors
-        If there is no such layer, or no other.
-    """
+    """Return the case without a layer, as a file: the joint behind it, its taps and their sensors go with it."""
     case = loaded(source)
     place = _place(case, name)
     if len(case.stack.layer) == 1:
@@ -302,21 +241,7 @@ def without_layer(source: CaseSource, name: str) -> str:
 
 
 def with_joint(source: CaseSource, behind: str, kind: str, fields: Sequence[str]) -> str:
-    """Return the case with a joint behind a layer, as a file.
-
-    Parameters
-    ----------
-    source : CaseSource
-    behind, kind : str
-        The layer before it, and what it is.
-    fields : sequence of str
-        Its properties, ``name = value`` each.
-
-    Raises
-    ------
-    InputError, InputErrors
-        If a joint stands there, or it cannot be as it is said to be.
-    """
+    """Return the case with a joint behind a layer, as a file; each of ``fields`` is ``name = value``."""
     case = loaded(source)
     _place(case, behind)
     if behind in [joint.after for joint in case.stack.joint]:

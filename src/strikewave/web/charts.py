@@ -1,4 +1,4 @@
-"""Diagrams of the pages, in the colours of the reports, and their curves; ECharts draws them from plain options."""
+"""Diagrams of the pages in the colours of the reports, as plain options of ECharts, and their curves."""
 
 from __future__ import annotations
 
@@ -16,24 +16,23 @@ COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 KIND_COLOURS = {"full": BLUE, "double": RED, "glancing": ORANGE, "missed": GREY}
 DASHES = ("solid", "dashed")
 MOST_CURVES = len(COLOURS) * len(DASHES)
-"""Curves of a diagram that are told apart by colour and dash."""
+"""Curves of a diagram that colour and dash tell apart."""
 SHAPES = ("circle", "diamond", "triangle", "rect", "pin")
 INK, SOFT, LINE = "#1a1f24", "#4d5760", "#e4e4e4"
 PALE_BAND = "rgba(0, 114, 178, 0.10)"
 BELOW_LEGEND = 60
 """Pixels from the upper edge of a diagram to its axes, so that names of curves touch no number."""
 NUMBERS = {"fontSize": 10, "lineHeight": 12, "hideOverlap": True}
-"""Numbers at an axis; one that would touch the next is left out: that of an end which is no mark, such as 5 500 beside
-5 000. Their height is said, since ECharts takes the width of a Chinese letter for it, which is too little where no font
-has that letter."""
+"""Numbers at an axis; one that would touch the next is left out. Their height is stated, since ECharts takes the width
+of a Chinese letter for it, too little where no font has that letter."""
 MARKS = 8
-"""Marks of an axis, about."""
+"""Rough number of marks of an axis."""
 BESIDE_TOOLS = "84%"
-"""Width that the names of curves take at most: the button that saves a picture stands beside them."""
+"""Largest width of the names of curves: the button that saves a picture stands beside them."""
 
 
 def colour(place: int) -> str:
-    """Return the colour of a curve by its place; they begin anew where there are more curves than colours."""
+    """Return the colour of a curve by its place; colours begin anew after the last."""
     return COLOURS[place % len(COLOURS)]
 
 
@@ -58,7 +57,7 @@ class ChartLine(NamedTuple):
 
 
 class MarkedSpan(NamedTuple):
-    """A piece of the axis of time that is marked, with its name."""
+    """A marked piece of the axis of time, with its name."""
 
     name: str
     begin: float
@@ -76,7 +75,7 @@ def line_chart(
     spans: Sequence[MarkedSpan] = (),
     zoom: bool = False,
 ) -> dict[str, Any]:
-    """Return a diagram of curves; a reader who cannot see it hears what it shows.
+    """Return a diagram of curves, with a description for screen readers.
 
     Examples
     --------
@@ -110,20 +109,14 @@ def line_chart(
 
 
 class Dots(NamedTuple):
-    """Dots that belong together: their name, and for each x, y and what else is to be known where it is picked."""
+    """A group of dots: its name, and for each dot x, y and further values for a click."""
 
     name: str
     dots: Sequence[Sequence[float]]
 
 
 def dot_chart(title: str, x: str, y: str, groups: Sequence[Dots]) -> dict[str, Any]:
-    """Return dots by groups, which differ in colour and in shape.
-
-    Examples
-    --------
-    >>> dot_chart("Runs", "speed", "peak", [Dots("ranked", [[1.0, 2.0, 0]])])["series"][0]["symbol"]
-    'circle'
-    """
+    """Return dots by groups, which differ in colour and in shape."""
     series = [
         {
             "name": group.name,
@@ -144,13 +137,7 @@ def dot_chart(title: str, x: str, y: str, groups: Sequence[Dots]) -> dict[str, A
 
 
 def train_chart(title: str, unit: str, bars: Sequence[Sequence[Any]], band: Sequence[float] | None) -> dict[str, Any]:
-    """Return the peaks of a train of blows as bars, coloured by their kinds, before the band of the later ones.
-
-    Examples
-    --------
-    >>> train_chart("Train", "g", [[1, 4151.0, "full"]], None)["series"][0]["data"][0]["value"]
-    4151.0
-    """
+    """Return the peaks of a train of blows as bars, coloured by their kinds, before the band of the later ones."""
     options = _frame(title, "blow", f"rigid peak ({unit})", "category", "value")
     options["xAxis"]["data"] = [str(index) for index, _, _ in bars]
     kinds = list(dict.fromkeys(kind for _, _, kind in bars))
@@ -190,14 +177,7 @@ def round_ends(low: float, high: float) -> tuple[float, float]:
 
 
 def with_beside(options: dict[str, Any], beside: dict[str, Any]) -> dict[str, Any]:
-    """Return a diagram with what another one of its kind shows, in grey behind it.
-
-    Examples
-    --------
-    >>> one, other = (line_chart("F", "t", "F", [ChartLine("now", [[0.0, y]])]) for y in (1.0, 2.0))
-    >>> [series["name"] for series in with_beside(one, other)["series"]]
-    ['now', 'kept beside']
-    """
+    """Return a diagram with the curve of another one of its kind in grey behind it."""
     if not beside["series"] or options["series"][0]["type"] == "heatmap":
         return options
     grey: dict[str, Any] = {"name": "kept beside", "itemStyle": {"color": "#b6bcc2"}}
@@ -206,8 +186,8 @@ def with_beside(options: dict[str, Any], beside: dict[str, Any]) -> dict[str, An
         grey["data"] = beside["series"][0]["data"]
     else:
         grey["data"] = [bar["value"] for bar in beside["series"][0]["data"]]
-    kept = {key: value for key, value in beside["series"][0].items() if key in ("type", "barMaxWidth")}
-    return _named({**options, "series": [*options["series"], {**kept, **grey}]})
+    shape = {key: value for key, value in beside["series"][0].items() if key in ("type", "barMaxWidth")}
+    return _named({**options, "series": [*options["series"], {**shape, **grey}]})
 
 
 def heat_chart(
@@ -222,25 +202,11 @@ def heat_chart(
     signed: bool = True,
     ends: Sequence[float] = (),
 ) -> dict[str, Any]:
-    """Return a field in cells, in colours that a colour-blind reader can tell apart: by both signs, or from white on.
+    """Return a field in cells, in colours that a colour-blind reader can tell apart.
 
-    Parameters
-    ----------
-    title, x, y, unit : str
-    columns, rows : sequence of str
-        Labels along the axes.
-    cells : sequence
-        Column, row, value, and what else is to be known where a cell is picked.
-    signed : bool, optional
-        True if both signs matter, and zero is white in the middle.
-    ends : sequence of float, optional
-        First and last x, and first and last y, of cells that are equally wide and high: round numbers then stand at the
-        axes, wherever the cells are; ``columns`` and ``rows`` otherwise.
-
-    Examples
-    --------
-    >>> heat_chart("x-t", "time", "place", ["0"], ["0"], [[0, 0, 1.0]], "MPa")["visualMap"]["max"]
-    1.0
+    Cells are (column, row, value, further values for a click); ``columns`` and ``rows`` are labels along the axes. A
+    ``signed`` field is white at zero, another begins from white. With ``ends`` (first and last x, first and last y) of
+    cells of equal size the axes have round numbers in place of the labels.
     """
     largest = max((abs(cell[2]) for cell in cells), default=0.0) or 1.0
     options = _frame(title, x, y, "category", "category")
@@ -270,7 +236,7 @@ def heat_chart(
 
 
 def _with_numbers(cells: dict[str, Any], position: str, ends: Sequence[float]) -> list[dict[str, Any]]:
-    """Return the axis of cells, not drawn, and one of numbers over the same length."""
+    """Return the hidden axis of cells, and one of numbers over the same length."""
     numbers = {key: value for key, value in cells.items() if key != "data"}
     label = {**NUMBERS, "showMaxLabel": False}  # the last end is no round number
     drawn = {"type": "value", "min": ends[0], "max": ends[1], "position": position, "axisLabel": label}
@@ -279,7 +245,7 @@ def _with_numbers(cells: dict[str, Any], position: str, ends: Sequence[float]) -
 
 def _named(options: dict[str, Any]) -> dict[str, Any]:
     """Return a diagram with the names of its curves above them, where there are several."""
-    names = list(dict.fromkeys(str(one["name"]) for one in options["series"]))
+    names = list(dict.fromkeys(str(series["name"]) for series in options["series"]))
     legend = {
         "show": len(names) > 1,
         "data": names,
@@ -296,7 +262,7 @@ def _named(options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _frame(title: str, x: str, y: str, x_kind: str, y_kind: str) -> dict[str, Any]:
-    """Return quiet axes with their labels: no box, a faint grid, and a picture that can be taken away."""
+    """Return quiet axes with their labels: no box, a faint grid, and a button that saves the picture."""
     axis = {"nameLocation": "middle", "nameTextStyle": {"color": SOFT, "fontSize": 11}, "axisLabel": NUMBERS}
     return {
         "animation": False,
@@ -328,8 +294,8 @@ def points(x: Any, y: Any, columns: int = CURVE_COLUMNS) -> list[list[float]]:
     [[0.0, 0.0], [2.0, 4.0]]
     """
     x, y = np.asarray(x, float), np.asarray(y, float)
-    kept = np.isfinite(y) & np.isfinite(x)
-    x, y = thin(x[kept], y[kept], columns)
+    finite = np.isfinite(y) & np.isfinite(x)
+    x, y = thin(x[finite], y[finite], columns)
     return [[float(f"{a:.6g}"), float(f"{b:.6g}")] for a, b in zip(x, y, strict=True)]
 
 

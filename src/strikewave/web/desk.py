@@ -1,4 +1,4 @@
-"""What all pages of one server share: sessions, lookers, how ready the kernels are."""
+"""State that all pages of one server share: sessions, lookers, readiness of the kernels."""
 
 from __future__ import annotations
 
@@ -23,29 +23,19 @@ KEPT_POLICY = (
     "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:"
 )
 SWEEP = 600.0
-"""Time between two looks for sessions to end, s."""
+"""Time between two looks for sessions to end, s: short beside the hours after which one is idle."""
 
 
 @dataclass
 class Desk:
-    """What all pages share.
-
-    Attributes
-    ----------
-    sessions : Sessions
-        Who uses the app.
-    lookers : Lookers
-        Processes that answer at once.
-    word : str
-        Message to all sessions: that kernels are being compiled, and how many are.
-    """
+    """State that all pages share; ``word`` is a message to all sessions, such as the count of compiled kernels."""
 
     sessions: Sessions
     lookers: Lookers = field(default_factory=Lookers)
     word: str = ""
 
     async def warm(self) -> None:
-        """Compile the kernels of machines where that was not done yet, and say how far it is."""
+        """Compile the kernels of machines where the cache lacks them, and report progress."""
 
         def show(share: float | None, words: str) -> None:
             self.word = words
@@ -67,13 +57,7 @@ class Desk:
             self.sessions.end_idle()
 
     def session(self) -> Session:
-        """Return the session of the page that is being built, which counts as seen as long as the page is open.
-
-        Raises
-        ------
-        FullError
-            If there is no room for one more.
-        """
+        """Return the session of the page that is being built, which counts as seen while the page is open."""
         session = self.sessions.of(str(app.storage.browser["id"]))
         client = context.client
         session.pages += 1
@@ -88,21 +72,10 @@ class Desk:
     async def open_page(
         self, place: str, client: Client, asked: Callable[[Session], Awaitable[Opened]]
     ) -> tuple[Session, Opened] | None:
-        """Begin a page: its frame, its session, and what must be known to build it.
+        """Begin a page: its frame, its session, and the data that it is built from.
 
-        Parameters
-        ----------
-        place : str
-            Address of the page.
-        client : Client
-            The browser that opens it.
-        asked : callable
-            Returns what must be known, of a session.
-
-        Returns
-        -------
-        tuple or None
-            The session and what was asked; None where the browser has left, or it was refused: the page says why.
+        ``asked`` returns these data of a session. None where the browser has left, or the page was refused and says
+        why.
         """
         with parts.page_frame(place) as word:
             ui.timer(0.5, lambda: word.set_text(self.word))
@@ -126,7 +99,7 @@ async def started(session: Session, job: PageJob, progress: Say | None = None) -
 
 
 def make_desk(folder: Path | None) -> Desk:
-    """Return what all pages of a server share, and have it begin and end with the server."""
+    """Return the state that all pages of a server share; it begins and ends with the server."""
     jobs.prepare()
     desk = Desk(Sessions(folder))
 

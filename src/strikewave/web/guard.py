@@ -1,8 +1,8 @@
-"""Who may speak to the app: this machine, or who knows the token; no other page that a browser happens to show.
+"""Access to the app: this machine, or a browser with the token; no other page that a browser happens to show.
 
 A page of another origin can make a browser send requests here, and by DNS rebinding even read the answers. So every
-request and every websocket must name this server as its host, and none may come from another origin. What is sent here
-has a size that is known before it is kept.
+request and every websocket must name this server as its host, and none may come from another origin. The size of a
+request is known before it is stored.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 LARGEST_UPLOAD = 256 << 20
 """Most bytes of one request: a record of 30 million samples in single precision, or 20 of a million as text."""
 COOKIE = "strikewave-token"
-"""Begin of the name of the cookie that holds the token; the port follows, for cookies of one host are sent to all its
-ports: a second app would take the first one's place."""
+"""Start of the name of the cookie with the token; the port follows, since a host's cookies go to all its ports and a
+second app would replace that of the first."""
 HOST = re.compile(r"(?P<name>\[[0-9a-f:.]+\]|[^\[\]:/?#@\\\s]+)(:[0-9]{1,5})?", re.IGNORECASE)
 """Name or number of a host and its port, as a request names them."""
 ONCE = ("host", "origin", "content-length")
 """Headers that a request has once: of two, the guard might judge one and the pages heed the other."""
 LONGEST_LENGTH = 19
-"""Digits of the length of a request: any that a 64-bit machine can count; Python refuses to read thousands."""
+"""Digits of the length of a request: as many as a 64-bit machine counts; Python refuses to read thousands."""
 POLICY = "; ".join(
     (
         "default-src 'self'",
@@ -94,13 +94,7 @@ def is_own_origin(origin: str, host: str) -> bool:
 
 
 def of_headers(listed: Iterable[tuple[bytes, bytes]]) -> dict[str, list[str]]:
-    """Return the values of each header of a request, by its name in small letters.
-
-    Examples
-    --------
-    >>> of_headers([(b"Host", b"a"), (b"cookie", b"b=1"), (b"Cookie", b"c=2")])
-    {'host': ['a'], 'cookie': ['b=1', 'c=2']}
-    """
+    """Return the values of each header of a request, by its name in small letters."""
     headers: dict[str, list[str]] = {}
     for name, value in listed:
         headers.setdefault(name.decode("latin-1").lower(), []).append(value.decode("latin-1"))

@@ -1,6 +1,6 @@
-"""Work of the app, in processes of its own: the server answers meanwhile, and what is no longer wanted ends at once.
+"""Work of the app in processes of its own: the server answers meanwhile, and unwanted work ends at once.
 
-A `PageJob` is one piece of work that may take long. `Lookers` are processes that stay, for what must be there at once.
+A `PageJob` is one piece of work that may take long. `Lookers` are processes that stay, for answers without delay.
 Both are copied from a process that has imported all that they need, where the system can do that.
 """
 
@@ -25,34 +25,34 @@ from strikewave.base.processes import end_after, heed, safe_path
 
 CORES = max(1, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
 MEMORY = 4 << 30
-"""Most bytes that one job may hold: the largest built-in model takes a tenth of it, and a computer of 8 GB lives on."""
+"""Most bytes of one job: ten times the largest built-in model, and a computer of 8 GB survives it."""
 PATIENCE = 10.0
-"""Longest time that a first look may take, s: a hundred times the usual one. It then counts as a case that cannot be
-followed, and its process is replaced."""
+"""Longest time of a first look, s: a hundred times the usual one. A slower case counts as one that cannot be followed,
+and its process is replaced."""
 COLD_PATIENCE = 240.0
-"""The same as long as kernels may have to be compiled, s."""
+"""Longest time of a first look while kernels may have to be compiled, s."""
 PRELOADED = (
     "strikewave.analyses.machine.report",
     "strikewave.web.pages.case.machine_view",
     "strikewave.web.pages.case.target_view",
 )
-"""Modules that the process imports which all others are copied from: what takes longest of what most of them need."""
+"""Modules that the parent of all processes imports: the slowest to import that most of them need."""
 LONGEST_LINE = 400
 """Characters of a line of error that a page shows."""
 Say = Callable[[float | None, str], None]
-"""Takes the share done, or None where it is not known, and a word on what is done."""
+"""Takes the share done, or None where it is not known, and a word on the current step."""
 
 
 class WorkError(StrikewaveError):
-    """Work could not be done: the message says why, for a page."""
+    """Work could not be done; the message says why, for a page."""
 
 
 class CancelledError(StrikewaveError):
-    """Work was stopped because somebody wanted that."""
+    """Work was stopped on request."""
 
 
 class Message(NamedTuple):
-    """What a process says: how far it is, its result, or why there is none."""
+    """A message of a process: its progress, its result, or the reason of a refusal."""
 
     kind: Literal["progress", "done", "refused"]
     content: Any
@@ -60,13 +60,13 @@ class Message(NamedTuple):
 
 
 def prepare() -> None:
-    """Have the process from which all others are copied import what they need, before the first is wanted."""
+    """Have the parent of all processes import its modules before the first is wanted."""
     if _context().get_start_method() == "forkserver":
         multiprocessing.set_forkserver_preload(list(PRELOADED))
 
 
 def _context() -> Any:
-    """Return how processes are started: copied from one without threads where the system can, else begun anew."""
+    """Return the start of processes: copied from one without threads where the system can, else begun anew."""
     has_forkserver = "forkserver" in multiprocessing.get_all_start_methods()
     return multiprocessing.get_context("forkserver" if has_forkserver else "spawn")
 
@@ -74,13 +74,8 @@ def _context() -> Any:
 class PageJob:
     """One piece of work in a process of its own.
 
-    Parameters
-    ----------
-    function : str
-        As ``module:name``, so that the server need not import it; called with the arguments and, as ``say``, what takes
-        the share done and a word.
-    *arguments
-        Plain values.
+    ``function`` is ``module:name``, so that the server need not import it; it is called with the arguments, plain
+    values, and with ``say``, which takes the share done and a word.
 
     Examples
     --------
@@ -99,21 +94,10 @@ class PageJob:
         return self._process is not None and self._process.is_alive()
 
     async def result(self, progress: Say | None = None, plain: bool = False) -> Any:
-        """Do the work when a core is free, and return its result.
+        """Do the work when a core is free, and return its result; a ``plain`` function takes no ``say``.
 
-        Parameters
-        ----------
-        progress : callable, optional
-            Called with how far it is.
-        plain : bool, optional
-            Whether the function takes no ``say``.
-
-        Raises
-        ------
-        CancelledError
-            If it was stopped.
-        WorkError
-            If it was refused, in the words of the command line, or its process ended.
+        Raises `CancelledError` if it was stopped, and `WorkError` if it was refused, in the words of the command line,
+        or its process ended.
         """
         async with _free_core():
             if self._cancelled:
@@ -148,7 +132,7 @@ class PageJob:
                 progress(message.share, message.content)
 
     def cancel(self) -> None:
-        """Stop the work; what it keeps for going on later stays."""
+        """Stop the work; its stored states stay for a later start."""
         self._cancelled = True
         if self.is_running:
             self._process.terminate()
@@ -162,12 +146,12 @@ class PageJob:
 
 
 _listeners = ThreadPoolExecutor(2 * CORES + 2, "strikewave listener")
-"""Threads that wait for what processes say: a core has one job and one looker at most."""
+"""Threads that wait for messages of processes: a core has one job and one looker at most."""
 _cores: dict[int, asyncio.Semaphore] = {}
 
 
 def _free_core() -> asyncio.Semaphore:
-    """Return what lets as many jobs run as there are cores, of the loop that runs now."""
+    """Return a semaphore of the running loop that lets as many jobs run as there are cores."""
     loop = id(asyncio.get_running_loop())
     if loop not in _cores:
         _cores.clear()
@@ -199,7 +183,7 @@ def _named(function: str) -> Callable[..., Any]:
 
 
 def _begin() -> None:
-    """Make a process ready: it ends with the server, heeds signals, and takes no more memory than is its due."""
+    """Make a process ready: it ends with the server, heeds signals, and keeps to its share of memory."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         end_after(parent.join)
@@ -213,7 +197,7 @@ def _begin() -> None:
 
 
 def _answer(work: Callable[[], Any]) -> Message:
-    """Return the result of work, or in words why there is none."""
+    """Return the result of work, or the reason of its refusal."""
     try:
         return Message("done", work())
     except StrikewaveError as error:
@@ -227,13 +211,7 @@ def _answer(work: Callable[[], Any]) -> Message:
 
 
 class Lookers:
-    """Processes that stay ready and answer within a tenth of a second; one that hangs is replaced.
-
-    Parameters
-    ----------
-    count : int
-        As many questions are answered at a time.
-    """
+    """Processes that answer within a tenth of a second, ``count`` at a time; one that hangs is replaced."""
 
     def __init__(self, count: int = CORES) -> None:
         self._idle: list[tuple[Any, Connection]] = []
@@ -241,12 +219,9 @@ class Lookers:
         self.patience = COLD_PATIENCE
 
     async def ask(self, function: str, *arguments: Any) -> Any:
-        """Return what a function, as ``module:name``, returns of plain values.
+        """Return the result of a function, given as ``module:name``, of plain values.
 
-        Raises
-        ------
-        WorkError
-            If it is refused, in the words of the command line, or takes too long.
+        Raises `WorkError` if it is refused, in the words of the command line, or takes too long.
         """
         loop = asyncio.get_running_loop()
         async with self._turn:

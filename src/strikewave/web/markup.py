@@ -1,4 +1,4 @@
-"""What pages say, as HTML: numbers, tables, notices, refusals; all that others wrote is escaped here."""
+"""Content of pages as HTML: numbers, tables, notices, refusals; texts from elsewhere are escaped here."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from html import escape
 from strikewave.reporting.parts import Table
 
 MOST_ROWS = 60
-"""Rows of a table on a page; the file has all."""
+"""Rows of a table on a page, a few screens; the file has all."""
 GRAVEST = {"failed": 0, "error": 0, "warning": 1}
 """Order of the notices by severity; all others come after."""
 PageTable = tuple[str, Sequence[str], Sequence[Sequence[str]], Sequence[int]]
-"""Title, heads, rows, and which columns are words."""
+"""Title, heads, rows, and the columns of words."""
 
 
 def page_table(shown: Table) -> PageTable:
@@ -50,7 +50,7 @@ def key_numbers(rows: Sequence[Sequence[str]]) -> str:
 
 
 def table(caption: str, heads: Sequence[str], rows: Sequence[Sequence[str]], words: Sequence[int] = ()) -> str:
-    """Return a table, which a narrow screen scrolls by itself.
+    """Return a table, which a narrow screen scrolls by itself; ``words`` are the columns of words.
 
     Examples
     --------
@@ -90,14 +90,14 @@ def notices(rows: Sequence[Sequence[str]]) -> str:
     )
 
 
-def checks(balance: Sequence[str], found: Sequence[Sequence[str]]) -> str:
-    """Return the errors of balances with their limits, and what the user should know."""
-    words = f'<div class="sw-soft">balances: {escape("; ".join(balance))}</div>' if balance else ""
-    return box("Checks and warnings", words + notices(found)) if balance or found else ""
+def checks(balance: Sequence[str], listed: Sequence[Sequence[str]]) -> str:
+    """Return the errors of balances with their limits, and the notices."""
+    errors = f'<div class="sw-soft">balances: {escape("; ".join(balance))}</div>' if balance else ""
+    return box("Checks and warnings", errors + notices(listed)) if balance or listed else ""
 
 
 def refusal(message: str) -> str:
-    """Return why something was not done."""
+    """Return the reason of a refusal."""
     return f'<div class="sw-notice error" role="alert"><b>refused.</b> {escape(message)}</div>'
 
 
@@ -108,11 +108,11 @@ def verdict(word: str, text: str) -> str:
 
 
 def nothing(words: str) -> str:
-    """Return what stands where there is nothing to show."""
+    """Return the text of an empty page."""
     return f'<div class="sw-empty">{escape(words)}</div>'
 
 
 def links(title: str, listed: Sequence[tuple[str, str]]) -> str:
-    """Return a list of links, each with the address that it leads to; nothing where there are none."""
+    """Return a list of links, each with its address; nothing where there are none."""
     rows = "".join(f'<li><a href="{escape(place)}">{escape(words)}</a></li>' for words, place in listed)
     return box(title, f'<ol class="sw-links">{rows}</ol>') if listed else ""

@@ -1,8 +1,7 @@
-"""Parts of pages: frame, boxes, diagrams, files that come and go, and what changes while a hand moves.
+"""Parts of pages: frame, boxes, diagrams, uploaded files, and elements that follow a moving slider.
 
-Parts that change while a hand moves are drawn anew alone: a usual element of NiceGUI that changes has the browser build
-the page anew, which takes longer than a first look at a machine is computed in. These take what changed by a method of
-their own component.
+An ordinary element of NiceGUI that changes has the browser build the page anew, which takes longer than a first look
+at a machine. The live elements take a change by a method of their own component instead.
 """
 
 from __future__ import annotations
@@ -34,7 +33,7 @@ CSS = (Path(__file__).parent / "style.css").read_text("utf-8")
 
 @contextmanager
 def page_frame(current: str) -> Iterator[ui.label]:
-    """Give a page its bar with the names of all pages, and return the label for a word on what goes on."""
+    """Give a page its bar with the names of all pages, and return the label for messages."""
     ui.page_title(f"{PAGES[current]} – strikewave")
     ui.add_css(CSS)
     ui.colors(primary=BLUE, warning=ORANGE)
@@ -52,19 +51,13 @@ def page_frame(current: str) -> Iterator[ui.label]:
 
 
 def under_way(share: float | None, words: str) -> str:
-    """Say what is under way, and how much of it is done where that is known.
-
-    Examples
-    --------
-    >>> under_way(0.4, "the run"), under_way(None, "the report")
-    ('under way: the run 40 %', 'under way: the report')
-    """
+    """Return the current step, and the share done where it is known."""
     return f"under way: {words}" + ("" if share is None else f" {100.0 * share:.0f} %")
 
 
 @contextmanager
 def waiting(words: str) -> Iterator[None]:
-    """Show that something is on its way."""
+    """Show a spinner with a text until the content is there."""
     with ui.element("div").classes("sw-row").style("padding:1.5rem") as row:
         ui.spinner(size="1.4rem")
         ui.label(words).classes("sw-soft").props('role="status"')
@@ -75,26 +68,21 @@ def waiting(words: str) -> Iterator[None]:
             row.delete()
 
 
-def heading(text: str) -> None:
-    """Write the heading of a box."""
-    ui.html(f"<h2>{html.escape(text)}</h2>", sanitize=False)
-
-
 @contextmanager
 def box(title: str) -> Iterator[Any]:
     """Give a box with a heading."""
     with ui.element("section").classes("sw-box").props(f'aria-label="{html.escape(title)}"') as section:
-        heading(title)
+        ui.html(f"<h2>{html.escape(title)}</h2>", sanitize=False)
         yield section
 
 
 def shown(content: str) -> None:
-    """Show markup, which `strikewave.web.markup` makes."""
+    """Show markup from `strikewave.web.markup`."""
     ui.html(content, sanitize=False).classes("sw-main sw-full")
 
 
-def kept(session: Session, name: str, content: bytes) -> str:
-    """Keep what the page that is open asks for itself, until it is left, and return its address.
+def page_file(session: Session, name: str, content: bytes) -> str:
+    """Store a file that the open page asks for itself, until it is left, and return its address.
 
     It is named by the page, since a session may have the same one open twice.
     """
@@ -105,9 +93,9 @@ def kept(session: Session, name: str, content: bytes) -> str:
     return f"/kept/{own}?{hashlib.sha256(content).hexdigest()[:12]}"
 
 
-def kept_page(session: Session, name: str, page: str, title: str) -> None:
-    """Show a whole page within this one: it is kept among the files of the session, and runs apart from all else."""
-    place = kept(session, name, page.encode())
+def nested_page(session: Session, name: str, page: str, title: str) -> None:
+    """Show a whole page within this one, from a file of the session and apart from all else."""
+    place = page_file(session, name, page.encode())
     words = f'class="sw-frame" title="{html.escape(title)}" sandbox="allow-scripts" src="{place}"'
     ui.html(f"<iframe {words}></iframe>", sanitize=False).classes("sw-full")
 
@@ -124,7 +112,7 @@ def code(label: str, text: str) -> None:
 
 
 def chart(options: dict[str, Any], label: str, wide: bool = False) -> LiveChart:
-    """Show a diagram with a label for who cannot see it."""
+    """Show a diagram with a label for screen readers."""
     drawn = LiveChart(options).classes("sw-chart" + (" sw-wide" if wide else ""))
     return drawn.props(f'role="img" aria-label="{html.escape(label)}"')
 
@@ -140,7 +128,7 @@ def svg_picture(svg: bytes, caption: str) -> None:
 
 
 async def tried(work: Callable[[], Awaitable[Any]]) -> Any:
-    """Do work that may be refused, and show why; None then."""
+    """Do work that may be refused; show the reason and return None then."""
     try:
         return await work()
     except StrikewaveError as error:
@@ -153,12 +141,8 @@ async def tried(work: Callable[[], Awaitable[Any]]) -> Any:
 class LiveBody(ui.element, component="live_body.js"):
     """The moving surface of a run of elements, with a slider of time, a field in colours and a plane that cuts.
 
-    Parameters
-    ----------
-    url : str
-        Where its bytes are (`strikewave.web.pages.case.elements_view`).
-    label : str
-        Text for those who cannot see it.
+    ``url`` is the address of its bytes (`strikewave.web.pages.case.elements_view`), ``label`` a text for screen
+    readers.
     """
 
     library = ui.scene
@@ -170,13 +154,7 @@ class LiveBody(ui.element, component="live_body.js"):
 
 
 class LiveChart(ui.element, component="live_chart.js"):
-    """A diagram that ECharts draws, which NiceGUI brings.
-
-    Parameters
-    ----------
-    options : dict
-        As ECharts takes them (`strikewave.web.charts`).
-    """
+    """A diagram by ECharts, which NiceGUI brings; ``options`` are those of `strikewave.web.charts`."""
 
     library = ui.echart
     """Library that brings ECharts: the page knows where to find it once this was named."""
@@ -187,7 +165,7 @@ class LiveChart(ui.element, component="live_chart.js"):
         self.props["options"] = options
 
     def show(self, options: dict[str, Any]) -> None:
-        """Show other curves: only what differs is sent."""
+        """Show other curves; only the differences are sent."""
         changed = {key: value for key, value in options.items() if self.shown.get(key) != value}
         gone = self.shown.keys() - options.keys()
         self.shown = options
@@ -196,37 +174,25 @@ class LiveChart(ui.element, component="live_chart.js"):
 
 
 THROTTLE = 0.05
-"""Least time between two movements that a slider tells, s: as many as are looked at."""
+"""Least time between two movements that a slider reports, s: as many as are looked at."""
 
 
 class LiveField(ui.element, component="live_field.js"):
-    """One quantity of a case beside its name.
-
-    Parameters
-    ----------
-    field : EditedField
-    typed : str
-        Text in it.
-    value : float
-        Where its slider stands, in its unit.
-    has_slider : bool
-    label : str, optional
-        Label beside it; the words of its path where none is given.
-    """
+    """One quantity of a case beside its label, with the text in it and the value of its slider, in its unit."""
 
     def __init__(self, field: EditedField, typed: str, value: float, has_slider: bool, label: str = "") -> None:
         super().__init__()
         hint = f"{field.what}. How to get it: {field.how}. Here: {field.provenance}."
-        given = {"path": field.path, "label": label or field.label, "hint": hint, "typed": typed}
-        slid = {"low": field.low, "high": field.high if has_slider else field.low, "step": field.step, "value": value}
-        self.props.update(given | slid)
+        text = {"path": field.path, "label": label or field.label, "hint": hint, "typed": typed}
+        high = field.high if has_slider else field.low  # of equal ends the component draws no slider
+        self.props.update(text | {"low": field.low, "high": high, "step": field.step, "value": value})
 
     def on_move(self, moved: Callable[[float], Any]) -> None:
         """Call with the value of the slider, in its unit, as it is moved."""
         self.on("move", lambda event: moved(float(event.args)), throttle=THROTTLE)
 
     def on_type(self, typed: Callable[[str], Any]) -> None:
-        """Call with what was typed, once the typing ends."""
+        """Call with the typed text once the typing ends."""
         self.on("type", lambda event: typed(str(event.args)))
 
     def show(self, typed: str, value: float | None = None) -> None:
@@ -235,13 +201,7 @@ class LiveField(ui.element, component="live_field.js"):
 
 
 class LiveHtml(ui.element, component="live_html.js"):
-    """Markup that changes; whoever gives it escapes what others wrote (`strikewave.web.markup`).
-
-    Parameters
-    ----------
-    content : str, optional
-        HTML that is shown at first.
-    """
+    """Markup that changes; its caller escapes texts from elsewhere (`strikewave.web.markup`)."""
 
     def __init__(self, content: str = "") -> None:
         super().__init__()
@@ -256,13 +216,7 @@ class LiveHtml(ui.element, component="live_html.js"):
 
 
 class MarkedResult(ui.element):
-    """What holds results: dim as long as they are of other settings, and busy as long as theirs are computed.
-
-    Attributes
-    ----------
-    is_stale : bool
-        True if the result shown is of other settings.
-    """
+    """The container of results: dim while they are of other settings, and busy while new ones are computed."""
 
     def __init__(self) -> None:
         super().__init__("div")
@@ -270,7 +224,7 @@ class MarkedResult(ui.element):
         self.is_stale = self._busy = False
 
     def show_as(self, stale: bool, busy: bool = False) -> None:
-        """Say what is shown, to eyes and ears, where that is not said already."""
+        """Mark the results for eyes and ears, where that changes."""
         if (stale, busy) == (self.is_stale, self._busy) or self.is_deleted:
             return
         self.is_stale, self._busy = stale, busy
@@ -283,12 +237,7 @@ REST = 0.6
 
 
 class RestingHand:
-    """Calls something once nothing has moved for a moment.
-
-    Parameters
-    ----------
-    then : callable
-    """
+    """Calls ``then`` once nothing has moved for a moment."""
 
     def __init__(self, then: Callable[[], object]) -> None:
         self._then = then
@@ -305,7 +254,7 @@ class RestingHand:
         self._timer = asyncio.get_running_loop().call_later(REST, self._call)
 
     def stop(self) -> None:
-        """Do not call."""
+        """Cancel the call."""
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -323,30 +272,20 @@ DROP_HEAD = """
     <q-uploader-add-trigger />
   </q-btn>
 </div>"""
-"""Head of a field that files are dropped on: that of the kit has a button without a name."""
+"""Head of a field for dropped files: that of the kit has a button without a name."""
 FIELD_NAME = ":field-name='file => file.__key'"
-"""Each file of a drop has a field of its own in what the browser sends: two of one name would be one."""
+"""Each file of a drop has a field of its own in the upload: two of one name would be one."""
 REFUSED = "entries => emit(entries.map(entry => [entry.failedPropValidation, entry.file.name]))"
 MOST_NAMED = 3
-"""Files that were refused which a note names."""
+"""Refused files that a note names."""
 REASONS = {"max-file-size": f"a file takes {LARGEST_UPLOAD >> 20} MB at most", "duplicate": "it is on its way already"}
-"""Why the browser does not send a file, by the name of the rule."""
+"""Reason why the browser does not send a file, by the name of the rule."""
 
 
 class DroppedFiles:
-    """The field and the list.
+    """A field for dropped files, kept in a folder of the session, and their list.
 
-    Parameters
-    ----------
-    session : Session
-    folder : str
-        Folder of the session for these files alone.
-    label : str
-        Label of the field: the files that may be dropped.
-    dropped : callable
-        Called with the files that were dropped now, once they are kept.
-    removed : callable, optional
-        Called when files were removed.
+    ``dropped`` is called with the files of a drop once they are stored, ``removed`` after some were removed.
     """
 
     def __init__(
@@ -377,7 +316,7 @@ class DroppedFiles:
 
     @property
     def names(self) -> list[str]:
-        """The files that are kept, in the order of their names."""
+        """Names of the stored files, sorted."""
         return sorted(path.name for path in self.place.iterdir() if path.is_file())
 
     def _show(self) -> None:

@@ -34,17 +34,11 @@ RECONNECT = 30.0
 LARGEST_MESSAGE = 1 << 20
 """Most bytes of one message of a page: a case file may have as many."""
 SESSION = "strikewave-session"
-"""Begin of the name of the cookie of a browser's session; the port follows, as in that of the token."""
+"""Start of the name of the cookie of a browser's session; the port follows, as in that of the token."""
 
 
 def is_loopback(host: str) -> bool:
-    """Tell whether only this machine can come to a host.
-
-    Examples
-    --------
-    >>> is_loopback("127.0.0.1"), is_loopback("localhost"), is_loopback("0.0.0.0"), is_loopback("192.168.1.4")
-    (True, True, False, False)
-    """
+    """Tell whether only this machine can reach a host."""
     if host == "localhost":
         return True
     try:
@@ -54,7 +48,7 @@ def is_loopback(host: str) -> bool:
 
 
 def shown_address(listening: socket.socket, host: str) -> str:
-    """Return what a browser of this machine opens, for a socket that listens at a host.
+    """Return the address for a browser of this machine, of a socket that listens at a host.
 
     An address that stands for all of this machine's is none that every browser opens: its loopback is shown.
 
@@ -71,7 +65,7 @@ def shown_address(listening: socket.socket, host: str) -> str:
 
 
 def make_app(folder: Path | None, token: str = "", host: str = "", port: int = 0) -> Guard:
-    """Return the app, guarded: for who knows the token, at a host and port."""
+    """Return the guarded app: for holders of the token, at a host and port."""
     desk = make_desk(folder)
     for kind in KINDS:
         case_page.add(desk, kind)
@@ -118,22 +112,21 @@ def serve(host: str, port: int, folder: Path | None, browser: bool) -> None:
         loop="asyncio",
     )
     server = uvicorn.Server(config)
-    if browser:
-        threading.Thread(target=_open_browser, args=(server, address), daemon=True).start()
+
+    def open_browser() -> None:
+        while not server.started and not server.should_exit:
+            time.sleep(0.02)
+        if not server.should_exit:
+            webbrowser.open(address)
+
+    if browser:  # once the server answers
+        threading.Thread(target=open_browser, daemon=True).start()
     with contextlib.suppress(KeyboardInterrupt):
         server.run(sockets=[listening])
 
 
-def _open_browser(server: uvicorn.Server, address: str) -> None:
-    """Open the browser once the server answers."""
-    while not server.started and not server.should_exit:
-        time.sleep(0.02)
-    if not server.should_exit:
-        webbrowser.open(address)
-
-
 def _listen(host: str, port: int) -> socket.socket:
-    """Return the socket on which the server listens, taken before anything else is done."""
+    """Return the socket on which the server listens, bound before anything else is done."""
     try:
         family, kind, _, _, place = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
         listening = socket.socket(family, kind)

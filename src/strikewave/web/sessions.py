@@ -1,4 +1,4 @@
-"""Who uses the app: a session a browser, with a folder of its own, and an end."""
+"""Users of the app: a session for each browser, with a folder of its own, and an end."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ from typing import Any, NamedTuple
 from strikewave.base.errors import StrikewaveError
 
 MOST_SESSIONS = 64
-"""Sessions at a time. A new one ends the one that nobody has looked at for longest; one that is looked at is kept."""
+"""Sessions at a time; a new one ends the one that is unseen for longest, never one with an open page."""
 IDLE = 4 * 3600.0
-"""Time after which a session that nobody looks at ends, s: longer than a lunch, shorter than a night."""
+"""Time after which a session without an open page ends, s: longer than a lunch, shorter than a night."""
 MOST_KEPT = 2 << 30
-"""Most bytes of all files that one session keeps."""
+"""Most bytes of all files of one session."""
 LONGEST_NAME = 80
 LONGEST_BYTES = 180
-"""Bytes of a name, whose letters may take four each: a disk takes 255, with what a page adds."""
+"""Bytes of a name, whose letters may take four each: a disk takes 255, with the additions of a page."""
 SECRET = "session-secret"
 KEPT = "pages"
-"""Folder, of each session, of what its open pages ask for."""
+"""Folder, in each session, of the files of its open pages."""
 
 
 class FullError(StrikewaveError):
-    """There is no room: the message says of what, for a page."""
+    """There is no room; the message says of what, for a page."""
 
 
 def clean_name(name: str) -> str:
-    r"""Return the name of a file that somebody sent as one that leads nowhere and hides nothing.
+    r"""Return the name of a sent file as one that leads nowhere and hides nothing.
 
     Examples
     --------
@@ -55,33 +55,19 @@ def clean_name(name: str) -> str:
 
 
 def is_there(path: Path) -> bool:
-    """Tell whether a file is there under a name, or, on disks that do not tell capitals apart, under one like it."""
+    """Tell whether a file exists under a name, or under a like one on disks that do not tell capitals apart."""
     return path.exists()
 
 
 class TakenFile(NamedTuple):
-    """A file that was dropped: where it is kept, and what somebody should know of that; empty where it is as it was."""
+    """A dropped file: its stored path, and a remark for the user where its name or content changed."""
 
     path: Path
     remark: str
 
 
-def _free(path: Path) -> Path:
-    """Return a path like this one that no file has."""
-    count = 2
-    while is_there(free := path.with_name(f"{path.stem}-{count}{path.suffix}")):
-        count += 1
-    return free
-
-
 class Session:
-    """What the app keeps of one browser: a folder, and how many of its pages are open.
-
-    Parameters
-    ----------
-    folder : Path
-        For its files alone; made when the first is kept.
-    """
+    """The state of one browser: a folder for its files, made with the first of them, and its open pages and jobs."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -90,23 +76,17 @@ class Session:
         self.jobs: set[Any] = set()
 
     def touch(self) -> None:
-        """Note that somebody is there."""
+        """Note that the browser is there."""
         self.seen = time.monotonic()
 
     def place(self, *names: str) -> Path:
-        """Return a folder below its own, made where it is not there; names are cleaned."""
+        """Return a folder below its own, made where it is missing; names are cleaned."""
         place = self.folder.joinpath(*map(clean_name, names))
         place.mkdir(parents=True, exist_ok=True, mode=0o700)
         return place
 
     def keep(self, name: str, content: bytes, *below: str) -> Path:
-        """Keep a file that was sent, under its cleaned name.
-
-        Raises
-        ------
-        FullError
-            If the session would keep too much.
-        """
+        """Store a sent file under its cleaned name; raise `FullError` if the session would hold too much."""
         path = self.place(*below) / clean_name(name)
         if path.is_dir():
             raise FullError(f"{path.name}: a folder of this page is called so; give the file another name")
@@ -117,14 +97,9 @@ class Session:
         return path
 
     def take(self, dropped: Sequence[tuple[str, bytes]], *below: str) -> list[TakenFile]:
-        """Keep files that were dropped together, none in the place of another: names may differ in case alone.
+        """Store files that were dropped together, none in the place of another: names may differ in case alone.
 
-        One that was dropped before takes the place of its older self.
-
-        Raises
-        ------
-        FullError
-            As `keep`.
+        A file that was dropped before replaces its older self. Raises `FullError` as `keep`.
         """
         taken: dict[Path, str] = {}
         for name, content in dropped:
@@ -134,7 +109,10 @@ class Session:
             is_known = path.name in listed and not path.is_dir()
             is_same = is_known and path.stat().st_size == len(content) and path.read_bytes() == content
             if not is_same and (path in taken or (path.name not in listed and is_there(path))):
-                path = _free(path)
+                count = 2
+                while is_there(path.with_name(f"{path.stem}-{count}{path.suffix}")):
+                    count += 1
+                path = path.with_name(f"{path.stem}-{count}{path.suffix}")
                 remark = f"{clean_name(name)} is kept as {path.name}: another file has that name"
             elif is_known and not is_same:
                 remark = f"{path.name}: the file that was dropped now is in the place of the one before"
@@ -142,24 +120,18 @@ class Session:
         return [TakenFile(path, remark) for path, remark in taken.items()]
 
     def size(self) -> int:
-        """Return how many bytes its files take."""
+        """Return the bytes of its files."""
         return sum(path.stat().st_size for path in self.folder.rglob("*") if path.is_file())
 
     def end(self) -> None:
-        """Stop its work, and let go what no page asks for any more."""
+        """Stop its work, and remove the files of its pages."""
         for job in list(self.jobs):
             job.cancel()
         shutil.rmtree(self.folder / KEPT, ignore_errors=True)
 
 
 class Sessions:
-    """All sessions.
-
-    Parameters
-    ----------
-    folder : Path, optional
-        Where their folders are kept, for good; in a temporary folder that goes with the app where it is left out.
-    """
+    """All sessions, in a folder that stays, or in a temporary one that goes with the app."""
 
     def __init__(self, folder: Path | None = None) -> None:
         self._kept = folder is not None
@@ -169,7 +141,7 @@ class Sessions:
         self.secret = self._secret()
 
     def _secret(self) -> str:
-        """Return what signs the cookies: kept beside kept results, so that a restart knows the browsers again."""
+        """Return the key that signs the cookies: stored beside kept results, so that a restart knows the browsers."""
         place = self._home / SECRET
         if self._kept and place.is_file():
             return place.read_text("ascii").strip()
@@ -180,13 +152,7 @@ class Sessions:
         return secret
 
     def of(self, browser: str) -> Session:
-        """Return the session of a browser, by what its cookie says.
-
-        Raises
-        ------
-        FullError
-            If there are as many as may be, and somebody looks at each.
-        """
+        """Return the session of a browser, by its cookie; raise `FullError` if there are too many with open pages."""
         name = "session-" + hashlib.sha256(browser.encode()).hexdigest()[:16]
         if name not in self._open:
             self.end_idle()
@@ -207,7 +173,7 @@ class Sessions:
         self._end(min(unseen, key=lambda name: self._open[name].seen))
 
     def end_idle(self) -> None:
-        """End those that nobody has looked at for long."""
+        """End sessions without an open page for long."""
         now = time.monotonic()
         for name in [n for n, session in self._open.items() if not session.pages and now - session.seen > IDLE]:
             self._end(name)

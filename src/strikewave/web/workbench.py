@@ -1,4 +1,4 @@
-"""A page on which work is put together, begun and stopped: its form on the left, what came of it on the right."""
+"""The right side of a page on which work is begun and stopped, and its results."""
 
 from __future__ import annotations
 
@@ -17,15 +17,7 @@ from strikewave.web.sessions import Session
 
 
 class Workbench:
-    """The right side of such a page, and the work that fills it.
-
-    Parameters
-    ----------
-    session : Session
-        Whose work it is.
-    empty : str
-        Text of the page as long as nothing was done.
-    """
+    """The right side of such a page, and the work that fills it; ``empty`` is its text before any work."""
 
     def __init__(self, session: Session, empty: str) -> None:
         self.session = session
@@ -41,27 +33,20 @@ class Workbench:
         self.stop(quietly=True)
         self._job, self._todo, self.state.text = None, "", ""
         self._same.clear()
-        self._clear()
+        self._result.clear()
+        self._result.show_as(stale=False)
         with self._result:
             ui.label(self._empty).classes("sw-empty")
 
-    def _clear(self) -> None:
-        """Take away what is shown, and its mark."""
-        self._result.clear()
-        self._result.show_as(stale=False)
-
     def changed(self, todo: str) -> None:
-        """Mark what is shown as that of other settings, until somebody does this; nothing where nothing is shown."""
+        """Mark the results as those of other settings, until the user does ``todo``; nothing where none are shown."""
         self._todo = todo
         if self.state.text and self._job is None:
-            self._mark_as_old()
-
-    def _mark_as_old(self) -> None:
-        self._result.show_as(stale=True)
-        self.state.text = f"what is shown is of the settings before: {self._todo}"
+            self._result.show_as(stale=True)
+            self.state.text = f"what is shown is of the settings before: {todo}"
 
     def begin(self, function: str, *arguments: Any, same: Sequence[tuple[str, str]] = ()) -> None:
-        """Begin other work in the place of what is under way, and show the lines that do the same."""
+        """Begin other work in the place of the current one, and show the lines with the same result."""
         self.stop(quietly=True)
         self._show_same(same)
         self._result.show_as(stale=True, busy=True)
@@ -91,7 +76,8 @@ class Workbench:
         except StrikewaveError as error:
             if self._job is job:
                 self._job, self.state.text = None, "refused"
-                self._clear()
+                self._result.clear()
+                self._result.show_as(stale=False)
                 with self._result:
                     parts.shown(markup.refusal(str(error)))
             return
@@ -99,20 +85,21 @@ class Workbench:
             self._job, self.state.text = None, f"shown: {view['by']}"
             self.show(view)
             if self._todo:  # something was changed meanwhile
-                self._mark_as_old()
+                self.changed(self._todo)
 
     def stop(self, quietly: bool = False) -> None:
-        """Stop the work that is under way."""
+        """Stop the current work."""
         if self._job is not None:
             self._job.cancel()
         elif not quietly:
             ui.notify("nothing is under way")
 
     def show(self, view: dict[str, Any]) -> None:
-        """Show what came of it."""
+        """Show the result of the work."""
         if view.get("same"):
             self._show_same(view["same"])
-        self._clear()
+        self._result.clear()
+        self._result.show_as(stale=False)
         with self._result:
             parts.shown(
                 (markup.verdict(*view["verdict"]) if view.get("verdict") else "")
@@ -138,7 +125,7 @@ class Workbench:
                         ).props("outline dense no-caps")
 
     def _open(self, links: Sequence[str], event: Any) -> None:
-        """Open what a point of a diagram is of."""
+        """Open the page of a point of a diagram."""
         place = event.args[-1] if isinstance(event.args, list) and event.args else None
         if isinstance(place, int) and 0 <= place < len(links) and links[place]:
             ui.navigate.to(links[place])

@@ -27,14 +27,9 @@ NAMES = ("Stress at the section", "Velocity at the section")
 
 
 class SectionReadings:
-    """A section with its slider: stress and velocity there over time, of the run that is shown.
+    """A section with its slider: stress and velocity there over time, of the shown run.
 
-    Parameters
-    ----------
-    at : str
-        Where it stands at first, such as ``29 mm``; empty for the middle.
-    moved : callable
-        Called once it rests where it was moved.
+    ``at`` is its first place, such as ``29 mm``, empty for the middle; ``moved`` is called once it rests at another.
     """
 
     def __init__(self, at: str, moved: Callable[[], None]) -> None:
@@ -51,11 +46,11 @@ class SectionReadings:
 
     @property
     def query(self) -> list[tuple[str, str]]:
-        """What the address holds of it."""
+        """The part of the address with the section."""
         return [(KEY, self._asked)] if self._asked else []
 
     def show(self, sections: BarSections) -> None:
-        """Show another run, at the section where it was."""
+        """Show another run, at the same section."""
         self._sections = sections
         low, high = float(sections.position[0]), float(sections.position[-1])
         asked = _millimetres(self._asked)
@@ -83,7 +78,7 @@ class SectionReadings:
         self._rest.moved()
 
     def type(self, text: str) -> None:
-        """Move the section to a length that was typed; what is none is refused, and the section stays."""
+        """Move the section to a typed length; another text is refused, and the section stays."""
         place = _millimetres(text)
         if place is not None:
             self.move(place, typed=True)
@@ -92,7 +87,7 @@ class SectionReadings:
             self._slider.show(self._asked)
 
     def pick(self, event: Any) -> None:
-        """Move the section to where the x-t diagram was clicked."""
+        """Move the section to the clicked place of the x-t diagram."""
         cell = event.args
         if self._sections is not None and isinstance(cell, list) and len(cell) == 4:
             self.move(float(cell[3]), typed=True)
@@ -111,7 +106,7 @@ class SectionReadings:
 
 
 def _millimetres(text: str) -> float | None:
-    """Return a typed length in mm, which a bare number is; None for what is no length.
+    """Return a typed length in mm, the unit of a bare number; None for another text.
 
     Examples
     --------
@@ -129,7 +124,7 @@ def _millimetres(text: str) -> float | None:
 
 LAYERS = "strikewave.web.case_values"
 ENDING = "-layers"
-"""Ending of the name of a case whose layers were changed."""
+"""Ending of the name of a case with changed layers."""
 LOADED_FACE = "the loaded face"
 FIELDS = {
     "name": ("name of the layer", ""),
@@ -143,22 +138,12 @@ OWN = {
     "modulus": "modulus of its own, such as 24 GPa",
     "poissons_ratio": "Poisson's ratio, such as 0.3",
 }
-"""Fields for the numbers of the material, with their labels, where these are typed."""
+"""Fields for the numbers of a material that is not listed, with their labels."""
 NO_MATERIAL = "none: numbers of its own"
 
 
 class StackLayers:
-    """The layers of a bar from the loaded face on; a change of them is another case on the same page.
-
-    Parameters
-    ----------
-    desk : Desk
-    source : callable
-        Returns the state.
-    changed : callable
-        Takes the case with other layers.
-    listed : ListedStack
-    """
+    """The layers of a bar from the loaded face on; a change of them gives another case on the same page."""
 
     def __init__(
         self, desk: Desk, source: Callable[[], CaseSource], changed: Callable[[CaseState], Any], listed: ListedStack
@@ -189,23 +174,23 @@ class StackLayers:
             for place, row in enumerate(self.rows):
                 with ui.element("div").classes("sw-layer"):
                     ui.icon("drag_indicator").classes("sw-grip")
-                    ui.label(f"{row.layer}: {row.layer_words}").classes("sw-grow")
+                    ui.label(f"{row.layer}: {row.layer_label}").classes("sw-grow")
                     move = functools.partial(self._move_layer, place)
                     self._buttons(f"layer {row.layer}", move, "without_layer", row.layer)
                     if row.joint:
                         with ui.element("div").classes("sw-joint"):
-                            ui.label(f"joint: {row.joint_words}").classes("sw-grow")
+                            ui.label(f"joint: {row.joint_label}").classes("sw-grow")
                             move = functools.partial(self._move_joint, place)
                             self._buttons(f"joint behind {row.layer}", move, "without_joint", row.layer)
 
     def _buttons(self, what: str, move: Callable[[int], Any], without: str, layer: str) -> None:
-        for words, icon, do in (
+        for name, icon, do in (
             ("up", "arrow_upward", functools.partial(move, -1)),
             ("down", "arrow_downward", functools.partial(move, 1)),
             ("remove", "close", functools.partial(self._change, without, layer)),
         ):
             button = ui.button(icon=icon, on_click=do).props("flat dense round size=sm")
-            button.props(f'aria-label="{parts.html.escape(what)} {words}"')
+            button.props(f'aria-label="{parts.html.escape(what)} {name}"')
 
     def _layer_form(self, materials: list[str]) -> None:
         with ui.expansion("Add a layer").props("dense").classes("sw-full"):
@@ -226,7 +211,7 @@ class StackLayers:
             ui.button("add joint", icon="add", on_click=self._add_joint).props("outline dense no-caps")
 
     def _begin_properties(self) -> None:
-        """Let the properties begin from those of the kind that is chosen."""
+        """Set the properties to those of the chosen kind."""
         self._properties.value = JOINTS[str(self._kind.value)]
 
     async def _add_layer(self) -> None:
@@ -258,10 +243,10 @@ class StackLayers:
             joints[place], joints[place + step] = joints[place + step], joints[place]
             await self._change("rearranged", [row.layer for row in self.rows], joints)
 
-    async def _change(self, how: str, *given: Any) -> None:
+    async def _change(self, function: str, *arguments: Any) -> None:
         """Show the case that a function of `strikewave.web.case_values` makes of this one."""
         source = self.source()
-        text = await parts.tried(lambda: self.desk.lookers.ask(f"{LAYERS}:{how}", source, *given))
+        text = await parts.tried(lambda: self.desk.lookers.ask(f"{LAYERS}:{function}", source, *arguments))
         if text is None:
             self._build()  # as it was, where it was dragged
             return

@@ -1,4 +1,4 @@
-"""What the page of elements shows of a run, as plain values; it runs in processes of the app."""
+"""The page of elements: its view of a run as plain values, made in processes of the app."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from strikewave.reporting.animation import even_rows
 from strikewave.reporting.numbers import axis_unit, energy_unit, time_unit
 from strikewave.reporting.shown_result import shown_table
 from strikewave.web.case_state import CaseSource
-from strikewave.web.case_values import by_full_run, loaded, result_file, told
+from strikewave.web.case_values import full_run_label, loaded, notices_and_balance, result_file
 from strikewave.web.charts import ChartLine, colour, dash, line_chart, points
 from strikewave.web.jobs import Say
 
 RUN_SHARE = 0.8
-"""Share of the time that the run takes; the rest draws what is shown in motion."""
+"""Share of the time that the run takes; the pictures take the rest."""
 
 
 def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
@@ -43,13 +43,13 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
     )
     heads, rows = shown_table(solution)
     return {
-        "by": by_full_run(solution),
+        "by": full_run_label(solution),
         "figures": list(solution.highlights()),
         "charts": history_charts(solution),
         "tables": [("Parts", heads, rows, (0,))],
         "body": body_field(solution),
         "page": "" if movie is None else fem_page(movie, solution.title, case.name),
-        **told(solution),
+        **notices_and_balance(solution),
         "texts": solution.tables(),
     }
 
@@ -88,17 +88,17 @@ def files(source: CaseSource, wanted: str, say: Say | None = None) -> bytes:
 
 
 LARGEST = 24 << 20
-"""Bytes of a field that is sent to a page at most: the instants are fewer where the mesh is finer."""
+"""Most bytes of a field that is sent to a page: finer meshes have fewer instants."""
 LEVELS = 255
 """Steps of the scale of colours: a byte a face."""
 SHADES = 33
-"""Colours that are sent; between them the page fills in."""
+"""Colours that are sent; the page interpolates between them."""
 
 
 def body_field(solution: FemSolution) -> bytes:
-    """Return the moving surface as bytes: length of the head, head as JSON, then arrays; nothing where none was kept.
+    """Return the moving surface as bytes: length of the head, head as JSON, then arrays; empty without stored states.
 
-    The head names time, counts, and each field with its scale. The arrays are faces (faces, 4) as 32-bit places of
+    The head has time, counts, and each field with its scale. The arrays are faces (faces, 4) as 32-bit places of
     points, then for each instant the points (points, 3), mm, in single precision; then for each field and instant a
     byte a face, from the least to the largest of its scale. All are little-endian.
     """

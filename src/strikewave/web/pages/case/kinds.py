@@ -6,53 +6,25 @@ from typing import NamedTuple
 
 
 class CaseKind(NamedTuple):
-    """A kind of case that has a page.
+    """A kind of case that has a page."""
 
-    Attributes
-    ----------
-    place : str
-        Address of the page.
-    usual : str
-        The case that is shown at first.
-    program, call : str
-        The command, and the function of Python, that give the same.
-    view : str
-        Module of its `full`, and its `look`, which run in processes.
-    charts : tuple of (str, bool)
-        Content of each diagram, and True if it is as wide as the page; the last ones are hidden where a view has fewer.
-    main : tuple of str
-        Fields with sliders until it is known which matter most.
-    files : tuple of (str, str, str)
-        Files to download beside the case: words, icon, name of the file.
-    quick : bool
-        True if there is a first look.
-    waits : bool
-        True if a run takes so long that only a button starts it.
-    drawn : bool
-        True if there are drawings.
-    has_wishes : bool
-        True if settings are found for what is wanted of its blows.
-    is_layered : bool
-        True if it can be read at any section along its layers.
-    """
-
-    place: str
-    usual: str
-    program: str
-    call: str
-    view: str
-    charts: tuple[tuple[str, bool], ...]
-    main: tuple[str, ...]
-    files: tuple[tuple[str, str, str], ...]
-    quick: bool = False
-    waits: bool = False
-    drawn: bool = False
-    has_wishes: bool = False
-    is_layered: bool = False
+    place: str  # address of the page
+    usual: str  # the case that is shown at first
+    program: str  # command with the same result
+    call: str  # function of Python with the same result
+    view: str  # module of its `full` and its `look`, which run in processes
+    charts: tuple[tuple[str, bool], ...]  # content of each diagram, True if wide; the last are hidden where not needed
+    main: tuple[str, ...]  # fields with sliders until the most important ones are known
+    files: tuple[tuple[str, str, str], ...]  # downloads beside the case: label, icon, name of the file
+    quick: bool = False  # whether there is a first look
+    waits: bool = False  # whether a run takes so long that only a button starts it
+    drawn: bool = False  # whether there are drawings
+    has_wishes: bool = False  # whether settings can be searched for wanted blows
+    is_layered: bool = False  # whether it can be read at any section along its layers
 
 
 CASES = "strikewave.web.case_values"
-"""Module of what all kinds have in common, which runs in processes."""
+"""Module of the functions that all kinds share, which run in processes."""
 REPORTS = (("report (.html)", "article", "report.html"), ("report (.pdf)", "picture_as_pdf", "report.pdf"))
 MACHINE = CaseKind(
     place="/",

@@ -1,4 +1,4 @@
-"""What the page of machines shows of a run, as plain values; it runs in processes of the app."""
+"""The page of machines: its view of a run as plain values, made in processes of the app."""
 
 from __future__ import annotations
 
@@ -28,7 +28,6 @@ from strikewave.base.result import Band
 from strikewave.base.shock_quantities import ACCELERATION, FORCE, PULSE_WIDTH, RIGID_PEAK
 from strikewave.base.texts import percent
 from strikewave.base.units import in_unit
-from strikewave.cases.case import Case
 from strikewave.machines.blows import Blow
 from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import axis_unit, time_unit, with_unit
@@ -38,19 +37,19 @@ from strikewave.studies.search.plan import load_design
 from strikewave.studies.search.rotary import is_rotary
 from strikewave.studies.study_file import vary_texts
 from strikewave.web.case_state import CaseSource
-from strikewave.web.case_values import by_full_run, edited_fields, loaded, result_file, told
+from strikewave.web.case_values import edited_fields, full_run_label, loaded, notices_and_balance, result_file
 from strikewave.web.charts import ChartLine, line_chart, points, svg_of, train_chart
 from strikewave.web.jobs import Say
 
 OF_FIRST = ("rigid_peak", "width", "velocity_change")
-"""Numbers of the first blow that are shown."""
+"""Shown numbers of the first blow."""
 OF_BLOW = declarations(Blow)
 FIGURES = (
     *((f"first.{name}", OF_BLOW[name].headline, OF_BLOW[name].quantity) for name in OF_FIRST),
     ("typical.rigid_peak", "rigid peak, later blows", OF_BLOW["rigid_peak"].quantity),
     ("interval", declarations(Solution)["interval"].headline, INTERVAL),
 )
-"""The key numbers: name, words, what each measures."""
+"""Key numbers: name, label, quantity."""
 PUBLISHED = ("quantity", "origin", "role", "published", "computed", "difference")
 NOTHING = "No striker touches the object: more engagement, or another arrival of the feed."
 MOST_IMPORTANT = 6
@@ -58,7 +57,7 @@ MOST_IMPORTANT = 6
 
 
 def warm_kernels(say: Say) -> None:
-    """Run once what needs all kernels of machines, where they are not in the cache."""
+    """Run once everything that needs the kernels of machines, where the cache lacks them."""
     if is_cold("run_train"):
         source = CaseSource("li-ma-2019", "", (), "")
         look(source)
@@ -70,9 +69,8 @@ def look(source: CaseSource) -> dict[str, Any]:
     seen = quick_look(loaded(source))
     left_out = "; bodies only, without the waves of the stack" if seen.bodies_only else ""
     engine = "the fast engine" if seen.fast else f"its bodies, local error {PULSE_TOLERANCE:.0e}"
-    by = f"a first look by {engine}{left_out}; no bands yet"
     return {
-        "by": by,
+        "by": f"a first look by {engine}{left_out}; no bands yet",
         "figures": shown_figures(blow_results(seen.blows), {}),
         "charts": [*pulse_charts(seen.since, seen.force, seen.acceleration), *train(seen.blows, {})],
         "tables": [blow_rows(seen.blows, {})],
@@ -82,22 +80,21 @@ def look(source: CaseSource) -> dict[str, Any]:
 
 def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
     """Return a full run of a machine with the bands of its results."""
-    words = iter(("the run", "the bands of its results"))
-    word, last = next(words), 0.0
+    stage, last = "the run", 0.0
 
     def progress(share: float) -> None:
-        nonlocal word, last
-        if share < last:
-            word = next(words, word)
+        nonlocal stage, last
+        if share < last:  # the second stage begins at 0 again
+            stage = "the bands of its results"
         last = share
         if say is not None:
-            say(share, word)
+            say(share, stage)
 
     solution = run_case(loaded(source), progress, band=True)
     place = next((k for k, blow in enumerate(solution.blows) if blow.kind != "missed"), None)
     published = compared(solution)
     return {
-        "by": by_full_run(solution),
+        "by": full_run_label(solution),
         "figures": shown_figures(solution.figures, solution.band),
         "charts": [*pulse_charts(*_first_pulse(solution, place)), *train(solution.blows, solution.band)],
         "tables": [
@@ -105,7 +102,7 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
             *([("Compared with published values", PUBLISHED, published, (0, 1, 2))] if published else []),
         ],
         "nothing": NOTHING,
-        **told(solution),
+        **notices_and_balance(solution),
         "important": important(solution.band),
         "texts": {"blows.csv": solution.tables()["blows.csv"]},
     }
@@ -119,10 +116,10 @@ def files(source: CaseSource, wanted: str, say: Say | None = None) -> bytes:
 
 
 def drawings(source: CaseSource) -> list[tuple[bytes, str]]:
-    """Return the drawings of a machine as SVG, each with what it shows in words; none where it is not drawn."""
+    """Return the drawings of a machine as SVG with their captions; none for a kind without."""
     case = loaded(source)
     drawing = kind_of(case).drawing(case)
-    return [(svg_of(one.figure), one.caption) for one in (() if drawing is None else drawing.pictures)]
+    return [(svg_of(part.figure), part.caption) for part in (() if drawing is None else drawing.pictures)]
 
 
 def _first_pulse(solution: Solution, place: int | None) -> tuple[Any, Any, Any]:
@@ -131,8 +128,8 @@ def _first_pulse(solution: Solution, place: int | None) -> tuple[Any, Any, Any]:
     width = solution.blows[place].width
     time, force = blow_history(solution.arrays, place, "pulse_force")
     acceleration = blow_history(solution.arrays, place, "pulse_acceleration")[1]
-    kept = time <= (SHOWN_WIDTHS * width if width > 0.0 else time[-1])
-    return time[kept], force[kept], acceleration[kept]
+    shown = time <= (SHOWN_WIDTHS * width if width > 0.0 else time[-1])
+    return time[shown], force[shown], acceleration[shown]
 
 
 def pulse_charts(since: Any, force: Any, acceleration: Any) -> list[dict[str, Any]]:
@@ -150,58 +147,55 @@ def pulse_charts(since: Any, force: Any, acceleration: Any) -> list[dict[str, An
     return charts
 
 
-def train(found: Sequence[Any], bands: Mapping[str, Band]) -> list[dict[str, Any]]:
+def train(blows: Sequence[Any], bands: Mapping[str, Band]) -> list[dict[str, Any]]:
     """Return a diagram of the peaks of all blows, with the band of the later ones; none where one blow is all."""
-    if len(found) < 2:
+    if len(blows) < 2:
         return []
     size, name = axis_unit(*ACCELERATION.units)
     band = bands.get("typical.rigid_peak")
-    bars = [[b.index, round(b.rigid_peak / size, 2) if b.kind != "missed" else 0.0, b.kind] for b in found]
+    bars = [[b.index, round(b.rigid_peak / size, 2) if b.kind != "missed" else 0.0, b.kind] for b in blows]
     ends = None if band is None else [band.low / size, band.high / size]
     return [train_chart("Train of blows", name, bars, ends)]
 
 
 def blow_rows(
-    found: Sequence[Any], bands: Mapping[str, Band]
+    blows: Sequence[Any], bands: Mapping[str, Band]
 ) -> tuple[str, list[str], list[list[str]], tuple[int, ...]]:
     """Return the table of blows; that of a first look has fewer columns."""
-    columns = blow_columns("blows", found, bands)
-    if found and not isinstance(found[0], Blow):
-        there = {one.name for one in dataclasses.fields(found[0])}
-        columns = [c for c in columns if c.si == "" or _field(c.name) in there]
+    columns = blow_columns("blows", blows, bands)
+    if blows and not isinstance(blows[0], Blow):
+        there = {field.name for field in dataclasses.fields(blows[0])}
+        fields = {column.name: column.name.replace(" ", "_") for column in columns} | {"pulse width at 10 %": "width"}
+        columns = [column for column in columns if column.si == "" or fields[column.name] in there]
     rows = [list(row) for row in zip(*(column.texts() for column in columns), strict=True)]
     return "Blows", [column.head for column in columns], rows, ()
 
 
-def _field(name: str) -> str:
-    return {"pulse width at 10 %": "width"}.get(name, name.replace(" ", "_"))
-
-
 def shown_figures(figures: Mapping[str, float], bands: Mapping[str, Band]) -> list[tuple[str, str]]:
-    """Return the key numbers, each in words with its band where one is known."""
+    """Return the key numbers as texts, each with its band where one is known."""
     return [
-        (words, amount(quantity, figures[name], bands.get(name)))
-        for name, words, quantity in FIGURES
+        (label, amount(quantity, figures[name], bands.get(name)))
+        for name, label, quantity in FIGURES
         if name in figures
     ]
 
 
 def important(bands: Mapping[str, Band]) -> list[str]:
-    """Return the fields to which the bands of the results owe most, the largest share first."""
+    """Return the fields with the largest shares of the bands of the results, the largest first."""
     shares: dict[str, float] = {}
     for band in bands.values():
-        for one in band.inputs:
-            shares[one.field] = shares.get(one.field, 0.0) + one.share
+        for entry in band.inputs:
+            shares[entry.field] = shares.get(entry.field, 0.0) + entry.share
     return sorted(shares, key=lambda path: -shares[path])[:MOST_IMPORTANT]
 
 
 def compared(solution: Solution) -> list[list[str]]:
-    """Return the comparison with published values as rows of words."""
+    """Return the comparison with published values as rows of texts."""
     rows = []
-    for one in solution.comparisons:
-        values = [with_unit(value, *one.measured.units) for value in (one.published, one.computed)]
-        difference = NONE if one.difference is None else percent(one.difference, 1, "+")
-        rows.append([one.quantity, one.measured_or_simulated, one.role, *values, difference])
+    for row in solution.comparisons:
+        values = [with_unit(value, *row.measured.units) for value in (row.published, row.computed)]
+        difference = NONE if row.difference is None else percent(row.difference, 1, "+")
+        rows.append([row.quantity, row.measured_or_simulated, row.role, *values, difference])
     return rows
 
 
@@ -212,15 +206,15 @@ NOW = (
 )
 """Results of the blows that can be asked for: key of the form, name of the result, quantity."""
 STUDY = Path(strikewave.__file__).parent / "examples" / "studies" / "equal-blows.toml"
-"""Study that defines equal blows and the supports of the object that are tried, as shares of that of its case."""
+"""Study that defines equal blows and the tried supports of the object, as shares of that of its case."""
 ANY_MACHINE = re.compile(r"(%|= 0|smallest)$")
 """Ends of goals without a quantity: a force or a length is a limit of the machine of that study alone."""
 RUNS = 300
-"""Runs of a page: fewer than of the study, for somebody waits."""
+"""Runs of a page: fewer than of the study, since the user waits."""
 
 
 def wishes(source: CaseSource) -> dict[str, dict[str, list[str]]]:
-    """Return what stands in the forms at first, by study and key: the blows as they are, and the support to be varied.
+    """Return the first texts of the forms, by study and key: the blows as they are, and the support to be varied.
 
     Examples
     --------
@@ -228,19 +222,17 @@ def wishes(source: CaseSource) -> dict[str, dict[str, list[str]]]:
     'object.damper=20..120 N s/m'
     """
     case = loaded(source)
+    if not is_rotary(case):
+        return {}
     figures = blow_results(quick_look(case).blows)
     now = {key: [f"{in_unit(figures[name], *of.units):.4g} {of.usual}"] for key, name, of in NOW if name in figures}
-    return {"settings": now, "design": _equal_blows(case)} if is_rotary(case) else {}
-
-
-def _equal_blows(case: Case) -> dict[str, list[str]]:
-    """Return what the study of equal blows asks, its ranges in proportion to the support of another case."""
     study, fields, ranges = load_design(STUDY), edited_fields(case), []
-    for text in vary_texts(study.file.vary):
+    for text in vary_texts(study.file.vary):  # in proportion to the support of this case
         axis = read_variable(study.case, text).axis
-        one, of_study = fields.get(axis.path), study.case.values()[axis.path].si
-        if one is not None and one.value > 0.0:
-            low, high = (f"{end / of_study * one.value:.4g}" for end in (axis.values[0], axis.values[-1]))
-            ranges.append(f"{axis.path}={low}..{high} {one.unit}".strip())
+        field, of_study = fields.get(axis.path), study.case.values()[axis.path].si
+        if field is not None and field.value > 0.0:
+            low, high = (f"{end / of_study * field.value:.4g}" for end in (axis.values[0], axis.values[-1]))
+            ranges.append(f"{axis.path}={low}..{high} {field.unit}".strip())
     goals = [goal for goal in study.file.goals if ANY_MACHINE.search(goal)]
-    return {"vary": ranges, "goals": goals, "analysis": [study.file.analysis], "runs": [str(RUNS)]}
+    design = {"vary": ranges, "goals": goals, "analysis": [study.file.analysis], "runs": [str(RUNS)]}
+    return {"settings": now, "design": design}

@@ -1,11 +1,11 @@
-"""A page of one case: settings on the left, what they do on the right."""
+"""A page of one case: settings on the left, results on the right."""
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from nicegui import Client, background_tasks, ui
 from starlette.requests import Request
@@ -25,14 +25,14 @@ from strikewave.web.sessions import Session, clean_name
 from strikewave.web.workbench import Workbench
 
 FOLDER = "cases"
-"""Folder, of each session, of what is dropped on the pages of cases."""
+"""Folder, in each session, of the files dropped on the pages of cases."""
 MOST_UNDONE = 100
 BESIDE = "beside"
 """Key of the address for the changes of the state that is kept beside."""
 ROTARY = "machine.strikers"
-"""Path that only rotary machines have: settings are found for these."""
+"""Path that only rotary machines have, for which settings can be searched."""
 _important: dict[str, list[str]] = {}
-"""Fields that matter most by case, as its last full run found them."""
+"""Most important fields by case, from its last full run."""
 MOST_REMEMBERED = 64
 
 
@@ -44,22 +44,19 @@ def add(desk: Desk, kind: CaseKind) -> None:
         given = list(request.query_params.multi_items())
 
         async def asked(session: Session) -> tuple[CaseState, Mapping[str, str], dict[str, Any]]:
-            state, kept = CaseState.read(given, kind.usual), CaseState.read(given, kind.usual, BESIDE).changes
-            return (
-                state,
-                kept,
-                await desk.lookers.ask(f"{CASES}:opened", state.source(session.place(FOLDER)), kind.program),
-            )
+            state, beside = CaseState.read(given, kind.usual), CaseState.read(given, kind.usual, BESIDE).changes
+            source = state.source(session.place(FOLDER))
+            return state, beside, await desk.lookers.ask(f"{CASES}:opened", source, kind.program)
 
         opened = await desk.open_page(kind.place, client, asked)
         if opened is not None:
-            session, (state, kept, known) = opened
-            shown = CasePage(desk, session, kind, state, known, dict(given).get(SECTION, ""))
-            shown.begin(kept if BESIDE in dict(given) else None)
+            session, (state, beside, content) = opened
+            shown = CasePage(desk, session, kind, state, content, dict(given).get(SECTION, ""))
+            shown.begin(beside if BESIDE in dict(given) else None)
 
 
 class CasePage:
-    """One open page: its state, and how it changes."""
+    """One open page: its state, and its changes."""
 
     def __init__(
         self, desk: Desk, session: Session, kind: CaseKind, state: CaseState, opened: dict[str, Any], section: str
@@ -69,16 +66,7 @@ class CasePage:
         self.beside: CaseState | None = None
         with ui.element("main").classes("sw-page").props('id="main"'):
             with ui.element("div").classes("sw-side"):
-                self.side = CaseSide(
-                    kind,
-                    self._actions(),
-                    lambda label: DroppedFiles(session, FOLDER, label, self._dropped),
-                    opened["titles"],
-                    opened["fields"],
-                    state,
-                    opened["values"],
-                    _important.get(self._name, ()),
-                )
+                self.side = CaseSide(self, opened, _important.get(self._name, ()))
                 stack = opened["stack"]
                 self.layers = StackLayers(desk, self._source, self.set, stack) if stack else None
             with ui.element("div").classes("sw-main"):
@@ -92,23 +80,15 @@ class CasePage:
         ui.keyboard(self._key, ignore=["input", "select", "textarea"])
         self._same()
 
-    def _actions(self) -> SideActions:
-        return SideActions(
-            moved=self.move,
-            typed=self.type,
-            chosen=self.open,
-            undo=self.undo,
-            reset=self.reset,
-            keep_beside=self.keep_beside,
-            run=self.run,
-            stop=self.stop,
-        )
+    def drop_zone(self, label: str) -> DroppedFiles:
+        """Make the field for dropped files."""
+        return DroppedFiles(self.session, FOLDER, label, self._dropped)
 
     def _source(self, state: CaseState | None = None) -> CaseSource:
         return (state or self.state).source(self.session.place(FOLDER))
 
     def begin(self, beside: Mapping[str, str] | None) -> None:
-        """Show what the address asks for, and beside it what it keeps."""
+        """Show the state of the address, and beside it the one that it keeps."""
         if self.kind.waits:
             self.shown.say("nothing is run yet: press run")
             return
@@ -146,7 +126,7 @@ class CasePage:
         self._change(self.state.without(path) if text == usual else self.state.changed(path, text))
 
     async def type(self, path: str, text: str) -> None:
-        """Set a field to what was typed; what is refused says why, and the field keeps what it had."""
+        """Set a field to a typed text; a refused one says why, and the field stays as it was."""
         field, before = self.side.fields[path], self.side.typed(path)
         typed, usual = field.with_unit(text), field.typed
         if typed == before:
@@ -156,7 +136,7 @@ class CasePage:
         self.side.show_typed(path)
 
     async def set(self, state: CaseState) -> None:
-        """Show another state, where it can be one: of this case, or with other layers."""
+        """Show another state, where it is valid: of this case, or with other layers."""
         if await self._filled(state):
             self._remember()
             self._change(state)
@@ -190,7 +170,7 @@ class CasePage:
             self._change(state)
 
     async def reset(self) -> None:
-        """Go back to the case as it is."""
+        """Go back to the case without changes."""
         await self.set(CaseState(self.state.name, self.state.text))
 
     async def _key(self, event: Any) -> None:
@@ -202,21 +182,21 @@ class CasePage:
         self.runs.run()
 
     def stop(self) -> None:
-        """Stop the run that is under way."""
+        """Stop the current run."""
         self.runs.stop()
 
     def keep_beside(self) -> None:
-        """Keep this state, to be compared with what is changed next; a second press lets it go."""
+        """Keep this state, to be compared with later ones; a second press lets it go."""
         self.beside = self.state if self.beside is None else None
         self.shown.keep_beside(None if self.beside is None else self.shown.view or None)
         if self.beside is not None and not self.runs.is_full and not self.kind.waits:
             background_tasks.create(self._run_beside(self.beside), name="beside")
         self._link()
 
-    async def _run_beside(self, kept: CaseState) -> None:
+    async def _run_beside(self, state: CaseState) -> None:
         """Show the full run of the state that is kept beside, unless it was let go meanwhile."""
-        view = await self.runs.full_view(self._source(kept))
-        if view is not None and self.beside == kept:
+        view = await self.runs.full_view(self._source(state))
+        if view is not None and self.beside == state:
             self.shown.keep_beside(view)
 
     # what follows from it
@@ -226,12 +206,12 @@ class CasePage:
         self.runs.follow(self._source())
 
     def _rested(self) -> None:
-        """Have the address hold the state, and the command lines with it."""
+        """Put the state into the address and the command lines."""
         self._link()
         self._same()
 
     def _finished(self, view: dict[str, Any]) -> None:
-        """Have sliders for what matters most, once a full run has found it."""
+        """Give sliders to the most important fields, once a full run has found them."""
         if self._name not in _important and view.get("important"):
             if len(_important) >= MOST_REMEMBERED:
                 _important.pop(next(iter(_important)))
@@ -240,7 +220,7 @@ class CasePage:
 
     @property
     def _name(self) -> str:
-        """What the case is known by, whatever is changed in it."""
+        """Key of the case, whatever is changed in it."""
         return self.state.text or self.state.name
 
     def _link(self) -> None:
@@ -252,7 +232,7 @@ class CasePage:
             ui.navigate.history.replace(address(self.kind.place, query))
 
     def _same(self) -> None:
-        """Show the command and the lines that give the same."""
+        """Show the command and the lines with the same result."""
         self.same.clear()
         with self.same, parts.box("The same without this page"):
             if self.state.text:
@@ -263,61 +243,22 @@ class CasePage:
 
 
 ONLY_TYPED = ("solver", "recorder")
-"""Tables whose quantities are no matter of a hand on a slider."""
+"""Tables whose quantities have no sliders: nobody tries these out by hand."""
 MOST_GUESSED = 6
-"""Fields with sliders of a case of which nothing is said."""
-
-
-class SideActions(NamedTuple):
-    """What the left side asks of its page: a field moved or typed, one step back, and what the buttons do."""
-
-    moved: Callable[[str, float], Any]
-    typed: Callable[[str, str], Any]
-    chosen: Callable[[CaseState], Any]
-    undo: Callable[[], Any]
-    reset: Callable[[], Any]
-    keep_beside: Callable[[], Any]
-    run: Callable[[], Any]
-    stop: Callable[[], Any]
+"""Fields with sliders of a case without main settings."""
 
 
 class CaseSide:
-    """The left side of a page.
+    """The left side of a page; ``important`` are its most important fields, empty until they are known."""
 
-    Parameters
-    ----------
-    kind : CaseKind
-    actions : SideActions
-    drop_zone : callable
-        Makes the field that files are dropped on, of its label.
-    titles : mapping of str to str
-        The built-in cases.
-    fields : mapping of str to EditedField
-    state : CaseState
-        State that is shown at first.
-    values : mapping of str to float
-        Its quantities, SI, by path.
-    important : sequence of str
-        Fields that are known to matter most; empty where that is not known yet.
-    """
-
-    def __init__(
-        self,
-        kind: CaseKind,
-        actions: SideActions,
-        drop_zone: Callable[[str], object],
-        titles: Mapping[str, str],
-        fields: Mapping[str, EditedField],
-        state: CaseState,
-        values: Mapping[str, float],
-        important: Sequence[str],
-    ) -> None:
-        self.kind, self.actions, self.fields = kind, actions, fields
-        self.state, self.values = state, dict(values)
+    def __init__(self, page: CasePage, opened: dict[str, Any], important: Sequence[str]) -> None:
+        self.page, self.kind, self.state = page, page.kind, page.state
+        self.fields: Mapping[str, EditedField] = opened["fields"]
+        self.values: dict[str, float] = dict(opened["values"])  # SI, by path
         self.important = important
         self._shown: dict[str, LiveField] = {}
-        self._titles = titles
-        self._choice(drop_zone)
+        self._titles: Mapping[str, str] = opened["titles"]
+        self._choice()
         self._place = ui.element("div").classes("sw-side")
         self.build()
 
@@ -328,28 +269,28 @@ class CaseSide:
 
     async def _chosen(self, event: Any) -> None:
         if event.value != self.state.name:
-            await self.actions.chosen(CaseState(str(event.value)))
+            await self.page.open(CaseState(str(event.value)))
 
-    def _choice(self, drop_zone: Callable[[str], object]) -> None:
+    def _choice(self) -> None:
         with parts.box("Case"):
             self._select = ui.select(
                 self._options(), value=self.state.name, label="built-in case", on_change=self._chosen
             )
             self._select.props("dense outlined options-dense").classes("sw-full")
-            drop_zone("or drop a case file (.toml)")
+            self.page.drop_zone("or drop a case file (.toml)")
             with ui.element("div").classes("sw-row sw-gap"):
                 if self.kind.waits:
-                    ui.button("run", icon="play_arrow", on_click=self.actions.run).props("unelevated dense no-caps")
-                    ui.button("stop", icon="stop", on_click=self.actions.stop).props("outline dense no-caps")
-                for words, icon, do, hint in (
-                    ("undo", "undo", self.actions.undo, "Ctrl+Z"),
-                    ("as the case", "restart_alt", self.actions.reset, "undo all changes"),
-                    ("keep beside", "compare", self.actions.keep_beside, "compare with what you change next"),
+                    ui.button("run", icon="play_arrow", on_click=self.page.run).props("unelevated dense no-caps")
+                    ui.button("stop", icon="stop", on_click=self.page.stop).props("outline dense no-caps")
+                for name, icon, do, hint in (
+                    ("undo", "undo", self.page.undo, "Ctrl+Z"),
+                    ("as the case", "restart_alt", self.page.reset, "undo all changes"),
+                    ("keep beside", "compare", self.page.keep_beside, "compare with what you change next"),
                 ):
-                    ui.button(words, icon=icon, on_click=do).props("flat dense no-caps").tooltip(hint)
+                    ui.button(name, icon=icon, on_click=do).props("flat dense no-caps").tooltip(hint)
 
     def build(self) -> None:
-        """Put the fields on the page: those that matter most with sliders, the rest folded by tables."""
+        """Put the fields on the page: the most important with sliders, the rest folded by tables."""
         self._place.clear()
         self._shown = {}
         important = [path for path in self.important if path in self.fields]
@@ -371,19 +312,19 @@ class CaseSide:
 
     def _field(self, path: str, has_slider: bool) -> None:
         shown = LiveField(self.fields[path], self.typed(path), self._number(path), has_slider)
-        shown.on_move(functools.partial(self.actions.moved, path))
-        shown.on_type(functools.partial(self.actions.typed, path))
-        shown.on("back", self.actions.undo)
+        shown.on_move(functools.partial(self.page.move, path))
+        shown.on_type(functools.partial(self.page.type, path))
+        shown.on("back", self.page.undo)
         self._shown[path] = shown
 
     def typed(self, path: str) -> str:
-        """Return what stands in a field."""
+        """Return the text in a field."""
         return self.state.changes.get(path, self.fields[path].typed)
 
     def _number(self, path: str) -> float:
         """Return the value of a field in the unit of its slider."""
-        one = self.fields[path]
-        return one.shown(self.values[path]) if path in self.values else one.value
+        field = self.fields[path]
+        return field.shown(self.values[path]) if path in self.values else field.value
 
     def show(self, state: CaseState, values: Mapping[str, float]) -> None:
         """Show another state in all fields."""
@@ -398,11 +339,11 @@ class CaseSide:
         self.build()
 
     def show_typed(self, path: str) -> None:
-        """Show what a field holds, where something else was typed."""
+        """Show the text of a field, where something else was typed."""
         self._shown[path].show(self.typed(path), self._number(path))
 
     def show_moved(self, path: str, value: float) -> str:
-        """Show in words where the slider of a field was moved to, and return them."""
+        """Show the value of a moved slider as text, and return it."""
         text = self.fields[path].text(value)
         self.values[path] = value * self.fields[path].scale
         self._shown[path].show(text)
@@ -410,17 +351,7 @@ class CaseSide:
 
 
 class CaseFiles:
-    """Buttons for what can be taken away.
-
-    Parameters
-    ----------
-    desk, session, kind
-        Of the page.
-    source : callable
-        Returns the state.
-    view : callable
-        Returns what is shown of it.
-    """
+    """Buttons for downloads; ``source`` returns the state, ``view`` the shown view of it."""
 
     def __init__(
         self,
@@ -478,15 +409,7 @@ STUDY = "strikewave.web.pages.study.view:study"
 
 
 class WantedBlows:
-    """Forms for what the blows shall be, each with its button; what is found is opened by a link.
-
-    Parameters
-    ----------
-    desk, session
-        Of the page.
-    source : callable
-        Returns the state, in the folder of its files.
-    """
+    """Forms for wanted blows, each with its button; results are opened by a link. ``source`` returns the state."""
 
     def __init__(self, desk: Desk, session: Session, source: Callable[[], CaseSource]) -> None:
         self.desk, self.session, self.source = desk, session, source
@@ -512,7 +435,7 @@ class WantedBlows:
             ui.button(button, icon="search", on_click=lambda: self.begin(kind)).props("unelevated dense no-caps")
 
     async def _fill(self, event: object) -> None:
-        """Fill in what the blows are now, and what may be changed, where nothing was typed."""
+        """Fill in the blows as they are, and the variable settings, where nothing was typed."""
         if not self._folded.value:
             return
         wishes = await parts.tried(lambda: self.desk.lookers.ask(WISHES, self.source()))
@@ -521,7 +444,7 @@ class WantedBlows:
                 box.value = "\n".join(wishes.get(kind, {}).get(key, ()))
 
     def begin(self, kind: str) -> None:
-        """Look for settings."""
+        """Search for settings."""
         texts = tuple(
             (key, tuple(str(box.value or "").splitlines())) for (of, key), box in self._boxes.items() if of == kind
         )
@@ -530,5 +453,5 @@ class WantedBlows:
         self.bench.begin(STUDY, asked, same=asked.commands())
 
     def stop(self) -> None:
-        """Stop looking."""
+        """Stop the search."""
         self.bench.stop()

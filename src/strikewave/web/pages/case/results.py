@@ -1,4 +1,4 @@
-"""What is run for a page of a case, and what the page shows of it; beside it another state."""
+"""The runs of a page of a case and their results, with another state beside them."""
 
 from __future__ import annotations
 
@@ -22,17 +22,7 @@ from strikewave.web.sessions import Session
 
 
 class CaseShown:
-    """The right side of a page.
-
-    Parameters
-    ----------
-    session : Session
-    kind : CaseKind
-    section : str
-        Where readings of a bar are taken at first, as the address has it.
-    moved : callable
-        Called when that was changed.
-    """
+    """The right side of a page; ``section`` is the first place of a bar's readings, ``moved`` follows changes."""
 
     def __init__(self, session: Session, kind: CaseKind, section: str, moved: Callable[[], None]) -> None:
         self.session, self.kind = session, kind
@@ -42,23 +32,18 @@ class CaseShown:
         self._refused = LiveHtml().classes("sw-full")
         self._results = MarkedResult()
         with self._results:
-            self._build(section, moved)
-
-    def _build(self, section: str, moved: Callable[[], None]) -> None:
-        """Put what results are shown in on the page."""
-        kind = self.kind
-        self._key = LiveHtml().classes("sw-full")
-        self._body = ui.element("div").classes("sw-full")
-        self._drawn = ui.element("div").classes("sw-charts")
-        empty = line_chart("", "", "", [])
-        with self._drawn:
-            self._charts = [parts.chart(empty, label, wide=wide) for label, wide in kind.charts]
-        self._drawn.set_visibility(not kind.waits)
-        self.section = SectionReadings(section, moved) if kind.is_layered else None
-        if self.section is not None:
-            self._charts[0].on("pick", self.section.pick)
-        self._frame = ui.element("div").classes("sw-full")
-        self._tables, self._checks = LiveHtml().classes("sw-main"), LiveHtml().classes("sw-main")
+            self._key = LiveHtml().classes("sw-full")
+            self._body = ui.element("div").classes("sw-full")
+            self._drawn = ui.element("div").classes("sw-charts")
+            empty = line_chart("", "", "", [])
+            with self._drawn:
+                self._charts = [parts.chart(empty, label, wide=wide) for label, wide in kind.charts]
+            self._drawn.set_visibility(not kind.waits)
+            self.section = SectionReadings(section, moved) if kind.is_layered else None
+            if self.section is not None:
+                self._charts[0].on("pick", self.section.pick)
+            self._frame = ui.element("div").classes("sw-full")
+            self._tables, self._checks = LiveHtml().classes("sw-main"), LiveHtml().classes("sw-main")
 
     @property
     def is_gone(self) -> bool:
@@ -66,15 +51,15 @@ class CaseShown:
         return self._drawn.is_deleted
 
     def say(self, text: str) -> None:
-        """Say what is shown, and what is under way."""
+        """Show the label of the results, and of the current work."""
         self._state.show(escape(text))
 
     def mark(self, stale: bool | None = None, busy: bool = False) -> None:
-        """Mark what is shown as that of another state, or no longer so, and whether it is being computed."""
+        """Mark the results as of another state or not, and as being computed or not."""
         self._results.show_as(self._results.is_stale if stale is None else stale, busy)
 
     def refuse(self, message: str) -> None:
-        """Say why the state that was asked for is not shown."""
+        """Show why the requested state has no results."""
         self.mark()
         self.say("shown: the last state that could be run")
         self._refused.show(markup.refusal(message))
@@ -96,7 +81,14 @@ class CaseShown:
                 drawn.show(with_beside(options, other) if other else options)
         self._drawn.set_visibility(True)
         self._refused.show("")
-        self._key.show(self._numbers(view, beside))
+        if beside:
+            now, then = dict(view["figures"]), dict(beside["figures"])
+            rows = [[name, now.get(name, "–"), then.get(name, "–")] for name in {**now, **then}]
+            self._key.show(markup.table("compared", ["", "now", "kept beside"], rows))
+        elif view["figures"]:
+            self._key.show(markup.key_numbers(view["figures"]))
+        else:
+            self._key.show(markup.nothing(view.get("nothing", "")))
         self._tables.show(markup.tables(view["tables"]))
         self._checks.show(markup.checks(view.get("balance", ()), view.get("notices", ())))
         if self.section is not None:
@@ -104,40 +96,18 @@ class CaseShown:
         if view.get("body"):
             self._body.clear()
             with self._body:
-                LiveBody(parts.kept(self.session, "field.bin", view["body"]), "the bodies in three dimensions")
+                LiveBody(parts.page_file(self.session, "field.bin", view["body"]), "the bodies in three dimensions")
         if view.get("page"):
             self._frame.clear()
             with self._frame:
-                parts.kept_page(self.session, "animation.html", view["page"], "the run in motion")
-
-    def _numbers(self, view: dict[str, Any], beside: dict[str, Any] | None) -> str:
-        if beside:
-            now, then = dict(view["figures"]), dict(beside["figures"])
-            rows = [[name, now.get(name, "–"), then.get(name, "–")] for name in {**now, **then}]
-            return markup.table("compared", ["", "now", "kept beside"], rows)
-        return markup.key_numbers(view["figures"]) if view["figures"] else markup.nothing(view.get("nothing", ""))
+                parts.nested_page(self.session, "animation.html", view["page"], "the run in motion")
 
 
 class CaseRuns:
-    """What is run for a page.
+    """The runs of a page: a first look while a hand moves, and the full run once it rests.
 
-    Parameters
-    ----------
-    desk, session, kind
-        Of the page.
-    shown : CaseShown
-        Part of the page that shows the runs.
-    source : CaseSource
-        The state at first.
-    rested : callable
-        Called when a full run begins.
-    finished : callable
-        Called with its view.
-
-    Attributes
-    ----------
-    is_full : bool
-        True if the full run of the state is shown, not a first look at it.
+    ``rested`` is called when a full run begins, ``finished`` with its view; ``is_full`` is True while the full run of
+    the state is shown.
     """
 
     def __init__(
@@ -163,7 +133,7 @@ class CaseRuns:
         return self._rest.is_moving
 
     def follow(self, source: CaseSource) -> None:
-        """Show another state by a first look; where one is under way, the last state is looked at after it."""
+        """Show another state by a first look; a state that comes during one is looked at after it."""
         self.source, self.is_full = source, False
         if self._job is not None:
             self._job.cancel()
@@ -195,7 +165,7 @@ class CaseRuns:
             self._looking = False
 
     async def full_view(self, source: CaseSource) -> dict[str, Any] | None:
-        """Return the full run of a state that is kept beside; None where it is refused: the page says why."""
+        """Return the full run of a state that is kept beside; None where it is refused, and the page says why."""
         try:
             return await started(self.session, PageJob(f"{self.kind.view}:full", source))
         except StrikewaveError as error:
@@ -239,13 +209,13 @@ class CaseRuns:
             self._finished(view)
 
     def leave(self) -> None:
-        """Stop all, for nobody looks at it."""
+        """Stop all runs, for the page is left."""
         self._rest.stop()
         if self._job is not None:
             self._job.cancel()
 
     def stop(self) -> None:
-        """Stop the run that is under way."""
+        """Stop the current run."""
         if self._job is None:
             ui.notify("nothing is under way")
         else:

@@ -1,4 +1,4 @@
-"""What the page of layered bars shows of a run, as plain values; it runs in processes of the app."""
+"""The page of layered bars: its view of a run as plain values, made in processes of the app."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from strikewave.reporting.faces import text_of
 from strikewave.reporting.numbers import axis_unit, time_unit
 from strikewave.reporting.shown_result import shown_table
 from strikewave.web.case_state import BarSections, CaseSource
-from strikewave.web.case_values import by_full_run, loaded, result_file, told
+from strikewave.web.case_values import full_run_label, loaded, notices_and_balance, result_file
 from strikewave.web.charts import ChartLine, colour, heat_chart, line_chart, points
 from strikewave.web.jobs import Say
 
 FIELD_TIMES, FIELD_PLACES = 120, 48
 """Cells of the x-t diagram: each is 7 pixels wide on a desk, and a page of so many opens at once."""
 SECTION_TIMES, SECTION_PLACES = 1000, 120
-"""Instants and places that a page keeps of the field: a megabyte."""
+"""Instants and places of the field on a page: a megabyte."""
 MOST_TAPS = 5
 """Taps in one diagram: as many as there are colours."""
 
@@ -31,25 +31,24 @@ def full(source: CaseSource, say: Say | None = None) -> dict[str, Any]:
     solution = run_wave(loaded(source))
     heads, rows = shown_table(solution)
     heads = [head.replace("peaks.", "peak ") for head in heads]
-    figures = [(name, text) for name, text in solution.highlights()]
     sensors = [
         [name, text_of(pulse, "peak"), text_of(pulse, "width"), "yes" if pulse.clipped else "no"]
         for name, pulse in solution.sensors.items()
     ]
     layers = [
-        [text_of(one, name) for name in ("name", "length_asked", "length_used", "steps")]
-        for one in solution.waves.layers
+        [text_of(layer, name) for name in ("name", "length_asked", "length_used", "steps")]
+        for layer in solution.waves.layers
     ]
     return {
-        "by": by_full_run(solution),
-        "figures": figures,
+        "by": full_run_label(solution),
+        "figures": list(solution.highlights()),
         "charts": [field_chart(solution), *tap_charts(solution)],
         "tables": [
             ("At the taps", heads, rows, ()),
             *([("Sensors", ["sensor", "peak", "width", "clipped"], sensors, (0,))] if sensors else []),
             ("Layers", ["layer", "length asked", "length used", "steps"], layers, (0,)),
         ],
-        **told(solution),
+        **notices_and_balance(solution),
         "sections": sections(solution),
         "texts": solution.tables(),
     }
@@ -88,10 +87,13 @@ def sections(solution: WaveSolution) -> BarSections:
     field = field_of_solution(solution)
     layers = solution.run.stack.layers
     areas = np.array([layers[layer].area for layer in field.layer])
-    times, places = _spread(len(field.time), SECTION_TIMES), _spread(len(field.position), SECTION_PLACES)
+    times, places = (
+        sorted({round(k) for k in np.linspace(0, count - 1, min(count, most))})
+        for count, most in ((len(field.time), SECTION_TIMES), (len(field.position), SECTION_PLACES))
+    )
     (second, time_name), (pascal, stress_name) = time_unit(float(field.time[-1])), axis_unit(*STRESS.units)
     speed, speed_name = axis_unit(*VELOCITY.units)
-    kept = np.ix_(times, places)
+    shown = np.ix_(times, places)
     velocity = np.zeros_like(field.force) if field.velocity is None else field.velocity
     labels = (f"time ({time_name})", f"stress ({stress_name})", f"velocity ({speed_name})")
     names = tuple(layers[field.layer[place]].name for place in places)
@@ -99,14 +101,14 @@ def sections(solution: WaveSolution) -> BarSections:
         (field.time[times] / second).astype(np.float32),
         1e3 * field.position[places],
         names,
-        (field.force / areas / pascal)[kept].astype(np.float32),
-        (velocity / speed)[kept].astype(np.float32),
+        (field.force / areas / pascal)[shown].astype(np.float32),
+        (velocity / speed)[shown].astype(np.float32),
         labels,
     )
 
 
 def tap_charts(solution: WaveSolution) -> list[dict[str, Any]]:
-    """Return stress and acceleration at the taps, with what the sensors kept."""
+    """Return stress and acceleration at the taps, with the readings of the sensors."""
     time = solution.run.time
     second, time_name = time_unit(float(time[-1]))
     (pascal, stress_name), (size, name) = axis_unit(*STRESS.units), axis_unit(*ACCELERATION.units)
@@ -117,8 +119,8 @@ def tap_charts(solution: WaveSolution) -> list[dict[str, Any]]:
         for k, (tap, _) in shown
     ]
     for channel, reading in zip(solution.channels, solution.readings, strict=True):
-        kept = points(reading.time / second, reading.values / size)
-        acceleration.append(ChartLine(f"{channel.sensor.name} reads", kept, colour(len(acceleration)), "dashed"))
+        curve = points(reading.time / second, reading.values / size)
+        acceleration.append(ChartLine(f"{channel.sensor.name} reads", curve, colour(len(acceleration)), "dashed"))
     x = f"time ({time_name})"
     return [
         line_chart("Stress at the taps", x, f"stress ({stress_name})", stress),
@@ -127,15 +129,10 @@ def tap_charts(solution: WaveSolution) -> list[dict[str, Any]]:
 
 
 def _even(values: Any, most: int) -> list[int]:
-    """Return which of rising values are nearest to the middles of at most so many equal cells over them all."""
+    """Return the places of rising values nearest to the middles of at most so many equal cells over them all."""
     count = min(len(values), most)
     middles = values[0] + (np.arange(count) + 0.5) / count * (values[-1] - values[0])
     return [int(place) for place in np.searchsorted(0.5 * (values[1:] + values[:-1]), middles)]
-
-
-def _spread(count: int, most: int) -> list[int]:
-    """Return at most so many places, from the first to the last."""
-    return sorted({round(k) for k in np.linspace(0, count - 1, min(count, most))})
 
 
 def files(source: CaseSource, wanted: str, say: Say | None = None) -> bytes:

@@ -1,4 +1,4 @@
-"""The page of records: drop measured files, and see what they say."""
+"""The page of records: dropped measured files, and what they show."""
 
 from __future__ import annotations
 
@@ -55,11 +55,9 @@ class RecordPage:
                         self._texts(SELDOM)
                     with parts.box("Filter and baseline"):
                         ui.label("what they cost stands beside the pulses, with and without them").classes("sw-soft")
-                        for key, (label, what, none_at_top) in CUTOFFS.items():
+                        for key in CUTOFFS:
                             typed = self.given.get(key, "")
-                            self.cutoffs[key] = CutoffField(
-                                key, label, what, typed, none_at_top, self._changed, self.begin
-                            )
+                            self.cutoffs[key] = CutoffField(key, typed, self._changed, self.begin)
                     options = {"": "none", **{name: name for name in self.specifications}}
                     spec = self.given.get("spec", "")
                     self.boxes["spec"] = ui.select(
@@ -77,10 +75,10 @@ class RecordPage:
                         ui.button("judge", icon="play_arrow", on_click=self.begin).props("unelevated dense no-caps")
                         ui.button("stop", icon="stop", on_click=self.stop).props("outline dense no-caps")
             with ui.element("div").classes("sw-main"):
-                words = (
-                    "Drop measured files: CSV, LVM, TDMS, MAT, HDF5, UFF, WAV and more. Nothing leaves this machine."
+                self.bench = Workbench(
+                    self.session,
+                    "Drop measured files: CSV, LVM, TDMS, MAT, HDF5, UFF, WAV and more. Nothing leaves this machine.",
                 )
-                self.bench = Workbench(self.session, words)
         if self.files.names:
             self.begin()
 
@@ -94,22 +92,22 @@ class RecordPage:
         self._removed()
 
     def _removed(self) -> None:
-        """Judge the files that are kept now; of none nothing is said."""
+        """Judge the remaining files; nothing is shown of none."""
         if self.files.names:
             self.begin()
         else:
             self.bench.empty()
 
     def _changed(self) -> None:
-        """Mark what is shown as judged by other settings."""
+        """Mark the results as judged by other settings."""
         self.bench.changed("press judge")
 
     def stop(self) -> None:
-        """Stop what is under way."""
+        """Stop the current work."""
         self.bench.stop()
 
     def request(self) -> RecordRequest:
-        """Return what is asked now."""
+        """Return the current request."""
         texts = {key: str(self.boxes[key].value or "").strip() for key in (*TEXTS, *SELDOM)}
         texts["q"] = texts["q"] or "10"
         texts |= {key: cutoff.value for key, cutoff in self.cutoffs.items()}
@@ -118,7 +116,7 @@ class RecordPage:
         return RecordRequest(str(self.files.place), names, spec=spec, spectrum=spectrum, **texts)
 
     def begin(self) -> None:
-        """Read and judge the files as is asked now."""
+        """Read and judge the files by the current request."""
         asked = self.request()
         self.count.text = count_of_files(len(asked.names)) if asked.names else ""
         shown = {key: str(self.boxes[key].value or "") for key in (*TEXTS, *SELDOM, "spec")}
@@ -130,40 +128,23 @@ class RecordPage:
 
 
 PREFERRED = (10, 12.5, 16, 20, 25, 31.5, 40, 50, 63, 80)
-"""Steps of a decade, ISO 3 R10: the bands in which test laboratories think."""
+"""Steps of a decade, ISO 3 R10: the bands of test laboratories."""
 CUTOFF_STEPS = tuple(
     f"{number * 10**decade:g} Hz" if decade < 2 else f"{number * 10 ** (decade - 3):g} kHz"
     for decade in range(4)
     for number in PREFERRED
 )
-"""From 10 Hz to 80 kHz."""
+"""Cutoffs of the slider, 10 Hz to 80 kHz."""
 
 
 class CutoffField:
-    """A cutoff with its handle; at its end nothing is filtered.
+    """A cutoff with its slider; at its end, the upper one of a low-pass (``none_at_top``), nothing is filtered.
 
-    Parameters
-    ----------
-    key, label, what : str
-        Its option, its name, and what it does.
-    typed : str
-        Text in it at first; empty for no filter.
-    none_at_top : bool
-        True if no filter is at the upper end, as of a low-pass.
-    moved, changed : callable
-        Called when it begins to move, and when it rests at another value.
+    ``moved`` is called when it begins to move, ``changed`` when it rests at another value.
     """
 
-    def __init__(
-        self,
-        key: str,
-        label: str,
-        what: str,
-        typed: str,
-        none_at_top: bool,
-        moved: Callable[[], object],
-        changed: Callable[[], object],
-    ) -> None:
+    def __init__(self, key: str, typed: str, moved: Callable[[], object], changed: Callable[[], object]) -> None:
+        label, what, none_at_top = CUTOFFS[key]
         self.value, self._moved, self._changed = typed, moved, changed
         self._steps = (*CUTOFF_STEPS, "") if none_at_top else ("", *CUTOFF_STEPS)
         self._rest = RestingHand(changed)
@@ -176,9 +157,8 @@ class CutoffField:
 
     @property
     def _at(self) -> float:
-        """Where the handle stands: at the end for none, and for what is no step of it."""
-        word = self.value if self.value in self._steps else ""
-        return float(self._steps.index(word))
+        """Place of the slider: its end for no filter and for a value between its steps."""
+        return float(self._steps.index(self.value if self.value in self._steps else ""))
 
     def _move(self, place: float) -> None:
         self.value = self._steps[min(max(int(place), 0), len(self._steps) - 1)]

@@ -1,4 +1,4 @@
-"""What is asked of measured files on their page: as plain values, as a command line, in Python."""
+"""The request of the page of records: as plain values, as a command line, in Python."""
 
 from __future__ import annotations
 
@@ -14,50 +14,26 @@ FILTERS = ("filter", "high_pass", "ac_coupling")
 STATED = ("unit", "sensitivity", "polarity", "rate", "time", "time_unit")
 """Options that state properties of the files and their channels."""
 COMPARED = ("unit", "sensitivity", "rate", "filter")
-"""Options of these that `strikewave compare` takes."""
+"""The part of these options that `strikewave compare` takes."""
 GROUPS = {
     "calibration": ("Calibration", ("sensitivity", "polarity")),
     "reading": ("Reading", ("time", "time_unit")),
     "filter": ("Filtering", ("cutoff", "cfc", "high_pass", "ac_coupling")),
     "examination": ("Examination", ("base",)),
 }
-"""Groups of Python's keywords, with their classes and what each takes of these options."""
+"""Groups of keywords of Python, each with its class and its part of these options."""
 
 
 def count_of_files(count: int) -> str:
-    """Return a count of files in words.
-
-    Examples
-    --------
-    >>> count_of_files(1), count_of_files(20)
-    ('1 file', '20 files')
-    """
+    """Return a count of files in words."""
     return f"{count} file" if count == 1 else f"{count} files"
 
 
 class RecordRequest(NamedTuple):
-    """What is asked of measured files.
-
-    Attributes
-    ----------
-    folder : str
-        Where they lie.
-    names : tuple of str
-        Their names, in the order of the test.
-    unit, channel, sensitivity, polarity, rate, time, time_unit, base, filter, high_pass, ac_coupling : str
-        As the options of `strikewave record` take them; empty for none.
-    spec : str
-        Name of a built-in specification; empty for none.
-    spectrum : bool
-        True if the shock response spectrum is drawn.
-    q : str
-        Its quality factor.
-    beside : str
-        A built-in case with its part, such as ``li-ma-2019:rigid``; empty for none.
-    """
+    """A request about measured files; options are those of `strikewave record`, empty for none."""
 
     folder: str
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # in the order of the test
     unit: str = ""
     channel: str = ""
     sensitivity: str = ""
@@ -69,42 +45,42 @@ class RecordRequest(NamedTuple):
     filter: str = ""
     high_pass: str = ""
     ac_coupling: str = ""
-    spec: str = ""
-    spectrum: bool = True
-    q: str = "10"
-    beside: str = ""
+    spec: str = ""  # name of a built-in specification
+    spectrum: bool = True  # whether the shock response spectrum is drawn
+    q: str = "10"  # its quality factor
+    beside: str = ""  # a built-in case with its part, such as li-ma-2019:rigid
 
     def grouped(self, *leave: str) -> dict[str, Any]:
-        """Return what is said of the files, and the filters, by Python's keywords: a mapping for a group.
+        """Return properties of the files, and the filters, by keywords of Python: a mapping for a group.
 
         Examples
         --------
         >>> RecordRequest("", ("a.csv",), unit="g", channel="1", filter="CFC 1000", time="t").grouped()
         {'channels': ['1'], 'unit': 'g', 'filter': 'CFC 1000', 'reading': {'time': 't'}}
         """
-        given = {
+        stated = {
             key: value for key in (*STATED, *FILTERS, "base") if key not in leave and (value := getattr(self, key))
         }
-        if given.keys() & {"high_pass", "ac_coupling"} and "filter" in given:
-            low_pass = given.pop("filter").strip()
-            given |= {"cfc": low_pass[3:]} if low_pass.upper().startswith("CFC") else {"cutoff": low_pass}
-        plain: dict[str, Any] = {key: given[key] for key in ("unit", "rate", "filter") if key in given}
-        groups = {group: {key: given[key] for key in keys if key in given} for group, (_, keys) in GROUPS.items()}
+        if stated.keys() & {"high_pass", "ac_coupling"} and "filter" in stated:
+            low_pass = stated.pop("filter").strip()
+            stated |= {"cfc": low_pass[3:]} if low_pass.upper().startswith("CFC") else {"cutoff": low_pass}
+        plain: dict[str, Any] = {key: stated[key] for key in ("unit", "rate", "filter") if key in stated}
+        groups = {group: {key: stated[key] for key in keys if key in stated} for group, (_, keys) in GROUPS.items()}
         channels: dict[str, Any] = {"channels": [self.channel]} if self.channel else {}
         return {**channels, **plain, **{group: values for group, values in groups.items() if values}}
 
     def keywords(self, *leave: str) -> dict[str, Any]:
-        """Return what is said of the files, and the filters, as Python takes them, but for some options."""
+        """Return properties of the files, and the filters, as keywords of Python, but for some options."""
         return {
             key: getattr(strikewave, GROUPS[key][0])(**value) if isinstance(value, dict) else value
             for key, value in self.grouped(*leave).items()
         }
 
     def commands(self, compared: str = "", alike: Sequence[str] = ()) -> list[tuple[str, str]]:
-        """Return the lines that do the same.
+        """Return the lines with the same result.
 
-        The first file is held against the simulation unless another one is named; spectra are of all files unless those
-        are named that are in one unit.
+        The first file is compared with the simulation unless another one is named; spectra are of all files unless
+        those in one unit are named.
 
         Examples
         --------
@@ -124,17 +100,17 @@ class RecordRequest(NamedTuple):
             file = file_word(compared or self.names[0])
             place = f"{file}#{self.channel}" if self.channel else file
             lines.append(["compare", place, self.beside, *self._words(COMPARED)])
-        given = ""
+        options = ""
         for key, value in {**self.grouped(), **({"spec": self.spec} if self.spec else {})}.items():
             text = repr(value)
             if isinstance(value, dict):
-                text = f"strikewave.{GROUPS[key][0]}({', '.join(f'{name}={each!r}' for name, each in value.items())})"
-            given += f", {key}={text}"
-        python = f"import strikewave\n\nresult = strikewave.record({list(self.names)!r}{given})"
+                text = f"strikewave.{GROUPS[key][0]}({', '.join(f'{name}={entry!r}' for name, entry in value.items())})"
+            options += f", {key}={text}"
+        python = f"import strikewave\n\nresult = strikewave.record({list(self.names)!r}{options})"
         return [("command line", "\n".join(map(command_line, lines))), ("Python", python)]
 
     def _words(self, keys: Sequence[str]) -> list[str]:
-        """Return options of a command line, those that are given."""
+        """Return options of a command line, those that are set."""
         words: list[str] = []
         for key in keys:
             value = getattr(self, key).strip()
@@ -153,7 +129,7 @@ TEXTS = {
     "q": ("Q of the spectrum", "10 by default"),
     "beside": ("simulation beside it", "none, or such as li-ma-2019:rigid"),
 }
-"""Options that are typed: what each is, and what one types."""
+"""Typed options: label, and example of a text."""
 SELDOM = {
     "polarity": ("polarity", "1, or -1 to turn it"),
     "base": ("base channel", "none, or the one that drives the others"),
@@ -161,7 +137,7 @@ SELDOM = {
     "time": ("column of time", "found by itself, or a name or number"),
     "time_unit": ("unit of the time", "that of the file, or such as ms"),
 }
-"""The same of those that few files need, folded."""
+"""Typed options that few files need, folded."""
 CUTOFFS = {
     "filter": (
         "low-pass",
@@ -170,13 +146,13 @@ CUTOFFS = {
     ),
     "high_pass": ("high-pass", "Zero-phase high-pass, which takes a slow baseline off", False),
 }
-"""Options with a handle: what each is, what it does, and whether no filter is at the upper end."""
+"""Options with a slider: label, effect, and whether no filter is at the upper end."""
 _LABELS = {key: label for key, (label, *_) in {**TEXTS, **SELDOM, **CUTOFFS, "spec": ("specification",)}.items()}
 _OPTION = re.compile(r"--([a-z]+(?:-[a-z]+)*)|^([a-z_]+)(?=: )")
 
 
 def on_page(message: str) -> str:
-    """Return a message that names options of the command, or begins with one of Python, with the fields of the page.
+    """Return a message that names options of the command or of Python with the fields of the page instead.
 
     Examples
     --------
@@ -186,8 +162,8 @@ def on_page(message: str) -> str:
     'state it, such as --rated-excitation'
     """
 
-    def named(found: re.Match[str]) -> str:
-        label = _LABELS.get((found[1] or found[2]).replace("-", "_"))
-        return f"“{label}”" if label else found[0]
+    def named(option: re.Match[str]) -> str:
+        label = _LABELS.get((option[1] or option[2]).replace("-", "_"))
+        return f"“{label}”" if label else option[0]
 
     return _OPTION.sub(named, message)

@@ -1,4 +1,4 @@
-"""What the page of records shows of measured files, as plain values; it runs in processes of the app."""
+"""The page of records: its view of measured files as plain values, made in processes of the app."""
 
 from __future__ import annotations
 
@@ -47,15 +47,15 @@ from strikewave.web.markup import PageTable, page_table
 from strikewave.web.pages.record.request import COMPARED, FILTERS, STATED, RecordRequest, count_of_files, on_page
 
 MOST_MARKED = 40
-"""Pulses that are marked in one diagram."""
+"""Pulses that are marked in one diagram: more are no longer told apart."""
 FIGURES = ("peak", "rise", "width", "velocity_change", "interval")
-"""Figures of a campaign that are summed up."""
+"""Figures of a campaign that are summarized."""
 COST = ("peak", "width", "velocity_change")
 """Figures of a pulse that filters change."""
 
 
 def measure(request: RecordRequest, say: Say) -> dict[str, Any]:
-    """Return what measured files say: health, pulses, campaign, spectrum, verdict, agreement with a simulation."""
+    """Return health, pulses, campaign, spectrum, verdict and agreement with a simulation of measured files."""
     try:
         view = _measured(request, say)
     except strikewave.StrikewaveError as error:
@@ -69,23 +69,27 @@ def _measured(request: RecordRequest, say: Say) -> dict[str, Any]:
     names = list(request.names)
     if not names:
         raise InputError("FILE", "no file", "one or more measured files", "drop them on the page")
-    _check_beside(request.beside)
+    case = request.beside.partition(":")[0]
+    if request.beside and case not in bundled_cases():  # no file of this machine is opened
+        hint = nearest(case, bundled_cases())
+        raise InputError("beside", request.beside, "a built-in case, such as li-ma-2019:rigid", hint)
     say(None, "reading and judging")
     result = strikewave.record(names, spec=request.spec or None, **request.keywords())
     plain = None
     if any(getattr(request, key) for key in FILTERS):
         say(None, "the same without the filters")
         plain = strikewave.record(names, **request.keywords(*FILTERS))
+    best = min(result.readings, key=lambda file: STATUSES.index(file.status)).path  # the first of the healthiest
     units = units_of_channels(result) or [""]
     charts = [chart for unit in units for chart in (history_chart(result, unit), overlay_chart(result, unit, plain))]
     lead = [*([] if plain is None else [cost_table(result, plain)]), file_table(result)]
     tables = [("Pulses", *shown_table(result), (0, 1)), *campaign_tables(result)]
-    notices = [(one.severity, one.code, one.message) for one in result.notices]
+    notices = [(notice.severity, notice.code, notice.message) for notice in result.notices]
     verdict = None
     if result.verdict is not None:
         judged = result.verdict
-        words = verdict_words(judged.verdict, judged.by_indicative, [clause for clause, _ in judged.clauses])
-        verdict = (words, f"by {judged.specification.title}")
+        text = verdict_words(judged.verdict, judged.by_indicative, [clause for clause, _ in judged.clauses])
+        verdict = (text, f"by {judged.specification.title}")
         lead.append(page_table(clause_table(judged, {name: name for name in names})))
     alike = files_in_unit(result, units[0]) or names
     if request.spectrum:
@@ -105,10 +109,13 @@ def _measured(request: RecordRequest, say: Say) -> dict[str, Any]:
     if request.beside:
         say(None, "the simulation beside it")
         try:
-            compared = _compared(request, _best(result))
+            taken = request.keywords("base", *({*STATED, *FILTERS} - {*COMPARED}))
+            taken.pop("channels", None)
+            channel = f"#{request.channel}" if request.channel else ""
+            compared = strikewave.compare(f"{best}{channel}", request.beside, **taken)
             charts.append(beside_chart(compared))
             tables += map(page_table, agreement_tables(compared))
-            notices += [(one.severity, one.code, one.message) for one in compared.notices]
+            notices += [(notice.severity, notice.code, notice.message) for notice in compared.notices]
         except strikewave.StrikewaveError as error:
             notices.append(("warning", "no-simulation", str(error)))
     say(None, "the report")
@@ -123,38 +130,18 @@ def _measured(request: RecordRequest, say: Say) -> dict[str, Any]:
         "tables": tables,
         "notices": notices,
         "files": {**result.tables(), "report.html": report},
-        "same": request.commands(_best(result), alike),
+        "same": request.commands(best, alike),
     }
 
 
-def _best(result: RecordResult) -> str:
-    """Return the name of the first of the files that are healthiest."""
-    return min(result.readings, key=lambda file: STATUSES.index(file.status)).path
-
-
-def _check_beside(beside: str) -> None:
-    """Refuse what is none of the built-in cases: a file of this machine, or a typing error."""
-    case = beside.partition(":")[0]
-    if beside and case not in bundled_cases():
-        raise InputError("beside", beside, "a built-in case, such as li-ma-2019:rigid", nearest(case, bundled_cases()))
-
-
-def _compared(request: RecordRequest, name: str) -> CompareResult:
-    """Return a record held against a built-in case that is run."""
-    kept = request.keywords("base", *({*STATED, *FILTERS} - {*COMPARED}))
-    kept.pop("channels", None)
-    channel = f"#{request.channel}" if request.channel else ""
-    return strikewave.compare(f"{name}{channel}", request.beside, **kept)
-
-
 def cost_table(result: RecordResult, plain: RecordResult) -> PageTable:
-    """Return what the filters cost: the mean of each figure of the pulses with and without them."""
+    """Return the mean of each figure of the pulses with and without the filters."""
     unit, rows = next(iter(units_of_channels(result)), ""), []
     for name in COST:
         without, with_them = _mean(plain, name, unit), _mean(result, name, unit)
         change = percent(with_them / without - 1.0, 1, "+") if without else NONE
         rows.append(
-            [figure_unit(name, unit)[1], *(figure_text(name, unit, one) for one in (without, with_them)), change]
+            [figure_unit(name, unit)[1], *(figure_text(name, unit, mean) for mean in (without, with_them)), change]
         )
     return "What filter and baseline cost", ["mean over the pulses", "without", "with", "change"], rows, (0,)
 
@@ -177,46 +164,46 @@ def file_table(result: RecordResult) -> PageTable:
 
 
 def units_of_channels(result: RecordResult) -> list[str]:
-    """Return the SI units of the channels, each once: no two share an axis. None at all, the file's own, comes last."""
+    """Return the SI units of the channels, each once, for no two share an axis; an unknown unit comes last."""
     units = dict.fromkeys(channel.channel.unit for file in result.readings for channel in file.channels)
     return sorted(units, key=lambda unit: unit == "")
 
 
 def files_in_unit(result: RecordResult, unit: str) -> list[str]:
-    """Return the files whose channels are all in a unit; those without a channel are in none that is another."""
-    return [file.path for file in result.readings if {one.channel.unit for one in file.channels} <= {unit}]
+    """Return the files without a channel in another unit."""
+    return [file.path for file in result.readings if {reading.channel.unit for reading in file.channels} <= {unit}]
 
 
 def _channels(result: RecordResult, unit: str) -> list[tuple[str, ChannelReading]]:
-    """Return the channels of a unit by name, the good ones first; the channel is named where a file has several."""
-    found = [
-        (Path(file.path).name + (f", {one.channel.name}" if len(file.channels) > 1 else ""), one)
+    """Return the channels of a unit by name, good ones first; the channel is named where a file has several."""
+    channels = [
+        (Path(file.path).name + (f", {reading.channel.name}" if len(file.channels) > 1 else ""), reading)
         for file in result.readings
-        for one in file.channels
-        if one.channel.unit == unit
+        for reading in file.channels
+        if reading.channel.unit == unit
     ]
-    return sorted(found, key=lambda pair: pair[1].status == "bad")
+    return sorted(channels, key=lambda pair: pair[1].status == "bad")
 
 
 def history_chart(result: RecordResult, unit: str) -> dict[str, Any]:
-    """Return the whole histories of the channels of a unit, with the pulses of the first drawn one marked.
+    """Return the whole histories of the channels of a unit, with the pulses of the first one marked.
 
-    The axis is that of the sound ones, if there are any: a bad one may leave it.
+    The axis is that of the sound channels, if there are any: a bad one may leave it.
     """
     channels = _channels(result, unit)[:MOST_CURVES]
     if not channels:
         return line_chart("Records", "time (ms)", "", [])
     style = shown(unit)
-    duration = max(one.channel.values.size / one.channel.sampling_rate for _, one in channels)
+    duration = max(reading.channel.values.size / reading.channel.sampling_rate for _, reading in channels)
     second, time_name = time_unit(duration)
     lines = [
         ChartLine(
-            f"{name} ({one.status})",
-            points(one.channel.time / second, one.channel.values / style.scale),
+            f"{name} ({reading.status})",
+            points(reading.channel.time / second, reading.channel.values / style.scale),
             colour(k),
-            "dotted" if one.status == "bad" else dash(k),
+            "dotted" if reading.status == "bad" else dash(k),
         )
-        for k, (name, one) in enumerate(channels)
+        for k, (name, reading) in enumerate(channels)
     ]
     marked = [
         MarkedSpan(f"{k}", p.begin / second, p.end / second)
@@ -224,9 +211,9 @@ def history_chart(result: RecordResult, unit: str) -> dict[str, Any]:
     ]
     title = f"Records; pulses of {channels[0][0]} marked" if marked else "Records"
     options = line_chart(title, f"time ({time_name})", style.label, lines, spans=marked, zoom=True)
-    sound = [one.channel.values for _, one in channels if one.status != "bad"]
+    sound = [reading.channel.values for _, reading in channels if reading.status != "bad"]
     if 0 < len(sound) < len(channels):  # a bad one far off zero would press the others flat
-        values = np.concatenate([each[np.isfinite(each)] for each in sound]) / style.scale
+        values = np.concatenate([values[np.isfinite(values)] for values in sound]) / style.scale
         low, high = float(values.min(initial=0.0)), float(values.max(initial=0.0))
         if high > low:
             options["yAxis"]["min"], options["yAxis"]["max"] = round_ends(low, high)
@@ -234,17 +221,17 @@ def history_chart(result: RecordResult, unit: str) -> dict[str, Any]:
 
 
 def overlay_chart(result: RecordResult, unit: str, plain: RecordResult | None = None) -> dict[str, Any]:
-    """Return the first pulses of the channels of a unit over each other, from their onsets; bad ones are left out.
+    """Return the first pulses of the channels of a unit over each other, from their onsets, without bad ones.
 
-    Behind them stands the first one without filters, where these were taken.
+    Behind them stands the first one without filters, where these were used.
     """
     style = shown(unit)
     struck = [pair for pair in _channels(result, unit) if pair[1].pulses and pair[1].status != "bad"][:MOST_CURVES]
     raw = None if plain is None else next((pair for pair in _channels(plain, unit) if pair[1].pulses), None)
-    second, time_name = time_unit(2.0 * max((one.pulses[0].width for _, one in struck), default=0.0))
+    second, time_name = time_unit(2.0 * max((reading.pulses[0].width for _, reading in struck), default=0.0))
     lines = [
-        ChartLine(name, _near(one, one.pulses[0], second, style.scale), colour(k), dash(k))
-        for k, (name, one) in enumerate(struck)
+        ChartLine(name, _near(reading, reading.pulses[0], second, style.scale), colour(k), dash(k))
+        for k, (name, reading) in enumerate(struck)
     ]
     if raw is not None and struck:
         unfiltered = _near(raw[1], struck[0][1].pulses[0], second, style.scale)
@@ -252,41 +239,45 @@ def overlay_chart(result: RecordResult, unit: str, plain: RecordResult | None = 
     return line_chart("First pulses over each other", f"time after onset ({time_name})", style.label, lines)
 
 
-def _near(one: ChannelReading, pulse: Any, second: float, size: float) -> list[list[float]]:
-    """Return a channel about a pulse, its baseline taken off, from the onset of the pulse."""
-    time = one.channel.time - pulse.begin
+def _near(reading: ChannelReading, pulse: Any, second: float, size: float) -> list[list[float]]:
+    """Return a channel around a pulse without its baseline, from the onset of the pulse."""
+    time = reading.channel.time - pulse.begin
     near = (time > -0.5 * pulse.width) & (time < 2.0 * pulse.width)
-    return points(time[near] / second, (one.channel.values[near] - one.baseline) / size)
+    return points(time[near] / second, (reading.channel.values[near] - reading.baseline) / size)
 
 
 def campaign_tables(result: RecordResult) -> list[PageTable]:
     """Return mean, scatter and interval of each figure over the files, and the outliers that were left out."""
     tables: list[PageTable] = []
-    for one in result.campaigns:
-        rows, unit = [], one.unit
+    for campaign in result.campaigns:
+        rows, unit = [], campaign.unit
         for name in FIGURES:
-            found = one.statistics.get(name)
-            if found is not None:
-                mean, low, high = (figure_text(name, unit, value) for value in (found.mean, found.low, found.high))
-                cv = f"{100.0 * found.cv:.2g} %" if found.cv is not None and math.isfinite(found.cv) else "–"
-                rows.append([figure_unit(name, unit)[1], mean, cv, f"{low} to {high}", str(found.n)])
+            statistics = campaign.statistics.get(name)
+            if statistics is not None:
+                mean, low, high = (
+                    figure_text(name, unit, value) for value in (statistics.mean, statistics.low, statistics.high)
+                )
+                cv = "–"
+                if statistics.cv is not None and math.isfinite(statistics.cv):
+                    cv = f"{100.0 * statistics.cv:.2g} %"
+                rows.append([figure_unit(name, unit)[1], mean, cv, f"{low} to {high}", str(statistics.n)])
         if rows:
             heads = ["figure", "mean", "CV", "95 % interval of the mean", "n"]
-            tables.append((f"Campaign: {one.channel}", heads, rows, (0, 3)))
-        outliers = [[out.figure.replace("_", " "), Path(out.path).name, out.reason] for out in one.outliers]
+            tables.append((f"Campaign: {campaign.channel}", heads, rows, (0, 3)))
+        outliers = [[out.figure.replace("_", " "), Path(out.path).name, out.reason] for out in campaign.outliers]
         if outliers:
             tables.append(("Outliers, left out", ["figure", "file", "reason"], outliers, (0, 1, 2)))
     return tables
 
 
 def beside_chart(compared: CompareResult) -> dict[str, Any]:
-    """Return a record and a simulation over each other, as they were aligned, where they are compared."""
-    found, kept = compared.agreement, compared.agreement.inside_interval
-    second, time_name = time_unit(float(np.ptp(found.time[kept])))
+    """Return a record and a simulation over each other, as aligned, where they are compared."""
+    agreement, inside = compared.agreement, compared.agreement.inside_interval
+    second, time_name = time_unit(float(np.ptp(agreement.time[inside])))
     size, unit = axis_unit(compared.unit, compared.usual)
     lines = [
-        ChartLine(one.name, points(found.time[kept] / second, values[kept] / size), colour(k), DASHES[k])
-        for k, (one, values) in enumerate(((compared.a, found.a), (compared.b, found.b)))
+        ChartLine(side.name, points(agreement.time[inside] / second, values[inside] / size), colour(k), DASHES[k])
+        for k, (side, values) in enumerate(((compared.a, agreement.a), (compared.b, agreement.b)))
     ]
     return line_chart("Record and simulation", f"time ({time_name})", f"{compared.quantity} ({unit})", lines)
 
@@ -295,13 +286,13 @@ GRID = "#c9ced3"
 BESIDE_GUIDES = 62
 """Pixels on the right of four axes for the names of the lines that leave there."""
 WITHIN = 1.2
-"""The lines of the grid end a twelfth of a decade inside the diagram, so that no name touches a number of an axis."""
+"""Margin of the lines of the grid, a twelfth of a decade, so that no name touches a number of an axis."""
 
 
 def four_axes(result: SpectrumResult) -> dict[str, Any]:
     """Return the pseudo-velocities on four axes: lines of equal acceleration fall, of equal displacement rise.
 
-    These lines need accelerations: records in other units have none. Spectra that enter no envelope are left out.
+    Records in other units than acceleration have no such lines. Spectra outside the envelope are left out.
     """
     unit = result.reading.channel.unit
     is_acceleration = unit == "m/s^2"

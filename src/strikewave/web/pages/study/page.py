@@ -1,4 +1,4 @@
-"""The page of fits and studies: say what is asked, watch it, stop it, go on."""
+"""The page of fits and studies: a request, its progress, and its result."""
 
 from __future__ import annotations
 
@@ -74,8 +74,8 @@ class StudyPage:
                     )
                     ui.button("stop", icon="stop", on_click=self.stop).props("outline dense no-caps")
             with ui.element("div").classes("sw-main"):
-                words = "Nothing is asked yet. A sweep or a design that was stopped goes on where it was."
-                self.bench = Workbench(self.session, words)
+                empty = "Nothing is asked yet. A sweep or a design that was stopped goes on where it was."
+                self.bench = Workbench(self.session, empty)
         self._form()
 
     def _form(self) -> None:
@@ -102,7 +102,7 @@ class StudyPage:
         self._changed()
 
     def _changed(self) -> None:
-        """Mark what is shown as that of other settings."""
+        """Mark the results as those of other settings."""
         self.bench.changed("press begin")
 
     async def _dropped(self, paths: Sequence[Path]) -> None:
@@ -118,11 +118,11 @@ class StudyPage:
                 ui.notify(f"refused: {error}", type="warning")
 
     def stop(self) -> None:
-        """Stop what is under way; what is finished of it is kept."""
+        """Stop the current work; its finished runs are kept."""
         self.bench.stop()
 
     def request(self) -> StudyRequest:
-        """Return what is asked now."""
+        """Return the current request."""
         lines = [line.partition("=") for line in str(self.changes.value or "").splitlines()]
         changes = {path.strip(): value.strip() for path, _, value in lines if path.strip()}
         state = CaseState(self.state.name, self.state.text, changes)
@@ -139,7 +139,7 @@ class StudyPage:
         ]
 
     def begin(self) -> None:
-        """Begin what is asked now, or go on with it."""
+        """Begin or continue the current request."""
         asked = self.request()
         ui.navigate.history.replace(address(PLACE, self._query()))
         self.bench.begin(f"{VIEW}:study", asked, same=asked.commands())

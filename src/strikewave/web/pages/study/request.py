@@ -1,4 +1,4 @@
-"""What is asked of a study on its page: as plain values, as a command line, in Python."""
+"""The request of the page of studies: as plain values, as a command line, in Python."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from strikewave.web.case_state import CaseSource
 
 
 class StudyText(NamedTuple):
-    """A text of the form: key, label, example, whether it holds a line for each of several."""
+    """A text of the form: key, label, example, and True if it takes several lines."""
 
     key: str
     label: str
@@ -21,7 +21,7 @@ class StudyText(NamedTuple):
 
 
 class StudyKind(NamedTuple):
-    """A kind of study: its command and function, what it does, and the texts of its form."""
+    """A kind of study: its command and function, its purpose, and the texts of its form."""
 
     name: str
     what: str
@@ -31,10 +31,10 @@ class StudyKind(NamedTuple):
 VARY = StudyText("vary", "settings to vary, a line each", "machine.speed=600..800 rpm:5", lines=True)
 RUNS = StudyText("runs", "runs", "")
 ALONE = ("runs", "analysis")
-"""Texts that hold one word, not a list."""
+"""Texts of one word, not a list."""
 KINDS = {
-    one.name: one
-    for one in (
+    kind.name: kind
+    for kind in (
         StudyKind(
             "fit",
             "Find values of the case from measured numbers or records.",
@@ -83,27 +83,27 @@ KINDS = {
 
 
 class StudyRequest(NamedTuple):
-    """What is asked: the kind, the case, and what was typed, by key; lines of a text apart."""
+    """A request: the kind, the case, and the typed texts by key, in lines."""
 
     kind: str
     source: CaseSource
     texts: tuple[tuple[str, tuple[str, ...]], ...]
 
     def lines(self, key: str) -> list[str]:
-        """Return what was typed of a text, line by line; nothing where it was left empty."""
+        """Return the typed lines of a text; nothing where it was left empty."""
         return [line.strip() for name, lines in self.texts if name == key for line in lines if line.strip()]
 
-    def one(self, key: str, usual: str = "") -> str:
+    def line(self, key: str, usual: str = "") -> str:
         """Return the one line of a text."""
         return next(iter(self.lines(key)), usual)
 
     @property
     def mark(self) -> str:
-        """A name for what is kept of it, so that it goes on where it was stopped."""
+        """Name of the stored runs of the request, so that it continues where it was stopped."""
         return hashlib.sha256(repr(self._replace(source=self.source._replace(folder=""))).encode()).hexdigest()[:16]
 
     def commands(self) -> list[tuple[str, str]]:
-        """Return the lines that do the same.
+        """Return the lines with the same result.
 
         Examples
         --------
@@ -129,37 +129,31 @@ class StudyRequest(NamedTuple):
         return [*lines, ("Python", f"import strikewave\n\nresult = strikewave.{self.kind}({call})")]
 
     def _arguments(self) -> list[str]:
-        """Return what the function of a kind takes beside the case."""
-        runs = self.one("runs")
+        """Return the arguments of the function of a kind, beside the case."""
+        runs = self.line("runs")
         if self.kind == "scatter":
             return [f"runs={runs}"] if runs else []
         if self.kind == "map":
-            named = [f"{key}={self.one(key)!r}" for key in ("x", "y") if self.one(key)]
-            points = self.one("points").replace("x", ", ")
+            named = [f"{key}={self.line(key)!r}" for key in ("x", "y") if self.line(key)]
+            points = self.line("points").replace("x", ", ")
             return [*named, f"points=({points})"] if points else named
         if self.kind == "settings":
-            return [f"{key}={self.one(key)!r}" for key, _ in self.texts if self.one(key)]
+            return [f"{key}={self.line(key)!r}" for key, _ in self.texts if self.line(key)]
         several = [f"{key}={self.lines(key)!r}" for key, _ in self.texts if key not in ALONE and self.lines(key)]
-        several += [f"analysis={self.one('analysis')!r}"] if self.one("analysis") else []
+        several += [f"analysis={self.line('analysis')!r}"] if self.line("analysis") else []
         return [*several, f"runs={runs}"] if runs else several
 
     def _design_file(self, case: str) -> str:
         """Return the file that the command of designs reads; a JSON string is one of TOML."""
         head = ["schema = 1", f"case = {json.dumps(case)}", f"goals = {json.dumps(self.lines('goals'))}"]
-        head += [f"analysis = {json.dumps(self.one('analysis'))}"] if self.one("analysis") else []
-        head += [f"runs = {self.one('runs')}"] if self.one("runs") else []
+        head += [f"analysis = {json.dumps(self.line('analysis'))}"] if self.line("analysis") else []
+        head += [f"runs = {self.line('runs')}"] if self.line("runs") else []
         tables = [("set", self.source.changes), ("vary", self.lines("vary"))]
         return "\n".join(head + [line for name, texts in tables if texts for line in _table(name, texts)])
 
 
 def _table(name: str, settings: Iterable[str]) -> list[str]:
-    """Return the lines of a table of settings that were typed as ``path=value``.
-
-    Examples
-    --------
-    >>> _table("vary", ['machine.speed="600..800 rpm"'])
-    ['[vary]', 'machine.speed = "600..800 rpm"']
-    """
+    """Return the lines of a table of settings that were typed as ``path=value``."""
     typed = [text.partition("=") for text in settings]
     return [f"[{name}]", *(f"{path.strip()} = {json.dumps(value.strip().strip(QUOTES))}" for path, _, value in typed)]
 

@@ -1,4 +1,4 @@
-"""What the page of studies shows of one, as plain values; it runs in processes of the app."""
+"""The page of studies: its view of a study as plain values, made in processes of the app."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from strikewave.studies.search.design_report import drawn_numbers
 from strikewave.studies.search.rotary import SettingsStudy
 from strikewave.studies.sweep.study import SweepStudy
 from strikewave.web.case_state import CaseSource, CaseState, address
-from strikewave.web.case_values import PAGES_OF, by_full_run, loaded, result_file
+from strikewave.web.case_values import PAGES_OF, full_run_label, loaded, result_file
 from strikewave.web.charts import Dots, dot_chart, heat_chart, svg_of
 from strikewave.web.jobs import Say
 from strikewave.web.pages.study.request import KINDS, StudyRequest
@@ -42,16 +42,20 @@ MAP_POINTS = "20x20"
 OTHER_FILE = re.compile(
     r"^@|(?:^|[\s:=@,;\"'])(?:[~/\\]|[A-Za-z]:[\\/])|(?:^|[:=@,;\"'])\s*\.\.|\.\.[\\/]|[\\/]\.\.|\.file\b"
 )
-"""Pattern of text that begins like the path of another folder, leads upwards, or is read for more lines. The two dots
-of a range stand behind its first number."""
+"""Pattern of text that begins like the path of another folder, leads upwards, or is read for more lines; the two dots
+of a range follow its first number."""
 
 
 def study(request: StudyRequest, say: Say) -> dict[str, Any]:
-    """Return a study of a case; one that was stopped goes on where it was, where its kind can."""
+    """Return a study of a case; a stopped one continues where it was, where its kind can."""
     refuse_other_files(request)
     case = loaded(request.source)
     os.chdir(request.source.folder)
-    runs = _count(request, "runs", MOST_RUNS)
+    runs = None
+    if text := request.line("runs"):
+        runs = _whole(text)
+        if not 1 <= runs <= MOST_RUNS:
+            raise InputError("runs", text, f"a whole number from 1 to {MOST_RUNS}", "the command line takes more")
     store = Path(request.source.folder) / f"{request.kind}-{request.mark}"
 
     def progress(share: float) -> None:
@@ -74,18 +78,21 @@ def study(request: StudyRequest, say: Say) -> dict[str, Any]:
             case,
             request.lines("vary"),
             request.lines("goals"),
-            analysis=request.one("analysis"),
+            analysis=request.line("analysis"),
             runs=runs,
             store=store,
             progress=progress,
         )
     elif request.kind == "settings":
-        interval, peak, width = (request.one(key) or None for key in ("interval", "peak", "width"))
+        interval, peak, width = (request.line(key) or None for key in ("interval", "peak", "width"))
         result = strikewave.settings(interval, peak, width, case, progress=progress)
     elif request.kind == "map":
-        result = strikewave.map(
-            case, request.one("x", X), request.one("y", Y), points=_points(request), progress=progress
-        )
+        text = request.line("points", MAP_POINTS)
+        points = _whole(text.partition("x")[0].strip()), _whole(text.partition("x")[2].strip())
+        if not 4 <= points[0] * points[1] <= MOST_CELLS:
+            allowed = f"two numbers such as {MAP_POINTS}, at most {MOST_CELLS} cells together"
+            raise InputError("points", text, allowed)
+        result = strikewave.map(case, request.line("x", X), request.line("y", Y), points=points, progress=progress)
     elif request.kind == "scatter":
         result = strikewave.scatter(case, runs=RUNS if runs is None else runs, progress=progress)
     else:
@@ -95,11 +102,10 @@ def study(request: StudyRequest, say: Say) -> dict[str, Any]:
 
 
 def refuse_other_files(request: StudyRequest) -> None:
-    """Refuse what names a file beside those that were dropped: relative names mean these alone.
+    """Refuse a text that names a file beside the dropped ones, which relative names mean.
 
     Examples
     --------
-    >>> from strikewave.web.case_state import CaseSource
     >>> source = CaseSource("li-ma-2019", "", (), "")
     >>> refuse_other_files(StudyRequest("sweep", source, (("vary", ("machine.speed=1 m/s..2 m/s:3",)),)))
     >>> refuse_other_files(StudyRequest("fit", source, (("to", ("/etc/passwd",)),)))
@@ -112,31 +118,13 @@ def refuse_other_files(request: StudyRequest) -> None:
                 raise InputError(key, line, "numbers, and files dropped on this page by name")
 
 
-def _count(request: StudyRequest, key: str, most: int) -> int | None:
-    text = request.one(key)
-    if not text:
-        return None
-    count = _whole(text)
-    if not 1 <= count <= most:
-        raise InputError(key, text, f"a whole number from 1 to {most}", "the command line takes more")
-    return count
-
-
 def _whole(text: str) -> int:
-    """Return the whole number that a text is, of few digits; 0 where it is none."""
+    """Return the whole number of a text of few digits; 0 for another text."""
     return int(text) if text.isdecimal() and len(text) < 8 else 0
 
 
-def _points(request: StudyRequest) -> tuple[int, int]:
-    text = request.one("points", MAP_POINTS)
-    first, second = (_whole(part.strip()) for part in (text.partition("x")[::2]))
-    if not 4 <= first * second <= MOST_CELLS:
-        raise InputError("points", text, f"two numbers such as {MAP_POINTS}, at most {MOST_CELLS} cells together")
-    return first, second
-
-
 def study_cases() -> list[str]:
-    """Return the built-in cases, which studies begin from."""
+    """Return the built-in cases, from which studies begin."""
     return bundled_cases()
 
 
@@ -146,20 +134,20 @@ def specifications() -> list[str]:
 
 
 def result_view(result: ShownResult, title: str, source: CaseSource) -> dict[str, Any]:
-    """Return what a page shows of a study of a case."""
+    """Return the view of a study of a case."""
     picked = picked_chart(result, source)
     heads, rows = shown_table(result)
     files: dict[str, str | bytes] = {name: text for name, text in result.tables().items() if isinstance(text, str)}
     files["report.html"] = result_file(result, "report.html")
     return {
-        "by": by_full_run(result).replace("a full run", title.lower()),
+        "by": full_run_label(result).replace("a full run", title.lower()),
         "figures": [list(row) for row in result.highlights()],
         "charts": [] if picked is None else [picked.options],
         "links": [] if picked is None else [picked.links],
-        "found": found(result, source),
+        "found": linked_results(result, source),
         "pictures": pictures(result, title),
         "tables": [(title, heads, rows, (0,))],
-        "notices": [(one.severity, one.code, one.message) for one in result.notices],
+        "notices": [(notice.severity, notice.code, notice.message) for notice in result.notices],
         "files": files,
     }
 
@@ -174,9 +162,9 @@ def pictures(result: ShownResult, title: str) -> list[tuple[bytes, str]]:
 
 
 MOST_LISTED = 12
-"""Results that are listed: the best, or the first; a diagram has all."""
+"""Results in the list: the best, or the first; a diagram has all."""
 DIGITS = 4
-"""Significant digits of a number in a diagram: more are no pixel."""
+"""Significant digits of a number in a diagram: more are below a pixel."""
 
 
 MARKED = {RUN_BROKEN: "failed a check", RUN_FAILED: "could not be made"}
@@ -184,19 +172,14 @@ MARKED = {RUN_BROKEN: "failed a check", RUN_FAILED: "could not be made"}
 
 
 class PickedChart(NamedTuple):
-    """A diagram, and the address that each of its points leads to; its points end with their place in these."""
+    """A diagram, and the addresses of its points, which end with their place among these."""
 
     options: dict[str, Any]
     links: list[str]
 
 
 class Linker:
-    """Makes addresses of a case with changes.
-
-    Parameters
-    ----------
-    source : CaseSource
-        Case that was studied.
+    """Addresses of a studied case with changes.
 
     Examples
     --------
@@ -205,52 +188,47 @@ class Linker:
     """
 
     def __init__(self, source: CaseSource) -> None:
-        self.case = loaded(source)
         self._state = CaseState.of_source(source)
-        self._place = PAGES_OF[self.case.command].place if self.case.command in PAGES_OF else ""
+        self._place, _ = PAGES_OF.get(loaded(source).command, ("", ""))
 
     def of(self, changes: Mapping[str, str]) -> str:
         """Return the address of the case with more changes; empty where no page shows it."""
         state = self._state
         for path, value in changes.items():
             state = state.changed(path, value)
-        whole = bool(self._place) and (not state.text or state.fits_address)
-        return address(self._place, state.query()) if whole else ""
+        has_page = bool(self._place) and (not state.text or state.fits_address)
+        return address(self._place, state.query()) if has_page else ""
 
     def of_row(self, variables: Iterable[StudyVariable], row: Row) -> str:
         """Return the address of a run."""
-        return self.of({one.path: one.shown(value) for one, value in zip(variables, row, strict=True)})
+        return self.of({variable.path: variable.shown(value) for variable, value in zip(variables, row, strict=True)})
 
     def of_case(self, case: Case, paths: Sequence[str]) -> str:
-        """Return the address of a case that was made of it, by what differs in some fields."""
+        """Return the address of a case that was derived from the studied one, by its values of some fields."""
         values = case.values()
         return self.of({path: str(values[path].typed) for path in paths})
 
 
-def found(result: Any, source: CaseSource) -> list[tuple[str, str]]:
-    """Return what a study found, the best first: each in words, and its address."""
+def linked_results(result: Any, source: CaseSource) -> list[tuple[str, str]]:
+    """Return the results of a study, the best first: each as text, with its address."""
     link = Linker(source)
-    return [(words, place) for words, place in _listed(result, link) if place][:MOST_LISTED]
+    return [(text, place) for text, place in _listed(result, link) if place][:MOST_LISTED]
 
 
 def _listed(result: Any, link: Linker) -> Iterator[tuple[str, str]]:
     if isinstance(result, SettingsStudy):
-        for one in result.candidates:
-            values = one.case.values()
-            yield (
-                _marked(", ".join(f"{path} = {values[path].typed}" for path in one.chosen), one.run_verdict),
-                link.of_case(one.case, one.chosen),
-            )
+        for setting in result.candidates:
+            values = setting.case.values()
+            text = ", ".join(f"{path} = {values[path].typed}" for path in setting.chosen)
+            yield _marked(text, setting.run_verdict), link.of_case(setting.case, setting.chosen)
     elif isinstance(result, FitStudy):
         values = result.case.values()
-        paths = [one.field.path for one in result.parameters if one.field.path in values]
+        paths = [row.field.path for row in result.parameters if row.field.path in values]
         yield ", ".join(f"{path} = {values[path].typed}" for path in paths), link.of_case(result.case, paths)
     elif isinstance(result, DesignStudy):
         for candidate in result.candidates:
-            yield (
-                _marked(result.plan.at(candidate.row), candidate.verdict),
-                link.of_row(result.plan.variables, candidate.row),
-            )
+            text = _marked(result.plan.at(candidate.row), candidate.verdict)
+            yield text, link.of_row(result.plan.variables, candidate.row)
     elif isinstance(result, SweepStudy):
         for run, row in enumerate(result.plan.rows):
             yield _marked(result.at(run), result.verdicts.texts[run]), link.of_row(result.plan.variables, row)
@@ -259,9 +237,9 @@ def _listed(result: Any, link: Linker) -> Iterator[tuple[str, str]]:
         yield ", ".join(f"{path} = {value}" for path, value in typed.items()), link.of(typed)
 
 
-def _marked(words: str, verdict: str) -> str:
-    """Return words of a run with its verdict, where it broke a limit or failed."""
-    return f"{words} ({verdict})" if verdict and status_of(verdict) != RUN_PASSED else words
+def _marked(text: str, verdict: str) -> str:
+    """Return the text of a run with its verdict, where it broke a limit or failed."""
+    return f"{text} ({verdict})" if verdict and status_of(verdict) != RUN_PASSED else text
 
 
 def picked_chart(result: Any, source: CaseSource) -> PickedChart | None:
@@ -277,11 +255,11 @@ def picked_chart(result: Any, source: CaseSource) -> PickedChart | None:
 
 
 def _design_chart(study: DesignStudy, link: Linker) -> PickedChart:
-    """Return all runs over the two numbers that matter most, by what they came to."""
+    """Return all runs over the two most important numbers, grouped by goals and verdicts."""
     names = drawn_numbers(study)
     (x, x_label), (y, y_label) = (_numbers(study, name) for name in (names if len(names) == 2 else [None, *names]))
     met = study.margins >= 0.0
-    ranked = {one.run for one in study.candidates}
+    ranked = {candidate.run for candidate in study.candidates}
     marked = study.verdicts.marked
     others = [k for k in range(len(study.rows)) if k not in ranked and not marked[k]]
     groups = [
@@ -295,7 +273,7 @@ def _design_chart(study: DesignStudy, link: Linker) -> PickedChart:
 
 
 def _numbers(study: DesignStudy, name: str | None) -> tuple[Any, str]:
-    """Return a number of all runs as it is shown, with its label; their order for none."""
+    """Return a number of all runs in its shown unit, with its label; their order for none."""
     if name is None:
         return np.arange(1.0, len(study.rows) + 1.0), "run"
     kept = study.kept(name)
@@ -310,11 +288,11 @@ def _sweep_chart(study: SweepStudy, link: Linker) -> PickedChart:
     runs = range(len(study.plan.rows))
     groups: dict[str, list[int]] = {}
     for run in runs:
-        words = variables[1].brief(study.plan.rows[run][1]) if len(variables) > 1 else "runs"
-        groups.setdefault(words, []).append(run)
+        name = variables[1].brief(study.plan.rows[run][1]) if len(variables) > 1 else "runs"
+        groups.setdefault(name, []).append(run)
     marked = study.verdicts.marked
     listed = list(groups.items()) if len(groups) <= MOST_LISTED else [("runs", list(runs))]
-    listed = [(words, [run for run in of_group if not marked[run]]) for words, of_group in listed]
+    listed = [(name, [run for run in members if not marked[run]]) for name, members in listed]
     listed += _marked_groups(study.verdicts)
     links = [link.of_row(variables, row) for row in study.plan.rows]
     options = dot_chart("Runs", first.label, kept.label, _dots(listed, x, study.number(kept.name) / kept.scale))
@@ -323,18 +301,19 @@ def _sweep_chart(study: SweepStudy, link: Linker) -> PickedChart:
 
 def _marked_groups(verdicts: Verdicts, left_out: Container[int] = ()) -> list[tuple[str, list[int]]]:
     """Return the runs that failed a check, and those that could not be made, each where there are any."""
-    groups = [
-        (words, [run for run, found in enumerate(verdicts.statuses) if found == status and run not in left_out])
-        for status, words in MARKED.items()
-    ]
-    return [(words, runs) for words, runs in groups if runs]
+    groups = []
+    for status, name in MARKED.items():
+        runs = [run for run, own in enumerate(verdicts.statuses) if own == status and run not in left_out]
+        if runs:
+            groups.append((name, runs))
+    return groups
 
 
 def _dots(groups: Iterable[tuple[str, list[int]]], x: Any, y: Any) -> list[Dots]:
     """Return groups of runs as dots, those without a number left out; each ends with its run."""
     return [
-        Dots(words, [[_short(x[k]), _short(y[k]), k] for k in runs if np.isfinite(x[k]) and np.isfinite(y[k])])
-        for words, runs in groups
+        Dots(name, [[_short(x[k]), _short(y[k]), k] for k in runs if np.isfinite(x[k]) and np.isfinite(y[k])])
+        for name, runs in groups
     ]
 
 
