@@ -34,7 +34,7 @@ def drop(page: Page) -> None:
             paths.append(Path(folder) / packed.stem)
             paths[-1].write_bytes(lzma.decompress(packed.read_bytes()))
         page.locator("input[type=file]").set_input_files(paths)
-        page.get_by_text(f"{len(paths)} files:").wait_for()
+        page.get_by_text(f"{len(paths)} files", exact=True).wait_for()
 
 
 def press(name: str):

@@ -1,26 +1,22 @@
-"""The three waves on one clock at the specimen.
+"""The three waves on one clock at the specimen, each carried along its bar from the gauge.
 
 geometric
     Each pulse is carried over its known distance at the known speed, and nothing is chosen. A wrong distance or speed
     shows as forces that do not balance in the rise.
 onset
-    The reflected and the transmitted wave are moved besides, so that they rise out of zero when they should. It
-    mends a wrong distance or speed, but a front that the specimen or the bar rounded off counts as late.
+    The reflected and the transmitted wave are also moved so that they rise out of zero when they should. It mends a
+    wrong distance or speed, but a front that the specimen or the bar rounded off counts as late.
 balance
     They are moved so that the forces on both faces differ least while the incident wave lasts. The force balance is
     then no evidence of equilibrium: it was imposed.
 
-What onset and balance would move is reported in any case; it is done only when asked for, and never beyond the rise
-time of the incident pulse.
+The moves by onset and balance are always reported; they are applied only on request, and never beyond the rise time of
+the incident pulse.
 
-A pulse carried along a bar, from the gauge to the face at the specimen.
-
-Each frequency runs at its own speed: over a distance x the component exp(i w t) is turned by exp(-i k(w) x). What is
-left after the plain delay x/c0 is taken off is the change of shape. A bar that loses energy has a complex k; carried
-back, the wave grows by what it lost.
-
-Only the strain on the gauge's own place in the section is carried: the first mode has no uniform section at high
-frequencies (its strain at the surface is not the mean one), and no correction for that is made here.
+Each frequency runs at its own speed: over a distance x the component exp(i w t) is turned by exp(-i k(w) x). Without
+the plain delay x/c0, the rest is the change of shape. A bar that loses energy has a complex k; carried back, the wave
+grows by its loss. Only the strain at the gauge's own place in the section is carried: the strain of the first mode at
+the surface is not the mean one at high frequencies, which is not corrected here.
 
 Source: P. S. Follansbee, C. Frantz, Wave Propagation in the Split Hopkinson Pressure Bar, Journal of Engineering
 Materials and Technology 105 (1983) 61-66.
@@ -45,20 +41,18 @@ from strikewave.waves.dispersion import THEORIES, Rod, Theory, wave_number
 Array = NDArray[np.float64]
 
 SLOWEST = 0.5
-"""Slowest phase speed of a component over the bar speed, 0.576 of it for the first mode in steel: padding leaves room
-for its delay."""
+"""Slowest phase speed over the bar speed, 0.576 for the first mode in steel; padding leaves room for its delay."""
 ABOVE_NOISE = 4.0
-"""Amplitude over that of noise alone which counts as signal: noise reaches it once in ten million frequencies."""
+"""Amplitude of a signal over that of noise alone, which reaches it once in ten million frequencies."""
 MOST_NODES = 2000
-"""Frequencies at which the wave number is solved for; between them a cubic interpolates. Phases then differ by far less
-than noise, and a record of a million samples takes no longer."""
+"""Frequencies at which the wave number is solved for; a cubic between them errs far less than noise."""
 
 
 class Carrier(NamedTuple):
-    """How pulses are carried: the bar, the theory of dispersion, the highest frequency that it turns (Hz).
+    """The bar, the theory of dispersion, and the highest frequency that it turns (Hz).
 
-    Above that frequency a record holds noise, and waves of higher modes that no theory of the first one carries:
-    they keep the turn of that frequency, which does not move them in time.
+    Above that frequency a record holds noise, and waves of higher modes that no theory of the first one carries: they
+    keep the turn of that frequency, which does not move them in time.
     """
 
     rod: Rod
@@ -72,15 +66,15 @@ def carried(pulse: Array, step: float, distance: float, carrier: Carrier, advanc
     Parameters
     ----------
     pulse : array
-        Samples, shape (N,), about zero at its begin. Its end is led to zero by half a cosine in the padding.
+        Samples, shape (N,), about zero at its begin; half a cosine in the padding leads its end to zero.
     step : float
         s.
     distance : float
-        m; below zero it is carried back to where it came from.
+        m; below zero it is carried back.
     carrier : Carrier
         Bar, theory and highest frequency.
     advance : float, optional
-        Time by which the result is moved forward beside, s; need not be whole steps.
+        Time by which the result is also moved forward, s; need not be whole steps.
 
     Returns
     -------
@@ -98,6 +92,7 @@ def carried(pulse: Array, step: float, distance: float, carrier: Carrier, advanc
     (0.99, True)
     """
     size, rod = pulse.size, carrier.rod
+    # room for the slowest component, which would else wrap round to the begin
     slack = int(abs(distance) / rod.bar_speed * (1.0 / SLOWEST - 1.0) / step)
     total = scipy.fft.next_fast_len(2 * size + 2 * slack, real=True)
     padded = np.zeros(total)
@@ -110,7 +105,7 @@ def carried(pulse: Array, step: float, distance: float, carrier: Carrier, advanc
 
 
 def highest_frequency(pulse: Array, step: float, noise: float, width: float) -> float:
-    """Return the frequency from which on a pulse does not stand out of white noise any more, Hz.
+    """Return the frequency from which on a pulse no longer stands out of white noise, Hz.
 
     Its spectrum is taken by the largest value within 2/width, since that of a plateau has zeros each 1/width.
 
@@ -151,70 +146,52 @@ def _running(w: Array, rod: Rod, theory: Theory) -> NDArray[np.complex128]:
 
 Method = Literal["geometric", "onset", "balance"]
 METHODS: tuple[Method, ...] = get_args(Method)
-"""All of them, for checks and messages."""
+"""All methods, for checks and messages."""
 ONSET_LEVEL = 0.05
-"""Share of the incident plateau at which a wave counts as begun, where its noise allows.
-
-Lower, the oscillations before a dispersed front count; higher, how steep a front is."""
+"""Share of the incident plateau at which a wave counts as begun: below, oscillations before a dispersed front count;
+above, the steepness of a front."""
 PER_RISE = 40
-"""Samples that the rise time keeps where forces are balanced: moves are then found to a hundredth of it, and noise does
-not pull the fit to half samples."""
+"""Samples in the rise time where forces are balanced: moves are found to a hundredth of it, and noise does not pull the
+fit to half samples."""
 FEWEST_BALANCED = 4
-"""Samples under load without which two moves are not fitted: as many again as are sought."""
+"""Least number of samples under load for a fit of two moves: twice as many as are sought."""
 INSIDE = 0.999
-"""Share of the window within which a move was found, not stopped by its edge."""
+"""Share of the window within which a move is a result, not a stop at the edge."""
 FIRST_MOVE = 1e-3
-"""Share of the window from which the fit begins: chosen: next to no move, and not 0, of which
-differences can take no share."""
+"""Share of the window from which the fit begins. Chosen: nearly no move, yet not 0, of which differences can take no
+share."""
 
 
 @dataclass(frozen=True)
 class FaceWaves:
-    """The three waves at the specimen.
-
-    Attributes
-    ----------
-    time : ndarray
-        After the incident wave comes to the first face, s, shape (N,).
-    incident, reflected, transmitted : ndarray
-        Strain, compression positive, shape (N,).
-    step : float
-        s.
-    loaded : float
-        Time at which the incident wave ends, s.
-    theory, method : str
-        Dispersion and alignment.
-    band : float
-        Highest frequency at which the incident pulse stands out of the noise, up to which dispersion is turned, Hz.
-    window : float
-        Largest move that an alignment may make: the rise time of the incident pulse, s.
-    late_onset, late_balance : (float, float)
-        How late the reflected and the transmitted wave are by their onsets and by the balance of forces, s; NaN
-        where an onset is not found.
-    applied : (float, float)
-        Times by which they were moved forward, s; 0 by geometry.
-    noise : (float, float)
-        Standard deviation of both traces before their pulses.
-    """
+    """The three waves at the specimen; strains of shape (N,), compression positive."""
 
     time: Array = field(repr=False)
+    """Time after the incident wave comes to the first face, s."""
     incident: Array = field(repr=False)
     reflected: Array = field(repr=False)
     transmitted: Array = field(repr=False)
     step: float
     loaded: float
+    """Time at which the incident wave ends, s."""
     theory: Theory
     method: Method
     band: float
+    """Highest frequency at which the incident pulse stands out of the noise, up to which dispersion is turned, Hz."""
     window: float
+    """Largest move of an alignment: the rise time of the incident pulse, s."""
     late_onset: tuple[float, float]
+    """Delay of the reflected and the transmitted wave by their onsets, s; NaN without an onset."""
     late_balance: tuple[float, float]
+    """Delay of both by the balance of forces, s."""
     applied: tuple[float, float]
+    """Times by which they were moved forward, s; 0 by geometry."""
     noise: tuple[float, float]
+    """Standard deviation of both traces before their pulses."""
 
     @property
     def beyond(self) -> bool:
-        """Whether the alignment asked for lies outside the window, so that geometry was kept."""
+        """Whether the requested alignment lies outside the window, so that geometry was kept."""
         late = self.late_onset if self.method == "onset" else self.late_balance
         return self.method != "geometric" and not _within(late, self.window)
 
@@ -228,25 +205,13 @@ def align(
 ) -> FaceWaves:
     """Carry the three pulses to the specimen.
 
-    Parameters
-    ----------
-    pulses : Pulses
-        As found at the gauges.
-    bars : (Bar, Bar)
-        Incident and transmitted bar.
-    theory : str, optional
-        Theory of dispersion.
-    method : str, optional
-        "geometric", "onset" or "balance".
-    transit : float, optional
-        Time of an elastic wave through the specimen, by which the transmitted wave should begin later, s.
-
-    Raises
-    ------
-    ValueError
-        If a theory or method is not known.
+    ``transit`` is the time of an elastic wave through the specimen, by which the transmitted wave should begin later,
+    s. Raises `ValueError` for an unknown theory or method.
     """
-    _check(method, theory)
+    if method not in METHODS:
+        raise ValueError(f"unknown alignment {method!r}; {nearest(str(method), METHODS)}")
+    if theory not in THEORIES:
+        raise ValueError(f"unknown theory of dispersion {theory!r}; {nearest(str(theory), THEORIES)}")
 
     def carry(values: Array, bar: Bar, way: float, advance: float) -> Array:
         carrier = Carrier(bar.rod, theory, band)
@@ -286,20 +251,13 @@ def align(
     )
 
 
-def _check(method: str, theory: str) -> None:
-    if method not in METHODS:
-        raise ValueError(f"unknown alignment {method!r}; {nearest(str(method), METHODS)}")
-    if theory not in THEORIES:
-        raise ValueError(f"unknown theory of dispersion {theory!r}; {nearest(str(theory), THEORIES)}")
-
-
 def _within(late: tuple[float, float], window: float) -> bool:
     """Tell whether both moves are known and lie inside the window, not at its edge."""
     return all(abs(move) < INSIDE * window for move in late)
 
 
 def _late_by_onset(waves: FaceWaves, plateau: float, transit: float) -> tuple[float, float]:
-    """Return how much later than the incident wave the others stay above one level, less the transit expected, s."""
+    """Return the delay of the other waves after the incident one at one level, less the expected transit, s."""
     level = max(ONSET_LEVEL * plateau, noise_ceiling(max(waves.noise), waves.time.size))
     begun = []
     for wave in (waves.incident, waves.reflected, waves.transmitted):

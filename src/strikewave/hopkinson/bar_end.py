@@ -29,11 +29,10 @@ from strikewave.waves import BONDED, End, Layer, Sampled, Stack, Tap, WantedErro
 Array = NDArray[np.float64]
 
 LEAST_STEPS = 20.0
-"""Steps of a wave through an elastic disk: a front is then sharp to a twentieth of its transit. A whole number, so that
-the disk has the thickness that is stated."""
+"""Steps of a wave through an elastic disk, for a front sharp to a twentieth of its transit; a whole number, so that the
+disk keeps its stated thickness."""
 LONGER = 1.01
-"""Times the record that a wave takes along the bar before the disk, so that nothing comes back within it by
-rounding."""
+"""Transit of the bar before the disk over the record, so that nothing comes back within it by rounding."""
 SERIES = 1e-4
 """Step over time constant below which the slope term is taken from its series, whose next term is below 1e-13: the
 closed form loses as many digits as the ratio is small."""
@@ -50,7 +49,7 @@ class EndMotion(NamedTuple):
 
 
 def free_end(strain: ArrayLike, step: float, bar: Bar) -> EndMotion:
-    """Return how the free end of a bar moves under an incident strain: v = 2 c e, by central differences a.
+    """Return the motion of the free end of a bar under an incident strain: v = 2 c e, a by central differences.
 
     Examples
     --------
@@ -65,7 +64,7 @@ def free_end(strain: ArrayLike, step: float, bar: Bar) -> EndMotion:
 
 
 def rigid_disk(strain: ArrayLike, step: float, bar: Bar, mass: float) -> EndMotion:
-    """Return how a rigid disk on the end of a bar moves: m dv/dt = 2 F - Z v, from rest.
+    """Return the motion of a rigid disk on the end of a bar: m dv/dt = 2 F - Z v, from rest.
 
     Exact for a strain that is straight between its samples.
 
@@ -95,23 +94,11 @@ def rigid_disk(strain: ArrayLike, step: float, bar: Bar, mass: float) -> EndMoti
 
 
 def elastic_disk(strain: ArrayLike, step: float, bar: Bar, disk: Layer, mass: float = 0.0) -> EndMotion:
-    """Return how the outer face of an elastic disk on the end of a bar moves, with a sensor of a mass on it.
+    """Return the motion of the outer face of an elastic disk on the end of a bar, with a sensor of a mass (kg) on it.
 
-    The disk is one layer of a stack behind a stretch of bar so long that nothing comes back within the record.
-    Below a few disk thicknesses of rise the disk is no bar: this is one-dimensional theory.
-
-    Parameters
-    ----------
-    strain : array_like
-        Incident wave at the end of the bar, shape (N,), zero at its begin.
-    step : float
-        s.
-    bar : Bar
-        Bar in which the wave comes.
-    disk : Layer
-        The disk.
-    mass : float, optional
-        Mass of the sensor, kg; 0 for none.
+    The disk is one layer of a stack behind a stretch of bar so long that nothing comes back within the record. For a
+    rise below a few disk thicknesses the disk is no bar: this is one-dimensional theory. The incident strain at the end
+    of the bar has the shape (N,), and is zero at its begin.
     """
     e = _history(strain, step)
     transit = LONGER * step * e.size
@@ -131,9 +118,9 @@ def elastic_disk(strain: ArrayLike, step: float, bar: Bar, disk: Layer, mass: fl
 class SensorAgreement(NamedTuple):
     """A sensor compared with its reference.
 
-    ``sensitivity`` is reading over reference by least squares at the best delay, ``peak_ratio`` that of what the
-    reading has at most over the largest value of the reference, both the same way along the blow, ``delay`` by how much
-    the reading is late (s), ``residual`` the root mean square of what is left, over that of the reading.
+    ``sensitivity`` is reading over reference by least squares at the best delay, ``peak_ratio`` that of their largest
+    values along the blow, ``delay`` that of the reading (s), ``residual`` the root mean square of the rest over that of
+    the reading.
     """
 
     sensitivity: float
@@ -143,7 +130,7 @@ class SensorAgreement(NamedTuple):
 
 
 def compare_sensor(reading: ArrayLike, reference: ArrayLike, step: float) -> SensorAgreement:
-    """Compare what a sensor read with the reference acceleration on the same clock.
+    """Compare the reading of a sensor with the reference acceleration on the same clock.
 
     The delay is that of the largest correlation, between samples by a parabola.
 
@@ -177,6 +164,7 @@ def compare_sensor(reading: ArrayLike, reference: ArrayLike, step: float) -> Sen
     moved = _moved(x, delay / step)
     ratio = float(y @ moved / (moved @ moved))
     left = y - ratio * moved
+    # of a blow that rings, the peaks along the blow are compared, not the largest of either sign
     way = math.copysign(1.0, x[np.argmax(np.abs(x))])
     same = math.copysign(way, way * ratio)
     peaks = float((same * y).max()) * same / (float((way * x).max()) * way)
@@ -184,7 +172,7 @@ def compare_sensor(reading: ArrayLike, reference: ArrayLike, step: float) -> Sen
 
 
 def _moved(values: Array, places: float) -> Array:
-    """Return a history later by so many samples, zero before its begin."""
+    """Return a history delayed by so many samples, zero before its begin."""
     at = np.arange(values.size) - places
     from scipy.interpolate import CubicSpline
 

@@ -21,7 +21,7 @@ from strikewave.waves.dispersion import Rod
 
 @declare.dataclass
 class BarMaterial:
-    """Density, modulus and bar speed that agree with each other; a mismatch is there where all three were stated."""
+    """Density, modulus and bar speed that agree with each other; a mismatch exists where all three were stated."""
 
     density: float = declare.number(DENSITY, "of the incident and the transmitted bar", column=MAIN)
     modulus: float = declare.number(MODULUS, "modulus", column=MAIN)
@@ -35,8 +35,8 @@ class BarMaterial:
 def elastic(density: float | None = None, modulus: float | None = None, speed: float | None = None) -> BarMaterial:
     """Return density, modulus and bar speed from two of them: c = sqrt(E/rho).
 
-    Where all three are given, density and speed are kept, which a balance and an echo measure to a part in a
-    thousand, and the modulus is derived.
+    Of all three, density and speed are kept, which a balance and an echo measure to a part in a thousand, and the
+    modulus is derived.
 
     Raises
     ------
@@ -69,18 +69,7 @@ def elastic(density: float | None = None, modulus: float | None = None, speed: f
 class Bar:
     """A round pressure bar with one strain gauge station.
 
-    Parameters
-    ----------
-    density, modulus : float
-        kg/m^3, Pa.
-    diameter : float
-        m.
-    gauge_distance : float
-        From the gauge to the face at the specimen, m.
-    poissons_ratio : float, optional
-        Only dispersion and bridges with lateral gauges use it.
-    length : float, optional
-        m; infinite where it is not known.
+    Poisson's ratio counts only in dispersion and in bridges with lateral gauges.
 
     Examples
     --------
@@ -89,12 +78,12 @@ class Bar:
     (5188.7, 12715, 196.58)
     """
 
-    density: float
-    modulus: float
-    diameter: float
-    gauge_distance: float
+    density: float  # kg/m^3
+    modulus: float  # Pa
+    diameter: float  # m
+    gauge_distance: float  # from the gauge to the face at the specimen, m
     poissons_ratio: float = 0.29
-    length: float = math.inf
+    length: float = math.inf  # m; infinite where unknown
 
     def __post_init__(self) -> None:
         for key in ("density", "modulus", "diameter", "gauge_distance"):
@@ -133,13 +122,13 @@ class Bar:
 
     @property
     def rod(self) -> Rod:
-        """The bar as dispersion knows it."""
+        """The bar in the form that dispersion takes."""
         return Rod(0.5 * self.diameter, self.speed, self.poissons_ratio)
 
 
 @dataclass(frozen=True)
 class Specimen:
-    """The specimen between the bars: length (m), area (m^2); density and modulus where they are known.
+    """The specimen between the bars: length (m), area (m^2), and density and modulus where they are known.
 
     Only momentum, kinetic energy and the theory of equilibrium use density and modulus.
     """
@@ -184,11 +173,11 @@ class StrikerBar(NamedTuple):
 
     @property
     def pulse_length(self) -> float:
-        """Duration of the pulse it makes in a bar of its own impedance, 2 L/c, s."""
+        """Duration of the pulse in a bar of its own impedance, 2 L/c, s."""
         return 2.0 * self.length / self.bar_speed
 
     def strain(self, bar: Bar) -> float:
-        """Return the strain it makes in a bar: v Zs/((Zs + Zb) cb), which is v/(2 c) for equal bars.
+        """Return the strain in a struck bar: v Zs/((Zs + Zb) cb), which is v/(2 c) for equal bars.
 
         Source: Kolsky 1963, chapter III: force v Zs Zb/(Zs + Zb), over E A = Zb cb.
 
@@ -203,32 +192,22 @@ class StrikerBar(NamedTuple):
 
 BridgeKind = Literal["quarter", "half", "half-poisson", "full-poisson"]
 BRIDGES: tuple[BridgeKind, ...] = get_args(BridgeKind)
-"""One gauge; two on opposite sides of the bar in opposite arms, which cancel bending; one along the bar and one
-around it; two along and two around."""
+"""One gauge; two on opposite sides of the bar in opposite arms, which cancel bending; one along the bar and one around
+it; two along and two around."""
 
 
 @dataclass(frozen=True)
 class Bridge:
     """A Wheatstone bridge of strain gauges, with its amplifier.
 
-    Parameters
-    ----------
-    kind : str
-        One of `BRIDGES`.
-    gauge_factor : float
-        Relative change of resistance over strain.
-    excitation : float
-        Voltage of the bridge, V.
-    gain : float, optional
-        Gain of the amplifier.
-    poissons_ratio : float, optional
-        Poisson's ratio of the bar; only bridges with gauges around the bar use it.
+    The gauge factor is the relative change of resistance over strain; Poisson's ratio of the bar counts only in bridges
+    with gauges around the bar.
     """
 
     kind: BridgeKind
     gauge_factor: float
-    excitation: float
-    gain: float = 1.0
+    excitation: float  # voltage of the bridge, V
+    gain: float = 1.0  # of the amplifier
     poissons_ratio: float = 0.29
 
     def __post_init__(self) -> None:
@@ -241,13 +220,13 @@ class Bridge:
     def strain(self, voltage: ArrayLike) -> NDArray[np.float64]:
         """Return strain, tension positive, from the voltage behind the amplifier, V.
 
-        With r = V/(gain excitation), N gauges along the bar (1 or 2) and nu, the strain that those around it
-        share (0 without them), the balance of the four arms gives exactly
+        With r = V/(gain excitation), N gauges along the bar (1 or 2) and nu, the share of the strain in those around it
+        (0 without them), the balance of the four arms gives exactly
 
             gauge_factor strain = (4/N) r / [1 + nu - (2/N) r (1 - nu)]
 
-        whose denominator is 1 + nu for small strains. Source: the voltages of the two dividers of a bridge of
-        arms 1 + x, 1 - nu x, 1 + x, 1 - nu x (or 1 where there is no active gauge).
+        whose denominator is 1 + nu for small strains. Source: the voltages of the two dividers of a bridge of arms 1 +
+        x, 1 - nu x, 1 + x, 1 - nu x (or 1 where there is no active gauge).
 
         Examples
         --------

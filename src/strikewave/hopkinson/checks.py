@@ -1,15 +1,15 @@
 """Checks of a split-Hopkinson test from its own records: equilibrium, momentum, energy, striker, slope of the rise.
 
-How soon the stress in an elastic specimen between two equal bars is uniform: multiple reflections run in the specimen,
-each time reflected by r = (1 - beta)/(1 + beta) of its force, and the forces on the two faces approach each other.
+An elastic specimen between two equal bars reaches a uniform stress by multiple reflections: each time r = (1 - beta)/
+(1 + beta) of the force is reflected, and the forces on the two faces approach each other.
 
 Symbols: beta = Z_specimen/Z_bar, t0 transit time of the specimen (s), k number of the transit, from 1,
 alpha = 2 (F1 - F2)/(F1 + F2).
 
 Source: L. M. Yang, V. P. W. Shim, An analysis of stress uniformity in split Hopkinson bar test specimens,
 International Journal of Impact Engineering 31 (2005) 129-150 (not opened: the closed form is the sum of echoes,
-with which the tests compare it, and with the delay lines of `strikewave.waves`); the 5 % that is usual: Ravichandran &
-Subhash 1994.
+with which the tests compare it, and with the delay lines of `strikewave.waves`); the usual 5 %: Ravichandran & Subhash
+1994.
 """
 
 from __future__ import annotations
@@ -32,21 +32,20 @@ from strikewave.hopkinson.reduction import Analysis, Reduction, StressStrainCurv
 Array = NDArray[np.float64]
 
 UNIFORM = 0.05
-"""A specimen whose forces differ by less than this share of their mean counts as in equilibrium: Ravichandran & Subhash
-1994, as is usual."""
+"""Largest force difference in equilibrium, as a share of the mean force: usual since Ravichandran & Subhash 1994."""
 MOST_TRANSITS = 100_000
-"""Transits that are summed: a wave of r = 0.9999 has fallen to 5e-5 by then."""
+"""Largest number of transits: a wave of r = 0.9999 has fallen to 5e-5 by then."""
 NEGLIGIBLE = 1e-18
 """Share of the incident force below which an echo adds nothing to a sum in floating point."""
 PER_TRANSIT, LONG = 200, 5000.0
-"""Instants a transit at which the forces are compared; from so many transits on one each, as nothing changes within
-one."""
+"""Instants a transit at which the forces are compared, and the transits from which one is enough: nothing changes
+within one there."""
 MORE = 4.0
-"""Transits that are looked at at least, and beyond the estimate: the rise of the load shifts all by some."""
+"""Least number of transits looked at, and those beyond the estimate: the rise of the load shifts all by some."""
 SAFETY = 0.01
 """Share of the limit at which the estimate of the transits ends, so that alpha stays below the limit after it."""
 TINY = 1e-300
-"""Keeps the logarithm of 0 out, for a specimen as stiff as the bar."""
+"""Smallest argument of the logarithm, for a specimen as stiff as the bar."""
 
 
 def stress_difference(beta: ArrayLike, transit: ArrayLike) -> Array:
@@ -108,17 +107,8 @@ def face_forces(beta: float, time: ArrayLike, rise: float = 0.0) -> Faces:
 
         P(t) = T sum_m r^(2m) s(t - 2m),  F1 = P(t) + r P(t - 2),  F2 = (1 + r) P(t - 1)
 
-    with T = 2 beta/(1 + beta), r = (1 - beta)/(1 + beta), the incident force s, and times in transits t0. At a
-    step, values are those just after it.
-
-    Parameters
-    ----------
-    beta : float
-        Impedance ratio.
-    time : array_like
-        Times after the wave reaches the first face, over t0, ascending or not.
-    rise : float, optional
-        Time of the rise, over t0.
+    with T = 2 beta/(1 + beta), r = (1 - beta)/(1 + beta), the incident force s, and times, the rise among them, in
+    transits t0 after the wave reaches the first face. At a step, values are those just after it.
 
     Examples
     --------
@@ -149,9 +139,9 @@ def face_forces(beta: float, time: ArrayLike, rise: float = 0.0) -> Faces:
 
 
 def transits_to_uniform(beta: float, rise: float = 0.0, limit: float = UNIFORM) -> float:
-    """Return after how many transits |alpha| stays below a limit.
+    """Return the number of transits after which |alpha| stays below a limit.
 
-    Found on a grid of 1/200 of a transit; from 5000 transits on of one transit.
+    It is found on a grid of 1/200 of a transit; from 5000 transits on of one transit.
 
     Examples
     --------
@@ -170,36 +160,30 @@ def transits_to_uniform(beta: float, rise: float = 0.0, limit: float = UNIFORM) 
 
 
 SLOPE_BAND = (0.1, 0.5)
-"""Shares of the largest stress between which the slope of the rise is fitted, on the first way up.
-
-Below a tenth lies the noise of the foot, above half of it many specimens yield."""
+"""Shares of the largest stress between which the slope of the rise is fitted: below a tenth lies the noise of the foot,
+above half of it many specimens yield."""
 FEWEST_OF_SLOPE = 3
-"""Samples on the rise without which no slope is fitted: two always lie on a line."""
+"""Least number of samples for a slope: two always lie on a line."""
 LASTING = 3.0
-"""Rise times of the incident pulse for which forces must agree one after another to count as in equilibrium.
-
-Forces are averaged over one of them, so that chance makes them agree for about as long."""
+"""Rise times for which forces must agree to be in equilibrium: averaged over one, they agree by chance for about as
+long."""
 PLATEAU = Quantity(NO_UNIT, "ustrain", "plateau strain")
 HALF_WIDTH = Quantity("s", "us", "pulse width at 50 %")
 RISE_SLOPE = Quantity("Pa", "GPa", "slope of the rise", digits=3)
 STANDS_OUT = 5.0
-"""Standard deviations of both traces that a mean force must have for its ratio to be given: R is then known to 0.2."""
+"""Standard deviations of both traces that a mean force must have for its ratio R, which is then known to 0.2."""
 
 
 @declare.dataclass
 class Equilibrium:
-    """How alike the forces on both faces are.
+    """The agreement of the forces on both faces.
 
-    A stretch is one in which R stays below the limit; begin and end are NaN if none lasts for `LASTING` rise times of
-    the incident pulse.
-
-    Attributes
-    ----------
-    ratio : ndarray
-        R(t) = 2 |F1 - F2|/|F1 + F2|, shape (N,); NaN where the forces do not stand out of the noise.
+    R stays below the limit in a stretch; begin and end are NaN if none lasts for `LASTING` rise times of the incident
+    pulse.
     """
 
     ratio: Array = field(repr=False)
+    """R(t) = 2 |F1 - F2|/|F1 + F2|, shape (N,); NaN where the forces do not stand out of the noise."""
     misfit: float = declare.number(
         Quantity(NO_UNIT, "%", "force difference over mean force", 1, 0),
         "integral of |F1 - F2| over that of (F1 + F2)/2 while the incident wave lasts",
@@ -262,7 +246,7 @@ def _stretch(reduction: Reduction, limit: float) -> dict[str, float]:
 
 @declare.dataclass
 class Momentum:
-    """Impulses of the waves over the window, and how they close.
+    """Impulses of the waves over the window, and their closure.
 
     The first is incident + reflected, the second the transmitted one, that of the specimen m (v1 + v2)/2. The closure
     is (first - second - specimen) over the incident impulse; a specimen of unknown density counts as without mass.
@@ -287,21 +271,21 @@ class Momentum:
         declare.number(SHARE, "closure", label="missing impulse", headline="impulse missing", in_document=False)
     )
     def missing(self) -> float | None:
-        """What is missing of the incident impulse, as a share; None where there is an excess."""
+        """Missing share of the incident impulse; None for an excess."""
         return self.closure if self.closure >= 0.0 else None
 
     @declare.computed(
         declare.number(SHARE, "closure", label="excess impulse", headline="impulse in excess", in_document=False)
     )
     def excess(self) -> float | None:
-        """What is in excess of the incident impulse, as a share; None where something is missing."""
+        """Excess as a share of the incident impulse; None where some is missing."""
         return None if self.closure >= 0.0 else -self.closure
 
 
 def momentum(reduction: Reduction) -> Momentum:
-    """Return the impulses of the waves while the incident wave lasts, and by how much they do not close.
+    """Return the impulses of the waves while the incident wave lasts, and their closure.
 
-    Over that time the specimen gains what enters at its first face and does not leave at the second.
+    Over that time the specimen gains the impulse at its first face less that at the second.
     """
     waves, bars = reduction.waves, reduction.bars
     last = int(np.flatnonzero(reduction.loading)[-1])
@@ -319,10 +303,10 @@ def momentum(reduction: Reduction) -> Momentum:
 
 @declare.dataclass
 class Energy:
-    """Energy of the waves, and what became of it.
+    """Energy of the waves, and of the specimen.
 
-    What is absorbed equals ``deformation``, the integral of the mean force times v1 - v2, and ``acceleration``, that of
-    F1 - F2 times the mean velocity.
+    The absorbed energy equals ``deformation``, the integral of the mean force times v1 - v2, and ``acceleration``, that
+    of F1 - F2 times the mean velocity.
     """
 
     incident: float = declare.number(ENERGY, "energy of the incident wave", column=MAIN)
@@ -336,7 +320,7 @@ class Energy:
 def energy(reduction: Reduction) -> Energy:
     """Return the energy of the waves while the incident wave lasts: E A c times the integral of strain squared.
 
-    F1 v1 - F2 v2 = (F1 + F2)(v1 - v2)/2 + (F1 - F2)(v1 + v2)/2: what deforms the specimen, and what moves it.
+    F1 v1 - F2 v2 = (F1 + F2)(v1 - v2)/2 + (F1 - F2)(v1 + v2)/2: the deformation of the specimen, and its motion.
     """
     waves, bars = reduction.waves, reduction.bars
     last = int(np.flatnonzero(reduction.loading)[-1])
@@ -380,7 +364,7 @@ def striker_check(pulses: Pulses, reduction: Reduction, striker: StrikerBar) -> 
 
 @declare.dataclass
 class Slope:
-    """Slope of the rise of a stress-strain curve, and between which values a sample of misalignment moves it."""
+    """Slope of the rise of a stress-strain curve, with its range under a misalignment of a sample."""
 
     value: float = declare.number(RISE_SLOPE, "slope of the rise of the stress-strain curve, by 1, 2 or 3 waves")
     low: float = declare.number(RISE_SLOPE, "low end, where the waves are misaligned by a sample", default=math.nan)
@@ -398,7 +382,7 @@ def rise_slope(curve: StressStrainCurve, loading: NDArray[np.bool_]) -> float:
 
 
 def rise_slopes(reduction: Reduction, analysis: Analysis) -> Slope:
-    """Return `rise_slope` by an analysis, with its values where reflected and transmitted wave come a sample off.
+    """Return `rise_slope` by an analysis, with its values where reflected and transmitted wave are a sample off.
 
     ``high`` is infinite where the rise is upright, or leans backwards, within a sample.
     """

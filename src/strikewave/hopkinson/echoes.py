@@ -6,10 +6,10 @@ the transforms S of two passes with the way x between them, at each frequency f,
 
     c(f) = x / tau(f),    a(f) = ln(|S1|/|S2|) / x
 
-with tau the delay by phase and a the attenuation (Np/m), what is lost at the ends included. All passes count at once:
-their times are t0 + N tau_near + M tau_far after N turns at the near end and M at the far one, a straight plane by
-least squares, each pass with the weight of its energy since all have the same noise. The noise of two passes has
-nothing in common, so that what is left gives the standard errors.
+with tau the delay by phase and a the attenuation (Np/m), losses at the ends included. All passes count at once: their
+times are t0 + N tau_near + M tau_far after N turns at the near end and M at the far one, a straight plane by least
+squares, each pass with the weight of its energy since all have the same noise. The noise of two passes is independent,
+so that the residual gives the standard errors.
 
 Source: the spectral ratio of successive echoes as in C. Bacon, An experimental method for considering dispersion and
 attenuation in a viscoelastic Hopkinson bar, Experimental Mechanics 38 (1998) 242-249.
@@ -38,39 +38,34 @@ Array = NDArray[np.float64]
 
 Way = Literal["towards", "away"]
 ABOVE_NOISE = 10.0
-"""Amplitude of a pass over that of the noise, down to which a frequency is used: its phase is then known to 0.1 rad."""
+"""Least amplitude of a pass over that of the noise at a used frequency: its phase is then known to 0.1 rad."""
 WEAKEST = 0.03
-"""Amplitude of a frequency over that of the strongest one of a pass, down to which it is used: below, the tails that
-windows cut count."""
+"""Least amplitude of a used frequency over that of the strongest one of a pass: below, the tails that windows cut
+count."""
 LEAD = 0.2
-"""Share of the window of a pass that lies before its foot: the foot itself, and what
-correlation misplaces it by, must lie inside."""
+"""Share of the window of a pass before its foot: the foot itself, and the error of correlation, must lie inside."""
 FLANK = 0.25
 """Share of the lead over which the window rises; the foot of a pulse must not lie on it."""
 FEWEST_PASSES = 3
-"""Passes without which speed and length cannot be told apart: the turns at either end and a first time are sought."""
+"""Least number of passes: the turns at either end and a first time are sought."""
 ROUNDS, CONVERGED = 20, 1e-12
-"""Rounds of the search for the bar speed whose dispersion gives the times, and the change below which one is the last.
-
-Dispersion is a small correction, so that each round gains two digits or more."""
+"""Rounds of the search for the bar speed whose dispersion gives the times, and the change that ends it. Dispersion is a
+small correction, so that each round gains two digits or more."""
 ONCE_IN = 1e-3
-"""Records in which chance makes a good pass look odd."""
+"""Share of records in which chance makes a good pass look odd. Chosen."""
 FOOT_LEVELS = (0.25, 0.5)
-"""Shares of the height through whose crossings the line goes that gives the foot: clear of the noise, on the steep
-part."""
+"""Shares of the height on the line through the foot: clear of the noise, on the steep part."""
 PULSE_WIDTHS = 2.0
-"""Widths at half height after the foot in which no echo is looked for: the first pulse is over then."""
+"""Widths at half height after the foot without a search for echoes: the first pulse is over then."""
 LARGE = 0.9
-"""Share of the largest correlation that the first round trip comes up to: chosen, as a trip in a metal bar
-loses less than a tenth."""
+"""Share of the largest correlation that the first round trip reaches. Chosen: a trip in a metal bar loses less than a
+tenth."""
 NEAR_SEARCH = 0.1
-"""Share of the expected delay of the second pass within which it is sought: how wrong a stated speed or distance may
-be."""
+"""Share of the expected delay within which the second pass is sought: the error of a stated speed or distance."""
 TWICE_AS_DEEP = 0.5
-"""Share of the deepest correlation that the one where it is expected must reach to be taken for the second pass."""
+"""Share of the deepest correlation that the expected one must reach to be taken for the second pass."""
 STRONGER = 0.02
-"""Share of amplitude by which a pass may differ from what later ones give without being odd: a weak reflection on the
-way."""
+"""Share of amplitude by which a pass may differ from later ones without being odd: a weak reflection on the way."""
 
 OFF = SHARE._replace(signed=True)
 FITTED_LENGTH = Quantity("m", "mm", "length", digits=5)
@@ -78,7 +73,7 @@ FITTED_LENGTH = Quantity("m", "mm", "length", digits=5)
 
 @declare.dataclass
 class FittedValue:
-    """A value by least squares, in the unit of what it is of.
+    """A value by least squares, in the unit of its quantity.
 
     Examples
     --------
@@ -98,7 +93,7 @@ class FittedValue:
 
 @declare.dataclass
 class Odd:
-    """A pass at the begin that does not go with those after it."""
+    """An early pass that does not agree with those after it."""
 
     number: int = declare.count("its number from 1")
     late: float = declare.number(MICROSECONDS, "how late it is")
@@ -108,7 +103,7 @@ class Odd:
 
 
 class Ways(NamedTuple):
-    """Bar speed (m/s) if the first pulse ran the other way, and what is then left of times over what is left now."""
+    """Bar speed (m/s) for the other way of the first pulse, and its residual of times over that of the stated way."""
 
     speed: float
     misfit: float
@@ -116,17 +111,10 @@ class Ways(NamedTuple):
 
 @declare.dataclass
 class Echoes:
-    """What the echoes of a bar give: arrays over frequency have the shape (K,).
+    """The calibration of a bar by its echoes; arrays over frequency have the shape (K,).
 
-    The speed is found from the turns at the near end; from all ways where the length is given. Passes come when the
-    first one comes to the gauge, and later ones by the delay of best correlation.
-
-    Attributes
-    ----------
-    quiet : Quiet
-        The trace.
-    other_way : Ways
-        Results if the first pulse ran the other way.
+    The speed is that of the turns at the near end, or of all ways where the length is given. The first pass comes at
+    its foot, later ones by the delay of best correlation.
     """
 
     quiet: Quiet = field(repr=False)
@@ -186,19 +174,10 @@ def calibrate_bar(
 ) -> Echoes:
     """Return speed, length, dispersion and attenuation of a bar with free ends from many round trips.
 
-    Parameters
-    ----------
-    trace : GaugeTrace
-        Strain at the gauge.
-    bar : Bar
-        Its gauge distance to one end is taken as known, its length where it is finite, density and modulus only
-        as the begin of the search for the speed.
-    way : str, optional
-        Direction of the first pulse: "towards" the end whose distance is known, or "away" from it.
-    skip : int, optional
-        Passes left out at the begin, such as one that met a specimen.
-    theory : str, optional
-        Theory of dispersion.
+    Parameters ---------- trace : GaugeTrace Strain at the gauge. bar : Bar Its gauge distance to one end is taken as
+    known, its length where it is finite; density and modulus only begin the search for the speed. way : str, optional
+    Direction of the first pulse: "towards" the end whose distance is known, or "away" from it. skip : int, optional
+    Passes left out at the begin, such as one that met a specimen. theory : str, optional Theory of dispersion.
 
     Raises
     ------
@@ -269,7 +248,7 @@ def _places(quiet: Quiet, bar: Bar, way: Way) -> _Places:
 
     The foot is that of the straight line through a quarter and a half of the height, which noise hardly moves. The
     round trip is the first large correlation of the same sign once the first pulse is over. The second pass, turned
-    over at one end, is the deepest one before it near to where it is expected; or the deepest of all, if twice as deep.
+    over at one end, is the deepest correlation near its expected place, or the deepest of all if that is twice as deep.
     """
     x = quiet.trace.strain
     peak = float(np.abs(x).max())
@@ -294,13 +273,13 @@ def _places(quiet: Quiet, bar: Bar, way: Way) -> _Places:
 
 
 def _first_large(same: Array, clear: int) -> int:
-    """Return the place of the first correlation that comes up to nine tenths of the largest one."""
+    """Return the place of the first correlation of nine tenths of the largest one."""
     first = clear + int(np.argmax(same[clear:] >= LARGE * float(same[clear:].max())))
     return first + int(np.argmax(same[first : first + clear]))
 
 
 def _near_peak(same: Array, expected: float, sign: float, fallback: int = 0) -> int:
-    """Return the place of the strongest correlation within a tenth of where it is expected."""
+    """Return the place of the strongest correlation within a tenth of the expected one."""
     low, high = int((1.0 - NEAR_SEARCH) * expected), int((1.0 + NEAR_SEARCH) * expected) + 1
     if low < 1 or high > same.size:
         return fallback
@@ -342,7 +321,7 @@ def _taper(size: int, lead: int) -> Array:
 
 
 def _band(passes: _Passes, quiet: Quiet) -> NDArray[np.intp]:
-    """Return the frequencies, from the first a window can hold on, up to the first at which a pass is too weak."""
+    """Return the frequencies from the first that a window can hold to the first at which a pass is too weak."""
     amplitude = np.abs(passes.spectra)
     floor = ABOVE_NOISE * quiet.noise * math.sqrt(passes.size)
     clear = np.all(amplitude > np.maximum(floor, WEAKEST * amplitude.max(axis=1, keepdims=True)), axis=0)
@@ -352,7 +331,7 @@ def _band(passes: _Passes, quiet: Quiet) -> NDArray[np.intp]:
 
 
 class _PassData(NamedTuple):
-    """What the passes show: delays after the first one (s) and logarithms of amplitudes, each of shape (P, K).
+    """Delays of the passes after the first one (s) and logarithms of their amplitudes, each of shape (P, K).
 
     ``energy`` is that of each pass, ``weight`` that of each frequency w (rad/s) of the first one, ``first`` its number.
     """
@@ -387,7 +366,7 @@ class _Plane(NamedTuple):
         return np.asarray(np.sqrt(self.inverse[place, place] * self.variance))
 
     def carried(self, slopes: Array) -> float:
-        """Return the standard error of what depends on the values with these slopes."""
+        """Return the standard error of a function of the values with these slopes."""
         return float(np.sqrt(slopes @ self.inverse @ slopes * self.variance))
 
 
@@ -418,7 +397,7 @@ def _delay(passes: _Passes, m: int, band: NDArray[np.intp], step: float) -> Arra
 
 
 def _plain_times(data: _PassData, speed: float) -> Array:
-    """Return the delays that a bar without dispersion would show, by the theory at a bar speed, s, shape (P,).
+    """Return the delays of a bar without dispersion, by the theory at a bar speed, s, shape (P,).
 
     By least squares of the phases, which are as uncertain as their amplitude is small: w |S|.
     """
@@ -447,7 +426,7 @@ def _speed_and_length(data: _PassData, way: Way) -> tuple[_Free, Array, Array]:
 
 
 def _known_length(data: _PassData, way: Way) -> tuple[FittedValue, float, Array]:
-    """Return the speed over known ways, the root mean square of what is left of the times (s), and the design."""
+    """Return the speed over known ways, the root mean square residual of the times (s), and the design."""
     d, turns = data.bar.gauge_distance, _turns(data, way)
     design = np.column_stack([np.ones(turns.shape[0]), 2.0 * (turns[:, 1] * d + turns[:, 2] * (data.bar.length - d))])
     speed = data.bar.speed
@@ -469,13 +448,13 @@ def _phase_speed(data: _PassData, design: Array, way: float) -> tuple[Array, Arr
 
 
 def _trips(data: _PassData) -> Array:
-    """Return 1, whether a pass was turned over, and the round trips before each pass, shape (P, 3)."""
+    """Return 1, 1 for a pass turned over, and the round trips before each pass, shape (P, 3)."""
     n = data.first + np.arange(data.energy.size)
     return np.column_stack([np.ones(n.size), n % 2, n // 2 - n[0] // 2])
 
 
 def _losses(data: _PassData, length: FittedValue) -> tuple[FittedValue, Array, Array]:
-    """Return the attenuation by energy, that of each frequency, and its standard error: what a round trip takes."""
+    """Return the attenuation by energy, that of each frequency, and its standard error, per round trip."""
     way, design = 2.0 * length.value, _trips(data)
     whole = _plane(design, data.logs @ data.weight / data.weight.sum(), data.energy)
     each = _plane(design, data.logs, data.energy)
@@ -486,7 +465,7 @@ def _losses(data: _PassData, length: FittedValue) -> tuple[FittedValue, Array, A
 
 
 def _odd(data: _PassData, times: Array, design: Array, step: float) -> Odd | None:
-    """Return the last of the first two passes that those after it do not foretell, in time or in amplitude.
+    """Return the last of the first two passes that disagrees with those after it, in time or in amplitude.
 
     By Student's distribution once in a thousand records; a sample and `STRONGER` of amplitude always pass.
     """
@@ -502,7 +481,7 @@ def _odd(data: _PassData, times: Array, design: Array, step: float) -> Odd | Non
 
 
 def _foretold(design: Array, values: Array, weight: Array, k: int) -> tuple[float, bool]:
-    """Return by how much a value differs from what those after it give, and whether chance hardly does that."""
+    """Return the difference of a value from the prediction by those after it, and whether chance hardly explains it."""
     after = _plane(design[k + 1 :], values[k + 1 :], weight[k + 1 :])
     apart = float(values[k] - design[k] @ after.value)
     spread = math.sqrt(float((1.0 / weight[k] + design[k] @ after.inverse @ design[k]) * after.variance))

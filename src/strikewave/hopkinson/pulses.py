@@ -1,13 +1,12 @@
 """The incident, the reflected and the transmitted pulse, found in the traces of two gauges.
 
 Compression is positive. The incident pulse is the first one at its gauge. The others follow from geometry: the
-reflected pulse comes to the same gauge 2 d1/c1 later, the transmitted one to the other gauge d1/c1 + d2/c2 later.
+reflected pulse comes to the same gauge 2 d1/c1 later, the transmitted one to the other gauge d1/c1 + d2/c2 later. Begin
+and end of a pulse in a noisy trace need no threshold set by hand.
 
-Where a pulse begins and ends in a noisy trace, without a threshold set by hand.
-
-Source: N. Maeda, A method for reading and checking phase times in auto-processing system of seismic wave data,
-Zisin 38 (1985) 365-379: the place that splits a trace into two stretches of white noise of
-different variance with the least information criterion.
+Source: N. Maeda, A method for reading and checking phase times in auto-processing system of seismic wave data, Zisin
+38 (1985) 365-379: the place that splits a trace into two stretches of white noise of different variance with the least
+information criterion.
 """
 
 from __future__ import annotations
@@ -29,23 +28,22 @@ from strikewave.signal.pulse import crossing
 Array = NDArray[np.float64]
 
 FEWEST = 16
-"""Samples of a quiet head, or of a pulse, below which neither is judged: a standard deviation is known to 18 %
-there."""
+"""Least number of samples of a quiet head or of a pulse: a standard deviation is then known to 18 %."""
 FEWEST_TO_SPLIT = 8
-"""Samples without which a stretch is not split: two on either side, and a choice between."""
+"""Least number of samples of a stretch that is split: two on either side, and a choice between."""
 FALSE_ALARM = 0.01
-"""Records of pure noise in which a pulse is found; chosen: one in a hundred."""
+"""Share of records of pure noise in which a pulse is found. Chosen: one in a hundred."""
 PERSISTS = 5
-"""Samples that must stand above a level one after another, so that a spike of the digitiser is no pulse."""
+"""Samples in a row that stand above a level, so that a spike of the digitizer is no pulse."""
 BLOCKS = 8
-"""Parts of a quiet head whose means are compared: enough for a slow foot to show in the last, with means that are
-known."""
+"""Parts of a quiet head whose means are compared: enough to show a slow foot in the last, few enough for known
+means."""
 VARIANCE_ROUNDING = 1e-12
 """Share of the mean square below which a variance is rounding, as of a head of zeros."""
 TINY = 1e-300
-"""Keeps the logarithm of no variance out where all is zero."""
+"""Smallest variance in a logarithm, where all is zero."""
 MOST_ALIKE = 0.999
-"""Correlation of neighbours at most: at 1 no mean of noise would be known at all."""
+"""Largest correlation of neighbours: at 1 no mean of noise would be known at all."""
 
 
 def split(values: Array) -> int:
@@ -91,7 +89,7 @@ def first_above(values: Array, level: float) -> int | None:
 
 
 def onset(values: Array) -> int | None:
-    """Return where the first pulse of a trace begins: `split` of what lies before it reaches half the largest value.
+    """Return the begin of the first pulse of a trace: `split` of the samples before it reaches half the largest value.
 
     None where no five samples in a row reach it.
 
@@ -106,10 +104,7 @@ def onset(values: Array) -> int | None:
 
 
 def ending(values: Array) -> int:
-    """Return where the first pulse of a trace ends: the onset of what is left, read backwards.
-
-    The trace holds one pulse and what follows it.
-    """
+    """Return the end of the first pulse of a trace with one pulse and its sequel: the onset of the rest, backwards."""
     back = onset(values[::-1])
     return values.size if back is None else values.size - back
 
@@ -122,7 +117,7 @@ def largest(values: Array) -> float:
 
 
 def noise_ceiling(noise: float, samples: int) -> float:
-    """Return the largest value that white noise of a standard deviation shows in so many samples.
+    """Return the largest value of white noise of a standard deviation in so many samples.
 
     sqrt(2 ln(N/p)) times the standard deviation, with p = `FALSE_ALARM`.
     """
@@ -137,12 +132,12 @@ class Drift(NamedTuple):
 
 
 def drift(values: Array) -> Drift:
-    """Return by how much the means of `BLOCKS` equal parts of a stretch of noise differ.
+    """Return the largest difference of the means of `BLOCKS` equal parts of a stretch of noise, and its standard error.
 
         error = s sqrt(2/n (1 + r)/(1 - r))
 
-    with s the standard deviation within the parts, n samples in each, and r the correlation of neighbours, whose
-    powers that of samples farther apart is taken for (noise of first order). Infinite where a part has one sample.
+    with s the standard deviation within the parts, n samples in each, and r the correlation of neighbours, whose powers
+    stand for that of samples farther apart (noise of first order). Infinite where a part has one sample.
 
     Examples
     --------
@@ -165,14 +160,14 @@ def drift(values: Array) -> Drift:
 
 
 LEAD = 0.05
-"""Share of the time between incident and reflected pulse that a window begins before its pulse: a foot hidden in the
-noise and what is moved by an alignment must lie inside."""
+"""Share of the time between incident and reflected pulse by which a window begins early: a foot hidden in the noise and
+the moves of an alignment must lie inside."""
 HEADROOM = 2
-"""A trace needs this many times `FEWEST` samples: those of a quiet head and of a pulse."""
+"""Least samples of a trace over `FEWEST`: those of a quiet head and of a pulse."""
 HEAD = 0.75
 """Share of the quiet head that gives baseline and noise: a slow foot may hide in the rest."""
 LARGEST_STRAIN = 0.02
-"""No bar stays elastic at this strain: the unit of a trace beyond it is wrong."""
+"""Largest strain of a trace: no bar stays elastic there, so that the unit is wrong."""
 SAME_STEP = 1e-6
 """Share by which the steps of both traces may differ: over a million samples, one."""
 ROUNDING = 1e-9
@@ -180,12 +175,12 @@ ROUNDING = 1e-9
 HALF = 0.5
 """Share of the height between whose crossings a pulse has its plateau and its width."""
 LOW, HIGH = 0.1, 0.9
-"""Shares of the plateau between which the rise is taken, and below which a pulse has ended: the usual 10 to 90 %."""
+"""Shares of the plateau of the rise, the usual 10 to 90 %; below the lower one a pulse has ended."""
 
 
 @dataclass(frozen=True)
 class GaugeTrace:
-    """What a gauge wrote: strain, sampling step (s), time of the first sample (s)."""
+    """The record of a gauge: strain, sampling step (s), time of the first sample (s)."""
 
     strain: Array = field(repr=False)
     step: float
@@ -199,51 +194,26 @@ class GaugeTrace:
 
 @dataclass(frozen=True)
 class Quiet:
-    """A trace with its baseline at 0 and compression positive.
+    """A trace with its baseline at 0 and compression positive."""
 
-    Attributes
-    ----------
-    trace : GaugeTrace
-        Corrected.
-    onset : int
-        First sample of the first pulse.
-    baseline, noise : float
-        Mean and standard deviation of the raw samples in the first three quarters of what lies before it.
-    polarity : int
-        Sign with which the raw strain was multiplied.
-    drift : Drift
-        By how much means over parts of those samples differ.
-    """
-
-    trace: GaugeTrace
-    onset: int
-    baseline: float
-    noise: float
-    polarity: int
-    drift: Drift
+    trace: GaugeTrace  # corrected
+    onset: int  # first sample of the first pulse
+    baseline: float  # mean of the raw samples in the first three quarters before it
+    noise: float  # standard deviation of these
+    polarity: int  # sign with which the raw strain was multiplied
+    drift: Drift  # difference of the means over parts of these
 
 
 @declare.dataclass
 class Pulses:
-    """The three pulses as the gauges saw them, all windows of one length.
-
-    Attributes
-    ----------
-    incident, reflected, transmitted : ndarray
-        Strain, shape (N,).
-    step : float
-        s.
-    late : (float, float, float)
-        By how much the windows begin after the geometric arrival of the same instant, s: less than a step.
-    traces : (Quiet, Quiet)
-        Both traces, corrected.
-    """
+    """The three pulses at the gauges, strains of shape (N,), all windows of one length."""
 
     incident: Array = field(repr=False)
     reflected: Array = field(repr=False)
     transmitted: Array = field(repr=False)
     step: float
     late: tuple[float, float, float]
+    """Times by which the windows begin after the geometric arrival of the same instant, s: less than a step."""
     onset: float = declare.number(MICROSECONDS, "begin of the incident pulse at its gauge")
     end: float = declare.number(MICROSECONDS, "its end")
     rise: float = declare.number(MICROSECONDS, "its rise from 10 to 90 %")
@@ -305,16 +275,9 @@ def quieten(trace: GaugeTrace, field_name: str) -> Quiet:
 def find_pulses(incident: GaugeTrace, transmitted: GaugeTrace, bars: tuple[Bar, Bar]) -> Pulses:
     """Find the three pulses and cut them out in windows of one length.
 
-    A window begins a twentieth of the time between incident and reflected pulse before its pulse, and lasts until
-    the next wave can come: the reflected pulse at the incident gauge, echoes from the far ends of bars of known
-    length, or the end of the record.
-
-    Parameters
-    ----------
-    incident, transmitted : GaugeTrace
-        Strain at the two gauges, of any sign, on clocks of one rate and one zero.
-    bars : (Bar, Bar)
-        Incident and transmitted bar.
+    A window begins a twentieth of the time between incident and reflected pulse before its pulse, and lasts until the
+    next wave can come: the reflected pulse at the incident gauge, echoes from the far ends of bars of known length, or
+    the end of the record. The traces are strain of any sign, on clocks of one rate and one zero.
 
     Raises
     ------
@@ -388,7 +351,7 @@ def _check_strain(strain: float, name: str) -> None:
 
 
 def _place(trace: GaugeTrace, time: float) -> tuple[int, float]:
-    """Return the sample at or before a time, and by how much it lies after it (at most zero), s."""
+    """Return the sample at or before a time, and its distance after it (at most zero), s."""
     place = (time - trace.start) / trace.step
     k = int(np.floor(place + ROUNDING))
     if not 0 <= k < trace.strain.size:

@@ -27,32 +27,20 @@ Array = NDArray[np.float64]
 
 Analysis = Literal["1-wave", "2-wave", "3-wave"]
 ANALYSES: tuple[Analysis, ...] = get_args(Analysis)
-"""All of them, for checks and messages."""
+"""All analyses, for checks and messages."""
 
 
 @dataclass(frozen=True)
 class Reduction:
-    """Forces and velocities of the two faces of the specimen.
-
-    Attributes
-    ----------
-    waves : FaceWaves
-        Waves from which they follow.
-    bars, specimen : (Bar, Bar), Specimen
-        The set-up.
-    first_force, second_force : ndarray
-        F1, F2, N, compression positive.
-    first_velocity, second_velocity : ndarray
-        v1, v2, m/s, along the blow.
-    """
+    """Forces (N, compression positive) and velocities (m/s, along the blow) of the two faces of the specimen."""
 
     waves: FaceWaves
     bars: tuple[Bar, Bar]
     specimen: Specimen
-    first_force: Array = field(repr=False)
-    second_force: Array = field(repr=False)
-    first_velocity: Array = field(repr=False)
-    second_velocity: Array = field(repr=False)
+    first_force: Array = field(repr=False)  # F1
+    second_force: Array = field(repr=False)  # F2
+    first_velocity: Array = field(repr=False)  # v1
+    second_velocity: Array = field(repr=False)  # v2
 
     @property
     def time(self) -> Array:
