@@ -12,7 +12,7 @@ import pytest
 from strikewave import load_case, run_case, run_fem, run_hopkinson, run_wave
 from strikewave.analyses.fem.report import fem_report
 from strikewave.analyses.hopkinson.build import load_setup
-from strikewave.analyses.hopkinson.report import shot_report
+from strikewave.analyses.hopkinson.report import page as setup_page
 from strikewave.analyses.machine.figures.animation import machine_page
 from strikewave.analyses.machine.report import report
 from strikewave.analyses.record.report import record_report
@@ -88,7 +88,7 @@ def shot(tmp_path_factory):
     striker = 90e-6 * bars[0].speed / 2.0
     setup = SETUP.format(first=first, second=second, length=specimen.length, striker=striker)
     (place / "shot.toml").write_text(setup, "utf-8")
-    return shot_report(run_hopkinson(load_setup(str(place / "shot.toml"))))
+    return setup_page(run_hopkinson(load_setup(str(place / "shot.toml"))))
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,7 @@
-"""The reference acceleration at the end of a bar, and what a sensor there reads of it, on one clock and bandwidth.
+"""The reference acceleration at the end of a bar, and the reading of a sensor there, on one clock and bandwidth.
 
-The strain gauge sees the wave on its way to the end, and again on its way back. Carried to the end, the first one
-alone tells how the sensor moves, given what stands there; the second one, which this does not use, checks it:
+The strain gauge sees the wave on its way to the end, and again on its way back. The first one, carried to the end,
+gives the motion of the sensor, with the mass and disk there; the second one, which this does not use, checks it:
 
     v = 2 c e_i - F/Z    by the model's force F on the end        v = c (e_i - e_r)    by both waves
 
@@ -38,34 +38,33 @@ PER_PERIOD = 200
 MOST_SAMPLES = 400_000
 """Most samples of the common clock, 3 MB a history; a longer record gets fewer samples a period."""
 OF_SAMPLING = 0.1
-"""Largest bandwidth that is chosen, over the sampling rate: cubics between ten samples a period err by 2e-4."""
+"""Largest chosen bandwidth over the sampling rate: cubics between ten samples a period err by 2e-4."""
 HIGHEST = 0.25
-"""Largest bandwidth that can be asked for, over the sampling rate: half of what the samples can hold, since no filter
-cuts off at once."""
+"""Largest stated bandwidth over the sampling rate: half of what the samples hold, for no filter cuts off at once."""
 ROUNDING = 1e-9
 """Share of the largest sample below which a reading is nothing: what a filter leaves of zero."""
 SETTLING = 2.0
-"""Periods of the bandwidth before and after a stretch that its filter is given too: after two, what a low-pass of 4
-poles remembers of its begin has sunk to a hundredth."""
+"""Periods of the bandwidth before and after a stretch that its filter also takes: the memory of a low-pass of 4 poles
+has sunk to a hundredth after two."""
 SPEED_CHANGE = 1e-3
-"""Relative change of the bar speed by which its power in the reference is found: the difference of two runs is then
-exact to 1e-3, and far above rounding."""
+"""Relative change of the bar speed for its power in the reference: the difference is exact to 1e-3, far above
+rounding."""
 
 
 class Standing(NamedTuple):
-    """What stands on the end of the bar: a rigid mass (kg; 0 for none), or an elastic disk with that mass on it."""
+    """A rigid mass on the end of the bar (kg; 0 for none), or an elastic disk with that mass on it."""
 
     mass: float = 0.0
     disk: Layer | None = None
 
     def motion(self, strain: Array, step: float, bar: Bar) -> EndMotion:
-        """Return how it moves under an incident strain at the end of a bar."""
+        """Return its motion under an incident strain at the end of a bar."""
         if self.disk is not None:
             try:
                 return elastic_disk(strain, step, bar, self.disk, self.mass)
             except ValueError as error:
-                words, hint = f"a transit of {self.disk.transit:.3g} s", f"{error}; or take it as rigid"
-                raise InputError("disk", words, "a disk whose waves can be followed", hint) from None
+                transit, hint = f"a transit of {self.disk.transit:.3g} s", f"{error}; or take it as rigid"
+                raise InputError("disk", transit, "a disk whose waves can be followed", hint) from None
         return rigid_disk(strain, step, bar, self.mass) if self.mass > 0.0 else free_end(strain, step, bar)
 
 
@@ -83,7 +82,7 @@ class Bandwidth:
 
 
 class Bench(NamedTuple):
-    """The bar, what stands on its end, and how waves are carried."""
+    """The bar, mass and disk on its end, and the theory by which waves are carried."""
 
     bar: Bar
     standing: Standing
@@ -92,47 +91,29 @@ class Bench(NamedTuple):
 
 @declare.dataclass
 class SensorComparison:
-    """A sensor beside the reference at the end of a bar; everything low-passed at the bandwidth.
-
-    Attributes
-    ----------
-    time : ndarray
-        After the begin of the incident wave at the end, s, shape (N,).
-    motion : EndMotion
-        The reference: velocity and acceleration of the sensor, force on the end.
-    reading : ndarray
-        Reading of the sensor, in its unit, without baseline and delay.
-    both_waves : ndarray
-        Velocity of the end by incident and reflected wave, m/s; NaN once the far end's echo comes to the gauge.
-    joint : ndarray
-        The same by the incident wave and the model, m/s.
-    agreement : SensorAgreement
-        Sensitivity, delay and residual by least squares.
-    pulses : Pulses
-        Incident and reflected pulse as the gauge saw them.
-    bandwidth : Bandwidth
-        Hz.
-    scatter, bias : float
-        Relative standard error of the sensitivity by the residual, and by how much noise of the gauge, taken as
-        white, lowers the slope.
-    reading_noise : float
-        Standard deviation at the bandwidth, unit of the reading.
-    speed_power : float
-        Power of the bar speed with which the reference grows at a constant density.
-    """
+    """A sensor beside the reference at the end of a bar; everything low-passed at the bandwidth."""
 
     time: Array = field(repr=False)
+    """Time after the begin of the incident wave at the end, s, shape (N,)."""
     motion: EndMotion = field(repr=False)
+    """The reference: velocity and acceleration of the sensor, force on the end."""
     reading: Array = field(repr=False)
+    """Reading of the sensor, in its unit, without baseline and delay."""
     both_waves: Array = field(repr=False)
+    """Velocity of the end by incident and reflected wave, m/s; NaN once the far end's echo comes to the gauge."""
     joint: Array = field(repr=False)
+    """The same by the incident wave and the model, m/s."""
     agreement: SensorAgreement
     pulses: Pulses = field(repr=False)
     bandwidth: Bandwidth
     scatter: float
+    """Relative standard error of the sensitivity by the residual."""
     bias: float
+    """Share by which noise of the gauge, taken as white, lowers the slope."""
     reading_noise: float
+    """Standard deviation at the bandwidth, unit of the reading."""
     speed_power: float
+    """Power of the bar speed with which the reference grows at a constant density."""
     reference_noise: float = declare.number(
         Quantity("m/s^2", "g", "noise of the reference"), "standard deviation of the reference at the bandwidth"
     )
@@ -143,7 +124,7 @@ class SensorComparison:
         )
     )
     def delay(self) -> float:
-        """How late the reading is."""
+        """Delay of the reading."""
         return self.agreement.delay
 
     @property
@@ -160,7 +141,7 @@ class SensorComparison:
 
     @declare.computed(declare.number(SHARE, "root mean square that does not follow", label="residual over reading"))
     def residual(self) -> float:
-        """What of the reading does not follow the reference, as a share."""
+        """Share of the reading that does not follow the reference."""
         return self.agreement.residual
 
     @property
@@ -196,26 +177,29 @@ class SensorComparison:
 def compare_at_end(
     strain: GaugeTrace, reading: GaugeTrace, bench: Bench, wanted: float | None = None
 ) -> SensorComparison:
-    """Set the reading of a sensor on the end of a bar beside the acceleration that the strain gauge tells.
+    """Set the reading of a sensor on the end of a bar beside the acceleration by the strain gauge.
 
     Parameters
     ----------
     strain : GaugeTrace
-        At the gauge; it must hold the incident and the reflected pulse.
+        Strain at the gauge, with the incident and the reflected pulse.
     reading : GaugeTrace
         Reading of the sensor, on a clock with the same zero.
     bench : Bench
-        Bar, what stands on its end, theory of dispersion.
+        Bar, mass and disk on its end, theory of dispersion.
     wanted : float, optional
         Bandwidth, Hz; chosen where it is left out.
     """
-    endless = replace(bench.bar, length=math.inf)  # the far end's echo meets the reflected wave alone: see _both_waves
+    endless = replace(bench.bar, length=math.inf)  # the far end's echo meets the reflected wave alone, see unspoilt
     pulses = find_pulses(strain, strain, (endless, endless))
     bandwidth = _bandwidth(pulses, reading.step, bench, wanted)
     low_pass = Filter(bandwidth.value)
     begin = pulses.starts[0] + bench.bar.delay
     quiet = min(SETTLING / bandwidth.value, max(begin - reading.start, 0.0))
-    time = _clock(pulses, bandwidth.value, min(pulses.step, reading.step), quiet)
+    finest = min(1.0 / (PER_PERIOD * bandwidth.value), pulses.step, reading.step)
+    step = max(finest, (pulses.duration + quiet) / MOST_SAMPLES)
+    # from the begin of the window, with a quiet stretch before it
+    time = np.asarray(step * np.arange(-int(quiet / step), int(pulses.duration / step * (1.0 + 1e-12)) + 1))
     step = float(time[1] - time[0])
     incident, reflected = (low_pass.apply(wave, step) for wave in _waves_at_end(pulses, bench, time))
     difference = incident - reflected
@@ -227,11 +211,17 @@ def compare_at_end(
     reference_noise = steep * math.sqrt(2.0 * pulses.step * bandwidth.value / 3.0)
     since = time - (pulses.onset - pulses.starts[0])
     prompt = _spline(time, read, time + agreement.delay)
+    # a period before the far end's echo comes to the gauge; never where that is too soon
+    echo = 2.0 * (bench.bar.length - bench.bar.gauge_distance) / bench.bar.speed - 1.0 / bandwidth.value
+    unspoilt = since < (echo if echo > pulses.width else -math.inf)
+    # d ln a/d ln c of the reference at a constant density, by least squares over the pulse
+    faster = replace(bench.bar, modulus=bench.bar.modulus * (1.0 + SPEED_CHANGE) ** 2)
+    moved, a = bench.standing.motion(incident, step, faster).acceleration, motion.acceleration
     return SensorComparison(
         time=since,
         motion=motion,
         reading=prompt,
-        both_waves=np.where(since < _echo(pulses, bench.bar, bandwidth.value), bench.bar.speed * difference, math.nan),
+        both_waves=np.where(unspoilt, bench.bar.speed * difference, math.nan),
         joint=2.0 * bench.bar.speed * incident - motion.force / bench.bar.impedance,
         agreement=agreement,
         pulses=pulses,
@@ -240,7 +230,7 @@ def compare_at_end(
         bias=reference_noise**2 / float(np.mean(motion.acceleration**2)),
         reference_noise=reference_noise,
         reading_noise=noise,
-        speed_power=_speed_power(incident, step, bench, motion),
+        speed_power=float((moved - a) @ a / (a @ a)) / SPEED_CHANGE,
     )
 
 
@@ -248,12 +238,6 @@ def theory_bandwidth(rise: float, layers: tuple[Layer, ...]) -> float:
     """Return the largest bandwidth B at which one-dimensional theory needs no warning, Hz.
 
     sqrt(rise^2 + (0.35/B)^2) = 5 d/c in the layer with the largest d/c; infinite where the rise alone is as long.
-
-    Examples
-    --------
-    >>> bar = Layer("bar", 7800.0, 210e9, 3.1416e-4, 1.0)
-    >>> round(theory_bandwidth(0.0, (bar,))), theory_bandwidth(20e-6, (bar,))
-    (18161, inf)
     """
     needed = WARNED * max(layer.diameter / layer.bar_speed for layer in layers)
     return RISE_OF_BANDWIDTH / math.sqrt(needed**2 - rise**2) if rise < needed else math.inf
@@ -265,22 +249,7 @@ def slope_error(y: Array, x: Array) -> float:
         var(slope) = n/(n - 2) sum |X|^2 |R|^2 / (sum |X|^2)^2,    n = (sum |X|^2)^2 / sum |X|^4
 
     with X the spectrum of x over both signs of frequency, and R that of the residual under a Hann window, which keeps
-    strong noise where x has nothing from leaking to where it has something. One slope and one delay are fitted to the
-    n numbers that x amounts to.
-
-    Parameters
-    ----------
-    y, x : array
-        Histories on one clock, shape (N,).
-
-    Examples
-    --------
-    >>> t = np.arange(4000)
-    >>> x = np.exp(-(((t - 2000) / 100) ** 2))
-    >>> noise = np.random.default_rng(1).standard_normal(4000)
-    >>> white = 0.01 / math.sqrt(x @ x)
-    >>> bool(0.5 < slope_error(x + 0.01 * noise, x) / white < 2.0)
-    True
+    strong noise outside the band of x from leaking into it. One slope and one delay are fitted to the n numbers in x.
     """
     slope = float(x @ y / (x @ x))
     window = np.hanning(x.size)
@@ -297,7 +266,7 @@ def bar_layer(bar: Bar, yield_strength: float | None = None) -> Layer:
 
 
 def _bandwidth(pulses: Pulses, step: float, bench: Bench, wanted: float | None) -> Bandwidth:
-    """Return the bandwidth asked for, or the lowest of what noise, sampling and theory allow."""
+    """Return the stated bandwidth, or the lowest of those by noise, sampling and theory."""
     sampling = 1.0 / max(step, pulses.step)
     noise = highest_frequency(pulses.incident, pulses.step, pulses.traces[0].noise, pulses.width)
     lowest, highest = 1.0 / pulses.duration, HIGHEST * sampling
@@ -319,12 +288,6 @@ def _bandwidth(pulses: Pulses, step: float, bench: Bench, wanted: float | None) 
     return Bandwidth(choices[reason], reason, noise)
 
 
-def _clock(pulses: Pulses, bandwidth: float, finest: float, quiet: float) -> Array:
-    """Return the common clock, s from the begin of the window, with a quiet stretch before it."""
-    step = max(min(1.0 / (PER_PERIOD * bandwidth), finest), (pulses.duration + quiet) / MOST_SAMPLES)
-    return np.asarray(step * np.arange(-int(quiet / step), int(pulses.duration / step * (1.0 + 1e-12)) + 1))
-
-
 def _waves_at_end(pulses: Pulses, bench: Bench, time: Array) -> tuple[Array, Array]:
     """Return incident and reflected strain at the end of the bar, zero before the window."""
     bar = bench.bar
@@ -335,12 +298,6 @@ def _waves_at_end(pulses: Pulses, bench: Bench, time: Array) -> tuple[Array, Arr
     back = carried(pulses.reflected, pulses.step, -bar.gauge_distance, carrier, apart)
     own = np.asarray(pulses.step * np.arange(came.size), dtype=np.float64)
     return np.where(time < 0.0, 0.0, _spline(own, came, time)), np.where(time < 0.0, 0.0, _spline(own, back, time))
-
-
-def _echo(pulses: Pulses, bar: Bar, bandwidth: float) -> float:
-    """Return when the far end's echo spoils the reflected wave, a period before it, s; never where that is too soon."""
-    echo = 2.0 * (bar.length - bar.gauge_distance) / bar.speed - 1.0 / bandwidth
-    return echo if echo > pulses.width else -math.inf
 
 
 def _read(reading: GaugeTrace, begin: float, time: Array, low_pass: Filter) -> tuple[Array, float]:
@@ -363,14 +320,6 @@ def _read(reading: GaugeTrace, begin: float, time: Array, low_pass: Filter) -> t
         hint = "is it the right channel, and the sensor connected?"
         raise InputError("accelerometer.file", "noise alone", "a pulse when the wave is at the end", hint)
     return values, noise
-
-
-def _speed_power(incident: Array, step: float, bench: Bench, motion: EndMotion) -> float:
-    """Return d ln a/d ln c of the reference at a constant density, by least squares over the pulse."""
-    faster = replace(bench.bar, modulus=bench.bar.modulus * (1.0 + SPEED_CHANGE) ** 2)
-    moved = bench.standing.motion(incident, step, faster).acceleration
-    a = motion.acceleration
-    return float((moved - a) @ a / (a @ a)) / SPEED_CHANGE
 
 
 def _spline(time: Array, values: Array, at: Array) -> Array:

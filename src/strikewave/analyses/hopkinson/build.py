@@ -1,4 +1,4 @@
-"""Set-up in, what the compute room takes out: bars, specimen, striker, disk, and what gauges and sensors wrote."""
+"""A split-Hopkinson set-up: its file, and bars, specimen, striker, disk, gauge and sensor records of it."""
 
 from __future__ import annotations
 
@@ -18,8 +18,6 @@ from strikewave.base.constants import material
 from strikewave.base.documents import read_toml
 from strikewave.base.errors import MISSING, InputError, InputErrors, show
 from strikewave.base.quantities import Value
-from strikewave.base.result import Notice
-from strikewave.base.texts import percent
 from strikewave.cases.paths import Form, with_provenance
 from strikewave.cases.tables.common import CaseTable, PerformedTest
 from strikewave.cases.tables.hopkinson import (
@@ -31,7 +29,6 @@ from strikewave.cases.tables.hopkinson import (
     RecordedTable,
     SpecimenTable,
 )
-from strikewave.hopkinson import Pulses, Reduction, StressStrainCurve
 from strikewave.hopkinson.bars import Bar, BarMaterial, Bridge, Specimen, StrikerBar, elastic
 from strikewave.hopkinson.pulses import GaugeTrace, quieten
 from strikewave.records import Channel, Options, read_record
@@ -44,18 +41,18 @@ from strikewave.records.health_notice import HealthNotice
 from strikewave.waves import Layer
 
 LARGEST_SAMPLES = 20_000_000
-"""A trace with more samples is refused: they are 160 MB, and a shot of a millisecond needs some ten thousand."""
+"""Most samples of a trace: 160 MB; a shot of a millisecond needs some ten thousand."""
 SLOWEST, FASTEST = 500.0, 20_000.0
-"""Bar speeds outside of these, m/s, are those of no solid: a unit is forgotten."""
+"""Bar speeds of solids, m/s: outside of these a unit is forgotten."""
 TINIEST, LARGEST_READING = 1e-30, 1e30
-"""Factors below and readings above are no readings of a sensor; their squares still are numbers."""
+"""Smallest factor and largest reading of a sensor; their squares still are numbers."""
 STEEL_RATIO = 0.29
-"""Poisson's ratio of a bar where neither it nor a material is stated: that of steel, of which most bars are. It only
-enters the dispersion."""
+"""Poisson's ratio where neither it nor a material is stated: that of steel, of which most bars are; only dispersion
+uses it."""
 
 
 def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> tuple[Bar, BarMaterial]:
-    """Return a bar, and which of its constants is derived; the rest comes from the incident bar."""
+    """Return a bar and its constants, one of them derived; what it does not state is that of the incident bar."""
     own = table
     if incident is not None and not (table.material or table.density or table.modulus or table.speed):
         own = incident
@@ -79,7 +76,7 @@ def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> t
 
 
 def _constants(path: str, name: str, stated: tuple[float | None, float | None, float | None]) -> BarMaterial:
-    """Return density, modulus and speed of a bar from what is stated, over what its material has."""
+    """Return density, modulus and speed of a bar as stated, else by its material."""
     density, modulus, speed = stated
     if name:
         known = material(name)
@@ -113,7 +110,7 @@ def build_specimen(table: SpecimenTable) -> Specimen:
 
 
 def build_striker(setup: HopkinsonSetup, bar: Bar) -> StrikerBar | None:
-    """Return the striker bar, of the incident bar's constants where it states none of its own; None without one."""
+    """Return the striker bar, by the constants of the incident bar where it states none; None without one."""
     table = setup.striker
     if table is None:
         return None
@@ -145,12 +142,12 @@ def build_disk(table: DiskTable, bar: Bar) -> Layer:
 
 
 def recorded_file(case: HopkinsonCase, table: RecordedTable) -> Path:
-    """Return the file of a record, which is relative to the set-up file."""
+    """Return the file of a record, relative to the set-up file."""
     return case.folder / table.file
 
 
 def check_setup(case: HopkinsonCase) -> list[str]:
-    """Build all that needs no file, and return the names of the files that are not there."""
+    """Build all parts that need no file, and return the names of missing files."""
     setup = case.setup
     incident, transmitted = setup.bar.incident, setup.bar.transmitted
     bar, _ = build_bar(incident, "bar.incident")
@@ -165,13 +162,13 @@ def check_setup(case: HopkinsonCase) -> list[str]:
     if setup.accelerometer is not None:
         records.append(setup.accelerometer)
     build_striker(setup, bar)
-    return sorted({one.file for one in records if not recorded_file(case, one).is_file()})
+    return sorted({record.file for record in records if not recorded_file(case, record).is_file()})
 
 
 class Gauged(NamedTuple):
-    """The strain of a gauge, the findings of reading it, and file and name of the channel that it came from.
+    """The strain of a gauge, the findings of reading it, and file and name of its channel.
 
-    ``is_strain`` tells whether the file holds strain, not a voltage.
+    ``is_strain`` is True if the file holds strain, not a voltage.
     """
 
     trace: GaugeTrace
@@ -189,7 +186,7 @@ def build_trace(case: HopkinsonCase, table: GaugeTable, path: str, bar: Bar) -> 
 
 
 class AccelerometerSignal(NamedTuple):
-    """Record of an accelerometer: the history, in m/s^2 or V as ``unit`` says, and the findings of reading it."""
+    """The record of an accelerometer, in m/s^2 or V as ``unit`` says, and the findings of reading it."""
 
     trace: GaugeTrace
     unit: str
@@ -197,10 +194,21 @@ class AccelerometerSignal(NamedTuple):
 
 
 def build_reading(case: HopkinsonCase, table: AccelerometerTable) -> AccelerometerSignal:
-    """Read the record of an accelerometer: an acceleration where it can be made of it, else the sensor's volts."""
+    """Read the record of an accelerometer: as an acceleration where possible, else in the sensor's volts."""
     path = "accelerometer"
     channel, findings = _channel(case, table, path)
-    scale = _calibration(table).scale(channel.unit, path)
+    voltages = {"excitation": table.excitation, "rated_excitation": table.rated_excitation}
+    stated: dict[str, Any] = {}
+    for key, value in voltages.items():
+        if value is not None and not table.sensitivity:
+            raise InputError(f"{path}.{key}", value.typed, "nothing without a sensitivity that it scales")
+        if value is not None:
+            stated[key] = f"{value.si!r} V"
+    calibration = ChannelCalibration(table.unit)
+    if table.sensitivity:  # makes an acceleration of volts
+        gain = "" if table.gain is None else repr(table.gain.si)
+        calibration = ChannelCalibration(table.unit, table.sensitivity, gain, **stated)
+    scale = calibration.scale(channel.unit, path)
     if scale.unit not in ("m/s^2", "V"):
         key = "sensitivity" if table.sensitivity else "unit"
         got = getattr(table, key) or channel.unit or "nothing"
@@ -216,19 +224,6 @@ def build_reading(case: HopkinsonCase, table: AccelerometerTable) -> Acceleromet
             path, f"{largest:g} times {factor:g} {scale.unit}", "readings of a sensor", "look at its factors"
         )
     return AccelerometerSignal(GaugeTrace(channel.values * factor, channel.step, channel.start), scale.unit, findings)
-
-
-def _calibration(table: AccelerometerTable) -> ChannelCalibration:
-    """Return what makes an acceleration of an accelerometer's volts, where its sensitivity is stated."""
-    voltages = {"excitation": table.excitation, "rated_excitation": table.rated_excitation}
-    if not table.sensitivity:
-        for key, value in voltages.items():
-            if value is not None:
-                raise InputError(f"accelerometer.{key}", value.typed, "nothing without a sensitivity that it scales")
-        return ChannelCalibration(table.unit)
-    stated: dict[str, Any] = {key: f"{value.si!r} V" for key, value in voltages.items() if value is not None}
-    gain = "" if table.gain is None else repr(table.gain.si)
-    return ChannelCalibration(table.unit, table.sensitivity, gain, **stated)
 
 
 def _channel(case: HopkinsonCase, table: RecordedTable, path: str) -> tuple[Channel, list[HealthNotice]]:
@@ -256,7 +251,7 @@ def _channel(case: HopkinsonCase, table: RecordedTable, path: str) -> tuple[Chan
 
 
 def _strain(channel: Channel, table: GaugeTable, path: str, bar: Bar) -> np.ndarray:
-    """Return strain from what a channel holds: strain itself, or a voltage."""
+    """Return the strain of a channel that holds strain itself, or a voltage."""
     unit = table.unit or channel.unit or ("V" if table.bridge or table.strain_per_volt else "")
     si, factor = known_unit(unit) or ("", 1.0) if unit else ("", 1.0)
     if si == "1":
@@ -283,9 +278,9 @@ def _si(value: Value | None) -> float | None:
 EXAMPLE = resources.files("strikewave.cases") / "hopkinson_example"
 """Folder of the example: set-up, record, and the licence of the record."""
 RECORD = "shot.csv"
-"""The record there, as its set-up calls it."""
+"""Name of the record in its set-up."""
 LARGEST_FILE = 1_000_000
-"""A set-up above this many bytes is refused: a record was named in its place, since no set-up comes near."""
+"""Most bytes of a set-up: a larger file is a record, named in its place."""
 FORM = Form(HopkinsonSetup, "set-up", 'bar.incident.speed="4866 m/s"')
 """A set-up file."""
 
@@ -299,23 +294,17 @@ class HopkinsonCase(NamedTuple):
 
 
 def example_setup(record: str = RECORD) -> str:
-    """Return the text of a set-up of a shot to begin from, every key with a comment; ``record`` is its file.
-
-    Examples
-    --------
-    >>> parse_setup(example_setup("my-bars-shot.csv")).setup.bar.incident.gauge.file
-    'my-bars-shot.csv'
-    """
+    """Return the text of a set-up of a shot with a comment at every key; ``record`` is its file."""
     text = (EXAMPLE / "setup.toml").read_text("utf-8")
     quoted, plain = re.escape(f'"{RECORD}"'), re.escape(RECORD)
     typed = json.dumps(record, ensure_ascii=False)
-    return re.sub(f"{quoted}|{plain}", lambda found: typed if found[0].startswith('"') else record, text)
+    return re.sub(f"{quoted}|{plain}", lambda name: typed if name[0].startswith('"') else record, text)
 
 
 def example_record(name: str = "") -> tuple[str, str]:
-    """Return name and text of the record of the example: a shot that was measured, with its credit.
+    """Return name and text of the measured record of the example, with its credit.
 
-    The record of a set-up is called after that, so that it takes the place of no measurement: ``my-bars-shot.csv``.
+    The record of a set-up has its name, so that it replaces no measurement: ``my-bars-shot.csv``.
 
     Examples
     --------
@@ -389,7 +378,7 @@ def parse_setup(text: str, name: str = "", changes: Iterable[str] = (), folder: 
 
 
 def with_test(case: HopkinsonCase, test: Mapping[str, str]) -> HopkinsonCase:
-    """Return a set-up with what is stated of its test in the place of its own; the set-up itself where nothing is."""
+    """Return a set-up with the stated test in the place of its own; the set-up itself where none is stated."""
     import tomlkit
 
     if not test:
@@ -401,7 +390,7 @@ def with_test(case: HopkinsonCase, test: Mapping[str, str]) -> HopkinsonCase:
 
 
 def _check_tables(part: dict[str, Any], places: list[str]) -> None:
-    """Refuse what stands where a table belongs, in words."""
+    """Refuse another value in the place of a table."""
     for key, entry in part.items():
         model = FORM.table_at([*places, key])
         if model is None or not issubclass(model, CaseTable):
@@ -433,71 +422,3 @@ def _toml(value: Any) -> Any:
             table[key] = _toml(entry)
         return table
     return value
-
-
-BAR_STRAIN = 0.005
-"""Plateau strain of a bar above which its material must be asked: a strong steel yields at 0.7 %."""
-FLATTEST, SLENDEREST = 0.25, 2.0
-"""Length over diameter: below it friction at the faces counts, above it the specimen buckles or is late."""
-NEAREST_GAUGE = 10.0
-"""Diameters between gauge and end of a bar after which the higher modes of a front have died away, as a rule."""
-STRESS_OF_MODULUS = 0.1
-"""Largest stress over the modulus: about the strength of a perfect crystal."""
-LARGEST_STRESS = 10e9
-"""Largest stress, Pa, where no modulus is stated."""
-
-
-def check_strain(reduction: Reduction, curve: StressStrainCurve) -> None:
-    """Refuse a specimen that is shorter than the way that its faces come together."""
-    on = reduction.loading
-    gone = np.flatnonzero(curve.strain[on] >= 1.0)
-    if gone.size:
-        when = float(reduction.time[on][gone[0]]) * 1e6
-        got = f"{reduction.specimen.length * 1e3:.4g} mm, an engineering strain of 100 % after {when:.4g} us"
-        hint = "look at the units of length and strain, and at diameter and speed of the bars"
-        raise InputError("specimen.length", got, "more than the way by which its faces come together", hint)
-
-
-def strain_notices(pulses: Pulses) -> Iterator[Notice]:
-    """Yield an incident pulse that would bring most bars to yield."""
-    if pulses.plateau > BAR_STRAIN:
-        message = (
-            f"the plateau of the incident pulse is {percent(pulses.plateau, 2)} of strain: does the bar bear that?"
-        )
-        yield Notice("bar-strain", message, pulses.plateau, BAR_STRAIN)
-
-
-def gauge_notices(bars: tuple[Bar, Bar]) -> Iterator[Notice]:
-    """Yield a gauge so near the specimen that the wave is not yet one-dimensional there."""
-    for name, bar in zip(("incident", "transmitted"), bars, strict=True):
-        diameters = bar.gauge_distance / bar.diameter
-        if diameters < NEAREST_GAUGE:
-            message = (
-                f"the gauge of the {name} bar is {diameters:.3g} diameters from the specimen: waves are not yet plane"
-            )
-            yield Notice("gauge-near", message, diameters, NEAREST_GAUGE)
-
-
-def specimen_notices(specimen: Specimen, bars: tuple[Bar, Bar]) -> Iterator[Notice]:
-    """Yield a specimen wider than a bar, and one too flat or too slender for a uniform stress."""
-    width = math.sqrt(4.0 * specimen.area / math.pi)
-    narrowest = min(bar.diameter for bar in bars)
-    if width > narrowest:
-        message = f"the specimen, {width * 1e3:.4g} mm wide, is wider than a bar, {narrowest * 1e3:.4g} mm"
-        yield Notice("specimen-wide", message, width, narrowest)
-    shape = specimen.length / width
-    if shape > SLENDEREST:
-        message = f"the specimen is {shape:.3g} times as long as wide: it may buckle, and comes late to equilibrium"
-        yield Notice("specimen-slender", message, shape, SLENDEREST)
-    if shape < FLATTEST:
-        message = f"the specimen is {shape:.3g} times as long as wide: friction at its faces raises the stress"
-        yield Notice("specimen-flat", message, shape, FLATTEST)
-
-
-def stress_notices(stress: float, specimen: Specimen) -> Iterator[Notice]:
-    """Yield a largest stress (Pa) that no specimen bears."""
-    limit = LARGEST_STRESS if specimen.modulus is None else STRESS_OF_MODULUS * specimen.modulus
-    if stress > limit:
-        words = "10 GPa" if specimen.modulus is None else "a tenth of the stated modulus"
-        message = f"the largest stress is {stress / 1e9:.4g} GPa, above {words}: look at units, gains and diameters"
-        yield Notice("stress-implausible", message, stress, limit)

@@ -1,4 +1,4 @@
-"""Notices on split bars: digests and sources, the sign of the first pulse, echoes, what reading and constants say."""
+"""The notices of split bars: constants, baselines, signs, echoes, shots, sensors; digests and sources."""
 
 from __future__ import annotations
 
@@ -10,30 +10,32 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from strikewave.analyses.hopkinson.bar_end import SensorComparison
 from strikewave.analyses.hopkinson.build import Gauged, HopkinsonCase, recorded_file
-from strikewave.base.result import INFO, WARNING, Notice
+from strikewave.base.result import FAILED, INFO, WARNING, Notice
 from strikewave.base.texts import percent, plain
 from strikewave.cases.materials_of_case import far_numbers
-from strikewave.cases.tables.hopkinson import HopkinsonSetup, RecordedTable
+from strikewave.cases.tables.hopkinson import HopkinsonSetup, LimitsTable, RecordedTable
 from strikewave.hopkinson import Bar, BarMaterial
+from strikewave.hopkinson.checks import LASTING, UNIFORM, Equilibrium, Momentum, StrikerCheck
 from strikewave.hopkinson.echoes import Echoes, Way
-from strikewave.hopkinson.pulses import Quiet
+from strikewave.hopkinson.pulses import Pulses, Quiet
+from strikewave.hopkinson.reduction import Reduction
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.readers.columns import decode, encoding_of
 
 MISMATCH = 0.005
-"""Share by which stated density, modulus and speed may disagree with no warning. Chosen: a bar's speed is measured to a
-few thousandths, where the modulus of a table holds to a per cent."""
+"""Share by which stated density, modulus and speed may disagree. Chosen: a bar speed is measured to a few thousandths,
+a modulus of a table holds to a per cent."""
 DRIFT = 4.0
-"""Standard errors by which means of parts of a quiet head may differ with no warning: noise alone comes so far in fewer
-than one of ten thousand."""
+"""Standard errors by which means of parts of a quiet head may differ: noise alone does so in fewer than one of ten
+thousand."""
 DRIFT_SHARE = 1e-3
-"""Share of the largest strain of the record below which such a difference is not warned of: it changes no result that
-is shown."""
+"""Share of the largest strain below which such a difference is not warned of: it changes no shown result."""
 
 
 def digests(case: HopkinsonCase) -> dict[str, str]:
-    """Return the SHA-256 of the files that a set-up names, by these names; none of one that cannot be read."""
+    """Return the SHA-256 of the files that a set-up names, by name; none of one that cannot be read."""
     setup, by_name = case.setup, {}
     records: list[RecordedTable | None] = [setup.bar.incident.gauge, setup.accelerometer]
     records.append(None if setup.bar.transmitted is None else setup.bar.transmitted.gauge)
@@ -82,40 +84,19 @@ def drift_notices(quiets: Iterable[Quiet], names: Iterable[str]) -> Iterator[Not
 
 
 LENGTH_MISMATCH = 0.01
-"""Share by which a stated length may differ from round trips and speed with no warning: a bar is measured better, and a
-wrong gauge distance shows itself here."""
+"""Share by which a stated length may differ from round trips and speed: a bar is measured better, and a wrong gauge
+distance shows here."""
 GAIN = 1e-3
-"""Share of amplitude that passes may seem to gain in a round trip with no warning: no bar gains any; a thousandth is
-what noise leaves of a good record."""
+"""Share of amplitude that passes may seem to gain in a round trip: no bar gains any, noise of a good record leaves a
+thousandth."""
 OTHER_WAY = 0.5
-"""Misfit of the times, or difference of the speed, with the other way over that with the stated one, below which the
-other way is proposed: it must be clearly better."""
+"""Misfit of the other way over that of the stated one below which it is proposed: it must be clearly better."""
 
 
-def echo_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
-    """Yield what does not fit: speed, length, losses, the way of the first pulse, passes at the begin."""
-    yield from _speed_notices(found, bar, way)
-    yield from _length_notices(found, bar)
-    gained = -2.0 * found.length.value * found.attenuation.value
-    if gained > max(GAIN, 2.0 * found.length.value * 2.0 * found.attenuation.error):
-        message = (
-            f"passes gain {percent(gained, 2)} of amplitude in a round trip: do pulses overlap, or was "
-            "one met on its way?"
-        )
-        yield Notice("attenuation-negative", message, found.attenuation.value, 0.0)
-    if found.odd is not None:
-        number = found.odd.number
-        message = (
-            f"pass {number} does not go with those after it: {plain(found.odd.late * 1e6, sign='+')}\xa0us late, "
-            f"{plain(found.odd.strength)} times as "
-            f"strong as they say; did it meet a specimen? echoes.skip = {number} leaves it out"
-        )
-        yield Notice("first-passes-differ", message, float(number), math.nan)
-
-
-def _speed_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
-    speed, other = found.speed, found.other_way
-    off = found.difference
+def echo_notices(echoes: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
+    """Yield a misfit of speed, length, losses, the way of the first pulse, or passes at the begin."""
+    speed, other = echoes.speed, echoes.other_way
+    off = echoes.difference
     limit = max(MISMATCH, speed.student * speed.error / bar.speed if speed.freedom > 0 else 0.0)
     turned = "away" if way == "towards" else "towards"
     ask = f'echoes.way = "{turned}" would give {plain(other.speed, 5)}\xa0m/s: which way does the first pulse run?'
@@ -132,23 +113,35 @@ def _speed_notices(found: Echoes, bar: Bar, way: Way) -> Iterator[Notice]:
         yield Notice("speed-differs", message, off, limit)
     if speed.freedom < 1:
         yield Notice("no-scatter", "the speed stands on as few passes as tell it: it has no error", 0.0, 1.0)
-
-
-def _length_notices(found: Echoes, bar: Bar) -> Iterator[Notice]:
-    off = found.round_trip.value / bar.length - 1.0 if math.isfinite(bar.length) else 0.0
-    if abs(off) > LENGTH_MISMATCH:
+    longer = echoes.round_trip.value / bar.length - 1.0 if math.isfinite(bar.length) else 0.0
+    if abs(longer) > LENGTH_MISMATCH:
         message = (
-            f"the stated length of {plain(bar.length * 1e3, 5)}\xa0mm is {percent(-off / (1.0 + off), 1, '+')} off the "
-            f"{plain(found.round_trip.value * 1e3, 5)}\xa0mm by round trips and turns at the near end: is it, or "
-            "the gauge distance, off?"
+            f"the stated length of {plain(bar.length * 1e3, 5)}\xa0mm is "
+            f"{percent(-longer / (1.0 + longer), 1, '+')} off the {plain(echoes.round_trip.value * 1e3, 5)}\xa0mm by "
+            "round trips and turns at the near end: is it, or the gauge distance, off?"
         )
-        yield Notice("length-differs", message, off, LENGTH_MISMATCH)
+        yield Notice("length-differs", message, longer, LENGTH_MISMATCH)
+    gained = -2.0 * echoes.length.value * echoes.attenuation.value
+    if gained > max(GAIN, 2.0 * echoes.length.value * 2.0 * echoes.attenuation.error):
+        message = (
+            f"passes gain {percent(gained, 2)} of amplitude in a round trip: do pulses overlap, or was "
+            "one met on its way?"
+        )
+        yield Notice("attenuation-negative", message, echoes.attenuation.value, 0.0)
+    if echoes.odd is not None:
+        number = echoes.odd.number
+        message = (
+            f"pass {number} does not go with those after it: {plain(echoes.odd.late * 1e6, sign='+')}\xa0us late, "
+            f"{plain(echoes.odd.strength)} times as "
+            f"strong as they say; did it meet a specimen? echoes.skip = {number} leaves it out"
+        )
+        yield Notice("first-passes-differ", message, float(number), math.nan)
 
 
 HEAD = 8192
-"""Bytes of a text file in which its head is looked for."""
+"""Bytes of a text file in which its head is searched."""
 _LONGEST = 300
-"""Characters of a line that are looked at: bounds the time of patterns."""
+"""Characters of a line that are searched: bounds the time of patterns."""
 _TENSION = (
     r"tension|tensile|pull(?:ed|ing)?|zug(?:versuch|probe|stab|spannung|welle|belastung|beanspruchung)?|gezogen|traction|"
     r"shtb|thpb|tshb|拉伸"
@@ -179,15 +172,7 @@ follows it, or where it is said to mean something: in ``compression - shot 3`` i
 
 
 class StatedKind(NamedTuple):
-    """What texts say: the sign of tension, 0 for none; where a word for tension stands; whether compression is named.
-
-    Examples
-    --------
-    >>> stated_kind({"title": "tension positive"}).tension_sign, stated_kind({"title": "compression +"}).tension_sign
-    (1, -1)
-    >>> stated_kind({"title": "SHTB 18CrNiMo7-6", "file": "attention.csv"}).tension
-    'title says SHTB'
-    """
+    """The kind of a shot by texts: sign of tension, 0 for none; place of a word for tension; mention of compression."""
 
     tension_sign: int
     sign_words: str
@@ -196,7 +181,15 @@ class StatedKind(NamedTuple):
 
 
 def stated_kind(texts: Mapping[str, str]) -> StatedKind:
-    """Return what texts, by where they stand, say of the kind of a shot; contradicting signs say nothing."""
+    """Return the kind of a shot by texts, by their places; contradicting signs count as none.
+
+    Examples
+    --------
+    >>> stated_kind({"title": "tension positive"}).tension_sign, stated_kind({"title": "compression +"}).tension_sign
+    (1, -1)
+    >>> stated_kind({"title": "SHTB 18CrNiMo7-6", "file": "attention.csv"}).tension
+    'title says SHTB'
+    """
     signs: dict[int, str] = {}
     tension, compression = "", False
     for where, text in texts.items():
@@ -215,25 +208,22 @@ def stated_kind(texts: Mapping[str, str]) -> StatedKind:
 
 
 def stated_texts(case: HopkinsonCase, gauged: Sequence[Gauged]) -> dict[str, str]:
-    """Return what set-up, names of channels and heads of files say, by where it stands."""
-    texts = {f"the {path} of the set-up": text for path, text in texts_of(case.setup).items()}
-    for one in gauged:
-        file, name = one.source
+    """Return the texts of set-up, names of channels and heads of files, by their places."""
+    texts: dict[str, str] = {}
+
+    def add(table: Any, path: str) -> None:
+        items = table.items() if isinstance(table, Mapping) else getattr(table, "__dict__", {}).items()
+        for key, value in items:
+            place = f"{path}.{key}" if path else str(key)
+            if isinstance(value, str) and value:
+                texts[f"the {place} of the set-up"] = value
+            add(value, place)
+
+    add(case.setup, "")
+    for trace in gauged:
+        file, name = trace.source
         texts |= {f"the channel {name}": name, f"the head of {file.name}": head_of(file)}
     return texts
-
-
-def texts_of(table: Any, path: str = "") -> dict[str, str]:
-    """Return all texts of a set-up by their paths, such as its title and the names of its files."""
-    if isinstance(table, str):
-        return {path: table}
-    items = table.items() if isinstance(table, Mapping) else getattr(table, "__dict__", {}).items()
-    return {
-        place: text
-        for key, value in items
-        for place, text in texts_of(value, f"{path}.{key}" if path else str(key)).items()
-        if text
-    }
 
 
 def head_of(file: Path) -> str:
@@ -249,16 +239,10 @@ def head_of(file: Path) -> str:
 
 
 def sign_notices(kind: StatedKind, traces: Sequence[tuple[Quiet, str]], in_strain: bool) -> Iterator[Notice]:
-    """Yield what contradicts that each first pulse is compression.
+    """Yield contradictions to compression in each first pulse, from a stated sign of tension and from the traces.
 
-    Parameters
-    ----------
-    kind : StatedKind
-        Sign of tension that set-up and files state.
-    traces : sequence of (Quiet, str)
-        Each trace, turned so that its first pulse is positive, with the name of its gauge.
-    in_strain : bool
-        True if the files hold strain, whose sign is not that of a wiring.
+    ``traces`` are turned so that their first pulse is positive, each with the name of its gauge; ``in_strain`` is True
+    if the files hold strain, whose sign is not that of a wiring.
     """
     for trace, name in traces:
         if kind.tension_sign and trace.polarity == kind.tension_sign:
@@ -280,3 +264,161 @@ def sign_notices(kind: StatedKind, traces: Sequence[tuple[Quiet, str]], in_strai
             "compression as in tension they have the same sign: is a gauge turned round, or a channel not of this shot?"
         )
         yield Notice("signs-differ", message, float("nan"), severity=WARNING if in_strain else INFO)
+
+
+BAR_STRAIN = 0.005
+"""Plateau strain of a bar above which its material must be asked: a strong steel yields at 0.7 %."""
+FLATTEST, SLENDEREST = 0.25, 2.0
+"""Length over diameter: below it friction at the faces counts, above it the specimen buckles or is late."""
+NEAREST_GAUGE = 10.0
+"""Diameters between gauge and end of a bar after which the higher modes of a front have died away, as a rule."""
+STRESS_OF_MODULUS = 0.1
+"""Largest stress over the modulus: about the strength of a perfect crystal."""
+LARGEST_STRESS = 10e9
+"""Largest stress, Pa, where no modulus is stated. Chosen: above the strength of any metal."""
+STRIKER_MISMATCH = 0.05
+"""Share by which the incident pulse may differ from that of its striker: the speed of a striker and the factor of a
+bridge are each known to a few per cent."""
+LATE_SHARE = 0.2
+"""Share of the rise time by which a wave may be late: the forces then differ by a fifth of the plateau by timing
+alone."""
+FEWEST_SAMPLES = 10.0
+"""Least samples in the rise: a wave that is a sample late shifts the forces by a tenth of the plateau."""
+
+
+def strain_notices(pulses: Pulses) -> Iterator[Notice]:
+    """Yield an incident pulse that would bring most bars to yield."""
+    if pulses.plateau > BAR_STRAIN:
+        message = (
+            f"the plateau of the incident pulse is {percent(pulses.plateau, 2)} of strain: does the bar bear that?"
+        )
+        yield Notice("bar-strain", message, pulses.plateau, BAR_STRAIN)
+
+
+def shot_notices(reduction: Reduction, pulses: Pulses, largest_stress: float) -> Iterator[Notice]:
+    """Yield gauges, a specimen, a stress (Pa) and an alignment that are not plausible in a shot."""
+    bars, specimen, waves = reduction.bars, reduction.specimen, reduction.waves
+    for name, bar in zip(("incident", "transmitted"), bars, strict=True):
+        diameters = bar.gauge_distance / bar.diameter
+        if diameters < NEAREST_GAUGE:
+            message = (
+                f"the gauge of the {name} bar is {diameters:.3g} diameters from the specimen: waves are not yet plane"
+            )
+            yield Notice("gauge-near", message, diameters, NEAREST_GAUGE)
+    width, narrowest = math.sqrt(4.0 * specimen.area / math.pi), min(bar.diameter for bar in bars)
+    if width > narrowest:
+        message = f"the specimen, {width * 1e3:.4g} mm wide, is wider than a bar, {narrowest * 1e3:.4g} mm"
+        yield Notice("specimen-wide", message, width, narrowest)
+    shape = specimen.length / width
+    if shape > SLENDEREST:
+        message = f"the specimen is {shape:.3g} times as long as wide: it may buckle, and comes late to equilibrium"
+        yield Notice("specimen-slender", message, shape, SLENDEREST)
+    if shape < FLATTEST:
+        message = f"the specimen is {shape:.3g} times as long as wide: friction at its faces raises the stress"
+        yield Notice("specimen-flat", message, shape, FLATTEST)
+    limit, bound = LARGEST_STRESS, "10 GPa"
+    if specimen.modulus is not None:
+        limit, bound = STRESS_OF_MODULUS * specimen.modulus, "a tenth of the stated modulus"
+    if largest_stress > limit:
+        message = (
+            f"the largest stress is {largest_stress / 1e9:.4g} GPa, above {bound}: look at units, gains and diameters"
+        )
+        yield Notice("stress-implausible", message, largest_stress, limit)
+    samples = pulses.rise / pulses.step
+    if waves.beyond:
+        message = (
+            f"alignment by {waves.method} would move a wave by more than the {waves.window * 1e6:.3g} us rise of the "
+            "incident pulse: geometry is kept; look at distances and speeds"
+        )
+        yield Notice("alignment-refused", message, waves.window, waves.window)
+    late = max(waves.late_balance, key=abs)
+    if waves.method == "geometric" and abs(late) > LATE_SHARE * waves.window:
+        message = (
+            f"by the balance of forces the reflected wave is {waves.late_balance[0] * 1e6:+.3g} us and the transmitted "
+            f"{waves.late_balance[1] * 1e6:+.3g} us late at the specimen, of a rise of {waves.window * 1e6:.3g} us: is "
+            "a gauge distance or a bar speed off?"
+        )
+        yield Notice("waves-late", message, late, LATE_SHARE * waves.window)
+    if samples < FEWEST_SAMPLES:
+        message = f"the rise of the incident pulse has {samples:.3g} samples"
+        yield Notice("few-samples", message, samples, FEWEST_SAMPLES)
+
+
+def balance_notices(alike: Equilibrium, impulses: Momentum, limits: LimitsTable) -> Iterator[Notice]:
+    """Yield forces and impulses that miss each other by more than the limits."""
+    if not alike.misfit <= limits.force_misfit.si:
+        message = (
+            f"the forces on the two faces differ by {percent(alike.misfit)} of their mean while the incident wave lasts"
+        )
+        yield Notice("force-misfit", message, alike.misfit, limits.force_misfit.si, severity=FAILED)
+    if not abs(impulses.closure) <= limits.momentum.si:
+        kind = "missing" if impulses.closure > 0.0 else "excess"
+        message = f"impulses do not close: {kind} impulse of {percent(abs(impulses.closure))} of the incident one"
+        yield Notice("momentum", message, impulses.closure, limits.momentum.si, severity=FAILED)
+    if math.isnan(alike.begin):
+        message = (
+            f"there is no stretch of {LASTING:g} rise times in which the forces agree to {percent(UNIFORM, 0)}; in all "
+            f"they do over {percent(alike.share, 0)} of the loading"
+        )
+        yield Notice("no-equilibrium", message, alike.share, math.nan)
+
+
+def striker_notices(checked: StrikerCheck | None) -> Iterator[Notice]:
+    """Yield an incident pulse that its striker should not make."""
+    if checked is None:
+        return
+    pairs = (
+        ("strain", checked.strain, checked.strain_expected, "plateau strain"),
+        ("duration", checked.duration, checked.duration_expected, "width"),
+    )
+    for code, measured, expected, name in pairs:
+        off = measured / expected - 1.0
+        if abs(off) > STRIKER_MISMATCH:
+            message = f"the {name} of the incident pulse is {percent(off, 1, '+')} off what the striker should make"
+            yield Notice(f"striker-{code}", message, off, STRIKER_MISMATCH)
+
+
+MISFIT = 0.1
+"""Largest residual over the reading: above, the slope is mostly that of something else than the reference. Chosen: a
+tenth."""
+REFLECTED_MISFIT = 0.05
+"""Share by which the reflected wave may contradict the model of the end. Chosen: gauges and bar speed are known to a
+few per cent."""
+
+
+def sensor_notices(comparison: SensorComparison, setup: HopkinsonSetup) -> Iterator[Notice]:
+    """Yield a reading and a reference that disagree, or whose uncertainty is not stated."""
+    value, noise = comparison.bandwidth.value, comparison.bandwidth.noise
+    if value > noise * (1.0 + 1e-9):
+        message = (
+            f"the bandwidth of {value / 1e3:.4g} kHz lies above {noise / 1e3:.4g} kHz, where the incident pulse sinks "
+            "in the noise of its gauge: the reference holds noise there, and no dispersion is corrected"
+        )
+        yield Notice("bandwidth-noise", message, value, noise)
+    agreement, rise = comparison.agreement, comparison.pulses.rise
+    if agreement.sensitivity < 0.0:
+        message = "the sensor reads against the blow: it is mounted the other way, or its leads are swapped"
+        yield Notice("sensor-reversed", message, agreement.sensitivity, 0.0)
+    if abs(agreement.delay) > rise:
+        message = (
+            f"the reading is {agreement.delay * 1e6:+.3g} us late, more than the rise of the pulse, {rise * 1e6:.3g} "
+            "us: is the gauge distance, the bar speed or the clock of one record off?"
+        )
+        yield Notice("sensor-late", message, agreement.delay, rise)
+    if agreement.residual > MISFIT:
+        message = f"{percent(agreement.residual)} of the reading does not follow the reference"
+        yield Notice("sensor-misfit", message, agreement.residual, MISFIT)
+    misfit = comparison.reflected_misfit
+    if misfit > REFLECTED_MISFIT:
+        message = (
+            f"the reflected wave says that the end moves {percent(misfit)} otherwise than the incident wave and what "
+            "stands on the end do: is a mass, the gauge distance or the bar speed off, or does the joint open?"
+        )
+        yield Notice("reflected-differs", message, misfit, REFLECTED_MISFIT)
+    missing = [key for key in ("strain", "speed") if getattr(setup.uncertainty, key) is None]
+    if missing:
+        message = (
+            f"the uncertainty of the sensitivity holds its scatter, but nothing for {' and '.join(missing)}: state "
+            + " and ".join(f"uncertainty.{key}" for key in missing)
+        )
+        yield Notice("uncertainty-partial", message, math.nan, math.nan)

@@ -1,36 +1,17 @@
-"""Pages of the reports of split Hopkinson bars, and page and picture as files."""
+"""The reports of split Hopkinson bars: tables, summary and page of a shot, of a bar alone, of a sensor on a bar end."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Callable
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
-from strikewave.analyses.hopkinson.figures import (
-    draw_accelerations,
-    draw_curves,
-    draw_difference,
-    draw_end_record,
-    draw_forces,
-    draw_losses,
-    draw_passes,
-    draw_rate,
-    draw_record,
-    draw_sensor_difference,
-    draw_speed,
-    draw_velocities,
-    draw_waves,
-    echo_summary,
-    sensor_summary,
-    shot_summary,
-)
+from strikewave.analyses.hopkinson.figures import pictures, sheet
 from strikewave.analyses.hopkinson.result import (
     AnalysedCurve,
     EchoSolution,
     HopkinsonSolution,
-    Outcome,
     ReadSensitivity,
     SensorSolution,
     WaveDelay,
@@ -39,24 +20,15 @@ from strikewave.base.declare import GivenUnits, declarations
 from strikewave.base.shock_quantities import BAR_SPEED, KILOHERTZ, LENGTH, MICROSECONDS
 from strikewave.base.texts import percent
 from strikewave.hopkinson import stress_difference, transits_to_uniform
-from strikewave.hopkinson.checks import UNIFORM, Energy, Equilibrium, Momentum, StrikerCheck
+from strikewave.hopkinson.checks import UNIFORM, Energy, Momentum, StrikerCheck
 from strikewave.hopkinson.echoes import Echoes
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import page_table
 from strikewave.reporting.faces import amount, cell_text, columns_of, face_table, label_of, numbers_of, text_of
 from strikewave.reporting.numbers import fixed, headed, shown, shown_unit, spelled
-from strikewave.reporting.parts import NONE, Cell, Picture, Section, Table, written
-from strikewave.reporting.run_and_write import drawing
-from strikewave.reporting.style import WHOLE, one_diagram, save
+from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-
-def outcome_page(solution: Outcome, summary: chapters.Summary, sections: Sequence[Section]) -> str:
-    """Return the page of a report: its sections, then warnings and inputs."""
-    last = [chapters.warnings(solution.notices), chapters.inputs(solution.case.setup)]
-    return chapters.result_page(solution, summary, [*sections, *last])
+AnySolution = HopkinsonSolution | SensorSolution | EchoSolution
 
 
 def line_of(value: Any, field: str, note: str, given: GivenUnits = MappingProxyType({})) -> list[Cell]:
@@ -72,21 +44,8 @@ _ECHOES = (
 )
 
 
-def echo_report(solution: EchoSolution) -> str:
-    """Return the report of a bar calibrated by its echoes as one HTML page."""
-    echoes = solution.echoes
-    pictures = [
-        Picture(one_diagram(lambda axes: draw_passes(axes, echoes), WHOLE), "The passes of the pulse at the gauge."),
-        Picture(one_diagram(lambda axes: draw_speed(axes, echoes, solution.bar.speed)), "Phase speed by the echoes."),
-        Picture(one_diagram(lambda axes: draw_losses(axes, echoes)), "Attenuation by the echoes."),
-    ]
-    sections = [Section("Pulses", "", pictures), Section("Result", _ECHOES, echo_tables(solution))]
-    head = chapters.Summary("Report of a bar calibrated by its echoes", echo_words(solution), solution.highlights())
-    return outcome_page(solution, head, sections)
-
-
 def echo_words(solution: EchoSolution) -> str:
-    """Say in words what the echoes gave: on the screen and at the head of the report."""
+    """Return the result of the echoes in a sentence, for the screen and the head of the report."""
     echoes = solution.echoes
     return (
         f"The bar speed by {echoes.times.size} passes is {amount(BAR_SPEED, echoes.speed.value, digits=5)}, "
@@ -98,37 +57,27 @@ def echo_tables(solution: EchoSolution) -> list[Table]:
     """Return the tables of a bar calibrated by its echoes."""
     echoes = solution.echoes
     band = [shown(float(echoes.frequency[place]), *KILOHERTZ.units) for place in (0, -1)]
-    given = f"; given as {amount(LENGTH, solution.bar.length, digits=6)}" if math.isfinite(solution.bar.length) else ""
+    stated = f"; given as {amount(LENGTH, solution.bar.length, digits=6)}" if math.isfinite(solution.bar.length) else ""
     notes = {
         "speed": f"{cell_text(echoes, 'difference')} off the stated {cell_text(echoes, 'stated_speed')}",
-        "round_trip": f"by round trips{given}",
+        "round_trip": f"by round trips{stated}",
         "attenuation": "by energy, ends included",
     }
-    rows: list[list[Cell]] = [[*_fitted(echoes, name), note] for name, note in notes.items()]
-    rows += [
-        ["passes used", str(echoes.times.size), NONE, NONE, NONE, f"from number {echoes.first + 1} on"],
-        [
-            headed("band", *KILOHERTZ.units),
-            f"{band[0]:.3g} to {band[1]:.3g}",
-            NONE,
-            NONE,
-            NONE,
-            "every pass ten times its noise",
-        ],
-    ]
+    rows: list[list[Cell]] = []
+    for name, note in notes.items():
+        declared, fitted = declarations(Echoes)[name], getattr(echoes, name)
+        si, usual = declared.quantity[:2]
+        doubt = [NONE, NONE]
+        if not math.isnan(fitted.error):
+            doubt = [f"{shown(fitted.error, si, usual):.2g}", f"{fitted.student:.3g}"]
+        value = f"{shown(fitted.value, si, usual):.6g}"
+        rows.append([headed(label_of(name, declared), si, usual), value, *doubt, str(fitted.freedom), note])
+    none = [NONE] * 3
+    rows.append(["passes used", str(echoes.times.size), *none, f"from number {echoes.first + 1} on"])
+    limits = f"{band[0]:.3g} to {band[1]:.3g}"
+    rows.append([headed("band", *KILOHERTZ.units), limits, *none, "every pass ten times its noise"])
     heads = ["quantity", "value", "standard error", "Student's factor, 95 %", "freedom", "note"]
     return [Table(f"{solution.title}: results from the echoes, dispersion {echoes.theory}", heads, rows)]
-
-
-def _fitted(echoes: Echoes, name: str) -> list[Cell]:
-    """Return label, value, standard error, Student's factor and freedom of a value by least squares."""
-    one, fitted = declarations(Echoes)[name], getattr(echoes, name)
-    si, usual = one.quantity[:2]
-    doubt = [NONE, NONE]
-    if not math.isnan(fitted.error):
-        doubt = [f"{shown(fitted.error, si, usual):.2g}", f"{fitted.student:.3g}"]
-    label = headed(label_of(name, one), si, usual)
-    return [label, f"{shown(fitted.value, si, usual):.6g}", *doubt, str(fitted.freedom)]
 
 
 _SENSOR = (
@@ -145,35 +94,8 @@ _DOUBT = (
 )
 
 
-def sensor_report(solution: SensorSolution) -> str:
-    """Return the report of an accelerometer on the end of a bar as one HTML page."""
-    tables = Section("Result", f"{_SENSOR}\n\n{_DOUBT}", sensor_tables(solution))
-    head = chapters.Summary(
-        "Report of an accelerometer on the end of a bar", sensor_words(solution), solution.highlights()
-    )
-    return outcome_page(solution, head, [Section("Pulses", "", _sensor_pictures(solution)), tables])
-
-
-def _sensor_pictures(solution: SensorSolution) -> list[Picture]:
-    """Return the pictures of reference, reading and record."""
-    return [
-        Picture(
-            one_diagram(lambda axes: draw_accelerations(axes, solution), WHOLE), "Reference and reading of the sensor."
-        ),
-        Picture(one_diagram(lambda axes: draw_sensor_difference(axes, solution)), "Their difference."),
-        Picture(
-            one_diagram(lambda axes: draw_velocities(axes, solution)),
-            "Velocity: the reference, the reading integrated, and the end of the bar by both waves.",
-        ),
-        Picture(
-            one_diagram(lambda axes: draw_end_record(axes, solution), WHOLE),
-            "The strain at the gauge, and the windows of the pulses.",
-        ),
-    ]
-
-
 def sensor_words(solution: SensorSolution) -> str:
-    """Say in words what the sensor read: on the screen and at the head of the report."""
+    """Return the result of the sensor in a sentence, for the screen and the head of the report."""
     sensitivity = solution.sensitivity
     value = text_of(sensitivity, "value", solution.given_units)
     what = "the sensitivity of the sensor" if solution.unit == "V" else "the reading over the reference"
@@ -189,55 +111,47 @@ def sensor_words(solution: SensorSolution) -> str:
 
 def sensor_tables(solution: SensorSolution) -> list[Table]:
     """Return the tables of an accelerometer on the end of a bar."""
-    return [_sensitivity_table(solution), _agreement_table(solution), _uncertainty_table(solution)]
-
-
-def _sensitivity_table(solution: SensorSolution) -> Table:
-    found, peak, change = solution.sensitivity, solution.peak, solution.velocity_change
+    sensitivity, peak, change = solution.sensitivity, solution.peak, solution.velocity_change
+    comparison, end, bandwidth = solution.comparison, solution.end, solution.bandwidth
 
     def text(value: Any, name: str) -> str:
         return cell_text(value, name, solution.given_units)
 
-    slope = f"{text(found, 'value')} ± {text(found, 'standard_uncertainty')}"
-    by_peaks = text(found, "by_peaks")
+    slope = f"{text(sensitivity, 'value')} ± {text(sensitivity, 'standard_uncertainty')}"
+    by_peaks = text(sensitivity, "by_peaks")
     if not solution.quoted:
         slope = by_peaks = "not quoted: rise too steep"
-    rows: list[list[Cell]] = [
+    by_velocity = text(sensitivity, "by_velocity")
+    ratios: list[list[Cell]] = [
         ["slope by least squares", NONE, NONE, slope],
         ["largest acceleration", text(peak, "acceleration"), text(peak, "reading"), by_peaks],
-        ["velocity change", text(change, "velocity"), text(change, "reading_integral"), text(found, "by_velocity")],
+        ["velocity change", text(change, "velocity"), text(change, "reading_integral"), by_velocity],
     ]
-    heads = ["quantity", "reference by the gauge", "reading", "reading over reference"]
     caption = (
-        f"{solution.title}: sensitivity with its standard uncertainty, at {cell_text(solution.bandwidth, 'value')} "
-        f"(set by: {solution.bandwidth.reason})"
+        f"{solution.title}: sensitivity with its standard uncertainty, at {cell_text(bandwidth, 'value')} "
+        f"(set by: {bandwidth.reason})"
     )
-    return Table(caption, heads, rows)
-
-
-def _agreement_table(solution: SensorSolution) -> Table:
-    comparison, end = solution.comparison, solution.end
     disk = "" if end.disk_mass is None else f", elastic disk of {cell_text(end, 'disk_mass')}"
-    rows = [
+    agreement = [
         line_of(comparison, "delay", "against gauge and bar speed"),
         line_of(comparison, "correlation", "at that delay"),
         line_of(comparison, "residual", "root mean square"),
         line_of(comparison, "reference_noise", "of the gauge, at the bandwidth"),
-        line_of(solution.peak, "reading_noise", "at the bandwidth", solution.given_units),
+        line_of(peak, "reading_noise", "at the bandwidth", solution.given_units),
         line_of(solution, "rise_diameters", "not quoted below 2, warned below 5"),
-        line_of(solution.bandwidth, "noise", "at the gauge"),
+        line_of(bandwidth, "noise", "at the gauge"),
         line_of(comparison, "reflected_misfit", "root mean square"),
         line_of(end, "mass", f"sensor and rigid disk{disk}"),
     ]
-    return Table("Agreement of reading and reference", ["quantity", "value", "note"], rows)
-
-
-def _uncertainty_table(solution: SensorSolution) -> Table:
     names = ("scatter", "bias", "strain_uncertainty", "speed_uncertainty", "relative")
     notes = {name: declarations(ReadSensitivity)[name].meaning for name in names}
-    notes["speed_uncertainty"] += f" {solution.comparison.speed_power:.3g}"
-    rows = [line_of(solution.sensitivity, name, note) for name, note in notes.items()]
-    return Table("Relative standard uncertainty of the sensitivity", ["part", "value", "from"], rows)
+    notes["speed_uncertainty"] += f" {comparison.speed_power:.3g}"
+    parts = [line_of(sensitivity, name, note) for name, note in notes.items()]
+    return [
+        Table(caption, ["quantity", "reference by the gauge", "reading", "reading over reference"], ratios),
+        Table("Agreement of reading and reference", ["quantity", "value", "note"], agreement),
+        Table("Relative standard uncertainty of the sensitivity", ["part", "value", "from"], parts),
+    ]
 
 
 RISE_SHARE = 0.8
@@ -255,174 +169,113 @@ _SLOPE = (
 )
 
 
-def shot_report(solution: HopkinsonSolution) -> str:
-    """Return the report of a reduced shot as one HTML page."""
-    sections = [
-        Section("Pulses", "", _shot_pictures(solution)),
-        Section("Result", f"{_SHOT}\n\n{_SLOPE}", shot_tables(solution)),
-    ]
-    head = chapters.Summary("Report of a split-Hopkinson shot", shot_words(solution), solution.highlights())
-    return outcome_page(solution, head, sections)
-
-
-def _shot_pictures(solution: HopkinsonSolution) -> list[Picture]:
-    """Return the pictures of waves, forces and curves."""
-    r, pulses = solution.reduction, solution.pulses
-    return [
-        Picture(
-            one_diagram(lambda axes: draw_record(axes, pulses), WHOLE),
-            "The strain records, and the windows of the pulses.",
-        ),
-        Picture(
-            one_diagram(lambda axes: draw_waves(axes, r), WHOLE),
-            "The waves at the specimen. The dotted line is the end of the incident wave.",
-        ),
-        Picture(one_diagram(lambda axes: draw_forces(axes, solution)), "Forces on both faces of the specimen."),
-        Picture(one_diagram(lambda axes: draw_difference(axes, solution)), "Their difference."),
-        Picture(one_diagram(lambda axes: draw_curves(axes, r)), "True stress over true strain."),
-        Picture(one_diagram(lambda axes: draw_rate(axes, r)), "True strain rate over true strain."),
-    ]
-
-
 def shot_words(solution: HopkinsonSolution) -> str:
-    """Say in words what the specimen did: on the screen and at the head of the report."""
+    """Return the result of a shot in a sentence, for the screen and the head of the report."""
     strain, stress, rate = (text_of(solution.largest, name) for name in ("strain", "stress", "rate"))
-    _, missed, missing = _closing(solution)
+    field, closing = ("excess", "in excess") if solution.momentum.missing is None else ("missing", "missing")
+    missed = cell_text(solution.momentum, field)
     return (
         f"Each first pulse is taken as compression, whatever its sign: the specimen reached a true strain of {strain} "
         f"at {rate} (median) and a true stress of {stress}. The forces on its faces differ by "
-        f"{text_of(solution.equilibrium, 'misfit')} of their mean, and {missed} of the incident impulse is {missing}."
+        f"{text_of(solution.equilibrium, 'misfit')} of their mean, and {missed} of the incident impulse is {closing}."
     )
-
-
-def _closing(solution: HopkinsonSolution) -> tuple[str, str, str]:
-    """Return name and text of the field that says by how much the impulses miss each other, and how they do."""
-    field, words = ("excess", "in excess") if solution.momentum.missing is None else ("missing", "missing")
-    return field, cell_text(solution.momentum, field), words
 
 
 def shot_tables(solution: HopkinsonSolution) -> list[Table]:
     """Return the tables of a reduced shot."""
-    return [
-        _curve_table(solution),
-        _balance_table(solution),
-        _alignment_table(solution),
-        face_table(solution, "bars"),
-        *_striker_table(solution),
-        *_theory_table(solution),
+    equilibrium, impulses, work = solution.equilibrium, solution.momentum, solution.energy
+    limits, alignment = solution.case.setup.limits, solution.alignment
+
+    def three(waves: Momentum | Energy) -> str:
+        numbers = numbers_of(waves, {})
+        return f"{', '.join(text for text, _ in numbers)} {spelled(numbers[0][1])}"
+
+    stretch = "in no lasting stretch"
+    if not math.isnan(equilibrium.begin):
+        begin, end = (fixed(time, *MICROSECONDS.units, 1) for time in (equilibrium.begin, equilibrium.end))
+        stretch = f"from {begin} to {end} {spelled(shown_unit(*MICROSECONDS.units))}"
+    wrong = "" if work.acceleration >= 0.0 else "; below 0: the forces do not balance"
+    parts = f"deforms {cell_text(work, 'deformation')}, moves {cell_text(work, 'acceleration')}{wrong}"
+    in_all = f"in all over {cell_text(equilibrium, 'share')} of the loading"
+    closing = "excess" if impulses.missing is None else "missing"
+    balance: list[list[Cell]] = [
+        line_of(equilibrium, "misfit", f"limit {percent(limits.force_misfit.si, 0)}"),
+        line_of(equilibrium, "force_ratio", "1 but for the specimen's own momentum"),
+        [f"forces agree to {percent(UNIFORM, 0)}", stretch, in_all],
+        line_of(impulses, closing, f"of the incident one; limit {percent(limits.momentum.si, 0)}"),
+        ["incident, reflected, transmitted impulse", three(impulses), f"specimen {cell_text(impulses, 'specimen')}"],
+        ["incident, reflected, transmitted energy", three(work), ""],
+        line_of(work, "absorbed", parts),
     ]
-
-
-def _curve_table(solution: HopkinsonSolution) -> Table:
-    caption = (
+    curves = (
         f"{solution.title}: largest true strain and stress, median true rate, slope from 10 to 50 % of the largest "
         "stress (and within a sample of misalignment); * the one chosen"
     )
-    return page_table(caption, columns_of(AnalysedCurve, solution.analysed))
-
-
-def _balance_table(solution: HopkinsonSolution) -> Table:
-    equilibrium, impulses, work, limits = (
-        solution.equilibrium,
-        solution.momentum,
-        solution.energy,
-        solution.case.setup.limits,
-    )
-    wrong = "" if work.acceleration >= 0.0 else "; below 0: the forces do not balance"
-    rows: list[list[Cell]] = [
-        line_of(equilibrium, "misfit", f"limit {percent(limits.force_misfit.si, 0)}"),
-        line_of(equilibrium, "force_ratio", "1 but for the specimen's own momentum"),
-        [
-            f"forces agree to {percent(UNIFORM, 0)}",
-            _agreeing(equilibrium),
-            f"in all over {cell_text(equilibrium, 'share')} of the loading",
-        ],
-        line_of(impulses, _closing(solution)[0], f"of the incident one; limit {percent(limits.momentum.si, 0)}"),
-        ["incident, reflected, transmitted impulse", _three(impulses), f"specimen {cell_text(impulses, 'specimen')}"],
-        ["incident, reflected, transmitted energy", _three(work), ""],
-        line_of(
-            work,
-            "absorbed",
-            f"deforms {cell_text(work, 'deformation')}, moves {cell_text(work, 'acceleration')}{wrong}",
-        ),
-    ]
-    return Table(
-        "Force, momentum and energy balance while the incident wave lasts", ["quantity", "value", "note"], rows
-    )
-
-
-def _agreeing(equilibrium: Equilibrium) -> str:
-    """Write the longest stretch in which the forces agree."""
-    if math.isnan(equilibrium.begin):
-        return "in no lasting stretch"
-    begin, end = (fixed(time, *MICROSECONDS.units, 1) for time in (equilibrium.begin, equilibrium.end))
-    return f"from {begin} to {end} {spelled(shown_unit(*MICROSECONDS.units))}"
-
-
-def _three(waves: Momentum | Energy) -> str:
-    """Write what incident, reflected and transmitted wave carry."""
-    numbers = numbers_of(waves, {})
-    return f"{', '.join(text for text, _ in numbers)} {spelled(numbers[0][1])}"
-
-
-def _alignment_table(solution: HopkinsonSolution) -> Table:
-    alignment = solution.alignment
-    caption = (
+    delays = (
         f"Delay of the waves at the specimen against geometry; alignment {alignment.method}, dispersion "
         f"{alignment.dispersion} up to {cell_text(alignment, 'band')}, largest shift allowed "
         f"{cell_text(alignment, 'window')}, the rise"
     )
-    return page_table(caption, columns_of(WaveDelay, alignment.delays))
-
-
-def _striker_table(solution: HopkinsonSolution) -> list[Table]:
-    check = solution.striker_check
-    if check is None:
-        return []
-    measured, expected = (columns_of(StrikerCheck, [check], table) for table in ("measured", "expected"))
-    rows = [[one.head, *one.cells(), *other.cells()] for one, other in zip(measured, expected, strict=True)]
-    caption = f"Incident pulse compared with the striker; the plateau corresponds to {cell_text(check, 'speed')}"
-    return [Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows)]
-
-
-def _theory_table(solution: HopkinsonSolution) -> list[Table]:
-    """Say how soon an elastic specimen would be in equilibrium, where its density and modulus are known."""
+    tables = [
+        page_table(curves, columns_of(AnalysedCurve, solution.analysed)),
+        Table(
+            "Force, momentum and energy balance while the incident wave lasts", ["quantity", "value", "note"], balance
+        ),
+        page_table(delays, columns_of(WaveDelay, alignment.delays)),
+        face_table(solution, "bars"),
+    ]
+    if (check := solution.striker_check) is not None:
+        measured, expected = (columns_of(StrikerCheck, [check], table) for table in ("measured", "expected"))
+        rows = [[own.head, *own.cells(), *other.cells()] for own, other in zip(measured, expected, strict=True)]
+        caption = f"Incident pulse compared with the striker; the plateau corresponds to {cell_text(check, 'speed')}"
+        tables.append(Table(caption, ["quantity", "measured", "v Zs/((Zs+Zb) c), 2 Ls/cs"], rows))
     specimen, bar = solution.reduction.specimen, solution.reduction.bars[0]
     beta, transit = specimen.impedance_ratio(bar), specimen.transit
-    if beta is None or transit is None:
-        return []
-    rise, uniform = solution.pulses.rise / RISE_SHARE / transit, percent(UNIFORM, 0)
-    rows: list[list[Cell]] = [
-        ["impedance of the specimen over that of the bar", f"{beta:.4g}"],
-        [headed("transit of the specimen", *MICROSECONDS.units), written(shown(transit, *MICROSECONDS.units))],
-        ["force difference after a step, transit 3", percent(float(stress_difference(beta, 3)), 1)],
-        ["force difference after a step, transit 5", percent(float(stress_difference(beta, 5)), 2)],
-        [f"transits to {uniform} after a step", f"{transits_to_uniform(beta):.4g}"],
-        [
-            f"transits to {uniform} under a straight rise of {rise:.3g} transits",
-            f"{transits_to_uniform(beta, rise):.4g}",
-        ],
+    if beta is not None and transit is not None:
+        rise, uniform = solution.pulses.rise / RISE_SHARE / transit, percent(UNIFORM, 0)
+        under_rise = f"transits to {uniform} under a straight rise of {rise:.3g} transits"
+        theory: list[list[Cell]] = [
+            ["impedance of the specimen over that of the bar", f"{beta:.4g}"],
+            [headed("transit of the specimen", *MICROSECONDS.units), written(shown(transit, *MICROSECONDS.units))],
+            ["force difference after a step, transit 3", percent(float(stress_difference(beta, 3)), 1)],
+            ["force difference after a step, transit 5", percent(float(stress_difference(beta, 5)), 2)],
+            [f"transits to {uniform} after a step", f"{transits_to_uniform(beta):.4g}"],
+            [under_rise, f"{transits_to_uniform(beta, rise):.4g}"],
+        ]
+        tables.append(Table("Theoretical equilibrium of an elastic specimen", ["quantity", "value"], theory))
+    return tables
+
+
+class Kind(NamedTuple):
+    """The report of a kind of result: its title, its summary, the text above its tables, and these."""
+
+    title: str
+    summary: Callable[[Any], str]
+    method: str
+    tables: Callable[[Any], list[Table]]
+
+
+KINDS: dict[type, Kind] = {
+    HopkinsonSolution: Kind("Report of a split-Hopkinson shot", shot_words, f"{_SHOT}\n\n{_SLOPE}", shot_tables),
+    SensorSolution: Kind(
+        "Report of an accelerometer on the end of a bar", sensor_words, f"{_SENSOR}\n\n{_DOUBT}", sensor_tables
+    ),
+    EchoSolution: Kind("Report of a bar calibrated by its echoes", echo_words, _ECHOES, echo_tables),
+}
+
+
+def page(solution: AnySolution) -> str:
+    """Return the report of a set-up as one HTML page, found as `picture` is by `strikewave.reporting.shown_result`."""
+    kind = KINDS[type(solution)]
+    sections = [
+        Section("Pulses", "", pictures(solution)),
+        Section("Result", kind.method, kind.tables(solution)),
+        chapters.warnings(solution.notices),
+        chapters.inputs(solution.case.setup),
     ]
-    return [Table("Theoretical equilibrium of an elastic specimen", ["quantity", "value"], rows)]
+    head = chapters.Summary(kind.title, kind.summary(solution), solution.highlights())
+    return chapters.result_page(solution, head, sections)
 
 
-picture: dict[type, Callable[[Any], Figure]] = {
-    HopkinsonSolution: shot_summary,
-    SensorSolution: sensor_summary,
-    EchoSolution: echo_summary,
-}
-page: dict[type, Callable[[Any], str]] = {
-    HopkinsonSolution: shot_report,
-    SensorSolution: sensor_report,
-    EchoSolution: echo_report,
-}
-"""Pages of the results in Python, found as `picture` is by `strikewave.reporting.shown_result`."""
-
-
-def draw_result(solution: HopkinsonSolution | SensorSolution | EchoSolution, folder: Path) -> list[str]:
-    """Write page and picture of a set-up into a folder, and return their names."""
-    with drawing(folder / "summary.svg") as path:
-        save(picture[type(solution)](solution), path)
-    with drawing(folder / "report.html") as path:
-        path.write_text(page[type(solution)](solution), "utf-8", newline="\n")
-    return ["report.html", "summary.svg"]
+picture = sheet
+"""Picture of a result in Python."""

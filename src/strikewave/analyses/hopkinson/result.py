@@ -1,4 +1,4 @@
-"""What split bars gave: a shot reduced, an accelerometer on a bar end compared, or a bar calibrated by its echoes."""
+"""The results of split bars: of a shot, of an accelerometer on a bar end, of a bar calibrated by its echoes."""
 
 from __future__ import annotations
 
@@ -50,15 +50,7 @@ SCHEMA = 1
 
 @declare.dataclass
 class Outcome(ShownResult):
-    """What a set-up came to; see `Result` for what it shares with others.
-
-    Attributes
-    ----------
-    case : HopkinsonCase
-        Set-up, its text, its folder.
-    digests : mapping
-        SHA-256 of the files, by their names.
-    """
+    """The result of a set-up, with the SHA-256 of its files by their names."""
 
     command: ClassVar[str] = "hopkinson"
     main_rows: ClassVar[str] = "histories"
@@ -69,14 +61,14 @@ class Outcome(ShownResult):
 
     @declare.computed(declare.word("name of the set-up"))
     def setup(self) -> str:
-        """What the set-up is called."""
+        """Name of the set-up."""
         return self.case.setup.name
 
     @declare.computed(declare.named(StatedValue, "values of the set-up by their paths"))
     def inputs(self) -> dict[str, StatedValue]:
         """Every quantity of the set-up, with provenance."""
         values = values_of(self.case.setup)
-        return {path: StatedValue(one.si, one.typed, one.provenance, one.note) for path, one in values}
+        return {path: StatedValue(value.si, value.typed, value.provenance, value.note) for path, value in values}
 
     @property
     def title(self) -> str:
@@ -85,7 +77,7 @@ class Outcome(ShownResult):
 
     @property
     def test(self) -> Mapping[str, str]:
-        """What the set-up says of the test."""
+        """Statements of the set-up on the test."""
         return self.case.setup.test.stated()
 
     @property
@@ -99,7 +91,7 @@ class Outcome(ShownResult):
         """The histories with units."""
 
     def attributes(self) -> dict[str, Any]:
-        """Return what stands at the head of a dataset."""
+        """Return the attributes of a dataset."""
         return {"strikewave_schema": SCHEMA, "strikewave_version": __version__, "case": self.case.text}
 
 
@@ -129,7 +121,7 @@ class GaugedBar:
 
 @declare.dataclass
 class WaveDelay:
-    """How late a wave is at the specimen against geometry."""
+    """The delay of a wave at the specimen against geometry."""
 
     wave: str = declare.word("which wave", column=KEY)
     onset: float = declare.number(DELAY, "by its onset", label="by onset", column=MAIN)
@@ -139,7 +131,7 @@ class WaveDelay:
 
 @declare.dataclass
 class Alignment:
-    """How the waves were brought to one clock at the specimen."""
+    """The alignment of the waves on one clock at the specimen."""
 
     method: str = declare.word("how the waves were aligned")
     dispersion: str = declare.word("theory by which dispersion was turned back")
@@ -176,13 +168,13 @@ class LargestTrue:
 
     @classmethod
     def of(cls, true: StressStrainCurve, on: NDArray[np.bool_]) -> LargestTrue:
-        """Return those of a curve while the load is on."""
+        """Return the largest values of a curve while the load is on."""
         return cls(float(true.strain[on].max()), float(true.stress[on].max()), float(np.median(true.rate[on])))
 
 
 @declare.dataclass
 class AnalysedCurve:
-    """What an analysis makes of the specimen."""
+    """The specimen by one analysis."""
 
     analysis: str = declare.word("1-wave, 2-wave or 3-wave", column=KEY)
     largest: LargestTrue = declare.part(LargestTrue, "largest values")
@@ -191,17 +183,7 @@ class AnalysedCurve:
 
 @declare.dataclass
 class HopkinsonSolution(Outcome):
-    """A reduced shot.
-
-    Attributes
-    ----------
-    reduction : Reduction
-        Waves, forces and velocities at the specimen.
-    striker : StrikerBar or None
-        Where one is stated.
-    constants : dict
-        Density, modulus and speed of each bar, one of them derived.
-    """
+    """A reduced shot; ``constants`` are those of each bar, one of them derived, ``striker`` is None without one."""
 
     data_file: ClassVar[str] = "reduction.nc"
 
@@ -224,7 +206,7 @@ class HopkinsonSolution(Outcome):
 
     @declare.computed(declare.part(Alignment, "how the waves were brought to one clock at the specimen"))
     def alignment(self) -> Alignment:
-        """How the waves were brought to one clock at the specimen."""
+        """Alignment of the waves on one clock at the specimen."""
         w = self.reduction.waves
         late = (dict(zip(WAVES, pair, strict=True)) for pair in (w.late_onset, w.late_balance, w.applied))
         return Alignment(w.method, w.theory, w.band, w.window, *late)
@@ -270,16 +252,13 @@ class HopkinsonSolution(Outcome):
 
     @property
     def analysed(self) -> list[AnalysedCurve]:
-        """What each analysis makes of the specimen; a star marks the one chosen."""
-        curves = self.curves.items()
-        return [
-            AnalysedCurve(
-                name + (" *" if name == self.analysis else ""),
-                LargestTrue.of(curve.true(), self.reduction.loading),
-                slope_text(self.rise_slope[name]),
-            )
-            for name, curve in curves
-        ]
+        """The specimen by each analysis; a star marks the chosen one."""
+        rows = []
+        for name, curve in self.curves.items():
+            label = f"{name} *" if name == self.analysis else name
+            largest = LargestTrue.of(curve.true(), self.reduction.loading)
+            rows.append(AnalysedCurve(label, largest, slope_text(self.rise_slope[name])))
+        return rows
 
     @functools.cached_property
     def arrays(self) -> LabelledArrays:
@@ -313,8 +292,15 @@ class HopkinsonSolution(Outcome):
         return Curve(true.strain[on], true.stress[on] / size, "true strain", f"true stress ({name})")
 
     def tables(self) -> dict[str, str]:
-        """Return the histories at the specimen and the pulses at the gauges as CSV text."""
-        return {"reduction.csv": csv_table(self.columns(), HISTORY_DIGITS), "pulses.csv": self.pulses_table()}
+        """Return the histories at the specimen and the pulses at the gauges, each with its own time, as CSV text."""
+        pulses = self.pulses
+        columns: list[Column] = []
+        parts = (pulses.incident, pulses.reflected, pulses.transmitted)
+        for name, start, values in zip(("incident", "reflected", "transmitted"), pulses.starts, parts, strict=True):
+            columns.append(Column(f"{name} time", start + pulses.step * np.arange(values.size), "s"))
+            columns.append(Column(f"{name} strain", values, "1"))
+        pulse_text = csv_table(columns, HISTORY_DIGITS)
+        return {"reduction.csv": csv_table(self.columns(), HISTORY_DIGITS), "pulses.csv": pulse_text}
 
     @declare.computed(declare.table("histories at the specimen, with the curve of the chosen analysis"))
     def histories(self) -> list[Column]:
@@ -338,31 +324,21 @@ class HopkinsonSolution(Outcome):
             Column.of("true rate", true.rate, TRUE_RATE),
         ]
 
-    def pulses_table(self) -> str:
-        """Return the three pulses as the gauges saw them, each with its own time, as CSV text."""
-        pulses = self.pulses
-        columns: list[Column] = []
-        parts = (pulses.incident, pulses.reflected, pulses.transmitted)
-        for name, start, values in zip(("incident", "reflected", "transmitted"), pulses.starts, parts, strict=True):
-            columns.append(Column(f"{name} time", start + pulses.step * np.arange(values.size), "s"))
-            columns.append(Column(f"{name} strain", values, "1"))
-        return csv_table(columns, HISTORY_DIGITS)
-
 
 def slope_text(slope: Slope) -> str:
-    """Write a slope with the values between which a sample of misalignment moves it."""
+    """Return a slope as text, with its range under a misalignment of a sample."""
     if math.isnan(slope.value):
         return NONE
     ends = (slope.value, slope.low, slope.high)
-    value, low, high = (written(shown(one, *RISE_SLOPE.units), RISE_SLOPE.digits) for one in ends)
+    value, low, high = (written(shown(end, *RISE_SLOPE.units), RISE_SLOPE.digits) for end in ends)
     if math.isnan(slope.low):
         return value
     return f"{value} ({low} or more)" if math.isinf(slope.high) else f"{value} ({low} to {high})"
 
 
 KEPT_PER_PERIOD = 20
-"""Samples of the histories that are written, in a period of the bandwidth: enough to draw them smoothly; the common
-clock has ten times as many."""
+"""Written samples of a history in a period of the bandwidth: enough to draw them; the common clock has ten times as
+many."""
 READING = Quantity.of_data("as reading_unit")
 SENSITIVITY = Quantity.of_data("as sensitivity_unit", digits=5)
 INTEGRAL = Quantity.of_data("as reading_unit times s")
@@ -376,7 +352,7 @@ GIVEN_UNITS = {
 
 @declare.dataclass
 class BarEnd:
-    """What stands on the end of the bar."""
+    """The mass and the disk on the end of the bar."""
 
     mass: float = declare.number(MASS, "sensor and rigid disk", label="mass on the end")
     disk_mass: float | None = declare.number(MASS, "an elastic disk; null without one")
@@ -394,19 +370,15 @@ class IncidentPulse:
 
 @declare.dataclass
 class ReadSensitivity:
-    """Reading over reference, and its relative standard uncertainties by where they come from.
+    """Reading over reference, and its relative standard uncertainties by source.
 
-    NaN stands where nobody states one, and where the rise is too steep for accelerations to be quoted.
+    NaN stands for one that is not stated, and where the rise is too steep for accelerations to be quoted. ``name`` is
+    "sensitivity", or "reading over reference" where both are accelerations.
 
     Examples
     --------
     >>> ReadSensitivity("sensitivity", 1.0, 0.003, 0.0, 0.004, math.nan, 1.0, 1.0).relative
     0.005
-
-    Attributes
-    ----------
-    name : str
-        Name of the value: sensitivity, or reading over reference where both are accelerations.
     """
 
     name: str
@@ -465,15 +437,7 @@ class EndHistories:
 
 @declare.dataclass
 class SensorSolution(Outcome):
-    """An accelerometer beside the reference acceleration at the end of its bar.
-
-    Attributes
-    ----------
-    bar : Bar
-        As stated.
-    standing : Standing
-        Mass and disk on its end.
-    """
+    """An accelerometer beside the reference acceleration at the end of its bar; ``standing`` is mass and disk there."""
 
     data_file: ClassVar[str] = "reduction.nc"
 
@@ -483,15 +447,15 @@ class SensorSolution(Outcome):
 
     @declare.computed(declare.part(BarEnd, "what stands on the end of the bar"))
     def end(self) -> BarEnd:
-        """What stands on the end of the bar."""
+        """Mass and disk on the end of the bar."""
         disk = self.standing.disk
         return BarEnd(self.standing.mass, None if disk is None else disk.mass)
 
     @declare.computed(declare.part(IncidentPulse, "the incident pulse"))
     def pulse(self) -> IncidentPulse:
         """The incident pulse."""
-        found = self.comparison.pulses
-        return IncidentPulse(found.onset, found.rise, found.width, found.plateau)
+        pulses = self.comparison.pulses
+        return IncidentPulse(pulses.onset, pulses.rise, pulses.width, pulses.plateau)
 
     @declare.computed(declare.part(Bandwidth, "low-pass of reference and reading", inline=True))
     def bandwidth(self) -> Bandwidth:
@@ -543,25 +507,25 @@ class SensorSolution(Outcome):
     )
 
     @declare.computed(declare.part(EndHistories, "histories that are written", inline=True))
-    def kept_histories(self) -> EndHistories:
+    def written_histories(self) -> EndHistories:
         """The histories that are written."""
-        found, motion = self.comparison, self.comparison.motion
-        histories = (found.time, motion.acceleration, found.reading, motion.velocity, found.both_waves)
-        return EndHistories(*(history[self.kept] for history in histories))
+        end, motion = self.comparison, self.comparison.motion
+        histories = (end.time, motion.acceleration, end.reading, motion.velocity, end.both_waves)
+        return EndHistories(*(history[self.every] for history in histories))
 
     @property
     def given_units(self) -> GivenUnits:
-        """Units of what the sensor reads."""
+        """Units of the reading."""
         return {of.given_by: pair for of, pair in GIVEN_UNITS[self.unit].items()}
 
     @property
     def scale(self) -> float:
-        """What the reading is divided with to be shown beside the reference: the slope for volts, else its sign."""
+        """Divisor of the reading that is shown beside the reference: the slope for volts, else its sign."""
         return self.comparison.agreement.sensitivity if self.unit == "V" else self.comparison.sign
 
     @property
     def shown_acceleration(self) -> Array:
-        """The reading as an acceleration along the blow, m/s^2: volts over the sensitivity that was found."""
+        """The reading as an acceleration along the blow, m/s^2: volts over the sensitivity."""
         return self.comparison.reading / self.scale
 
     @property
@@ -570,7 +534,7 @@ class SensorSolution(Outcome):
         return self.comparison.integrated / self.scale
 
     @property
-    def kept(self) -> slice:
+    def every(self) -> slice:
         """The samples of the histories that are written."""
         period = 1.0 / self.comparison.bandwidth.value
         return slice(None, None, max(int(period / (KEPT_PER_PERIOD * float(np.diff(self.comparison.time[:2])[0]))), 1))
@@ -588,27 +552,27 @@ class SensorSolution(Outcome):
     @declare.computed(declare.table("histories at the end of the bar; the delay of the reading is taken out"))
     def histories(self) -> list[Column]:
         """The histories; the delay of the reading is taken out."""
-        kept, as_acceleration = self.kept_histories, self.shown_acceleration[self.kept]
+        end, as_acceleration = self.written_histories, self.shown_acceleration[self.every]
         return [
-            Column.of("time", kept.time, MICROSECONDS),
-            Column.of("reference acceleration", kept.reference_acceleration, ACCELERATION),
-            Column("reading", kept.reading, self.unit),
+            Column.of("time", end.time, MICROSECONDS),
+            Column.of("reference acceleration", end.reference_acceleration, ACCELERATION),
+            Column("reading", end.reading, self.unit),
             Column.of("reading as acceleration", as_acceleration, ACCELERATION),
-            Column.of("difference", as_acceleration - kept.reference_acceleration, ACCELERATION),
-            Column("reference velocity", kept.reference_velocity, "m/s"),
-            Column("reading integrated", self.shown_velocity[self.kept], "m/s"),
-            Column("end velocity by both waves", kept.velocity_by_both_waves, "m/s"),
+            Column.of("difference", as_acceleration - end.reference_acceleration, ACCELERATION),
+            Column("reference velocity", end.reference_velocity, "m/s"),
+            Column("reading integrated", self.shown_velocity[self.every], "m/s"),
+            Column("end velocity by both waves", end.velocity_by_both_waves, "m/s"),
         ]
 
     @functools.cached_property
     def arrays(self) -> LabelledArrays:
         """The histories with units."""
-        kept = self.kept_histories
+        end = self.written_histories
         variables = {
-            name: quantity("time", getattr(kept, name), one.quantity.within(self.given_units).si, one.meaning)
-            for name, one in declarations(EndHistories).items()
+            name: quantity("time", getattr(end, name), declared.quantity.within(self.given_units).si, declared.meaning)
+            for name, declared in declarations(EndHistories).items()
         }
-        integrated, force = self.shown_velocity[self.kept], self.comparison.motion.force[self.kept]
+        integrated, force = self.shown_velocity[self.every], self.comparison.motion.force[self.every]
         variables |= {
             "integrated_reading": quantity("time", integrated, "m/s", "reading as acceleration, integrated"),
             "end_force": quantity("time", force, "N", "force of the bar on what stands on its end"),
@@ -619,13 +583,7 @@ class SensorSolution(Outcome):
 
 @declare.dataclass
 class EchoSolution(Outcome):
-    """A bar calibrated by its echoes.
-
-    Attributes
-    ----------
-    bar : Bar
-        As stated.
-    """
+    """A bar calibrated by its echoes; ``bar`` as stated."""
 
     data_file: ClassVar[str] = "echoes.nc"
 
@@ -649,7 +607,7 @@ class EchoSolution(Outcome):
         return self._fitted("attenuation")
 
     def _fitted(self, name: str) -> str:
-        """Write a value by least squares with its standard error."""
+        """Return a value by least squares as text with its standard error."""
         fitted, (si, usual, _, _, digits, *_) = getattr(self.echoes, name), declarations(Echoes)[name].quantity
         error = "" if math.isnan(fitted.error) else f" ± {with_unit(fitted.error, si, usual, 2)}"
         return with_unit(fitted.value, si, usual, digits) + error

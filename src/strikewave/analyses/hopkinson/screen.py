@@ -1,4 +1,4 @@
-"""A split-Hopkinson set-up as a command: read, reduce, print, draw."""
+"""The command of a split-Hopkinson set-up: read, reduce, print, draw."""
 
 from __future__ import annotations
 
@@ -9,26 +9,16 @@ from typing import ClassVar
 
 from strikewave.analyses.hopkinson.build import HopkinsonCase, with_test
 from strikewave.analyses.hopkinson.notices import digests
-from strikewave.analyses.hopkinson.report import (
-    draw_result,
-    echo_tables,
-    echo_words,
-    sensor_tables,
-    sensor_words,
-    shot_tables,
-    shot_words,
-)
-from strikewave.analyses.hopkinson.result import EchoSolution, HopkinsonSolution, SensorSolution, marked_text
+from strikewave.analyses.hopkinson.report import KINDS, AnySolution, page, picture
+from strikewave.analyses.hopkinson.result import marked_text
 from strikewave.analyses.hopkinson.run import run_hopkinson
 from strikewave.reporting.output_options import Output
-from strikewave.reporting.parts import Table
-from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
+from strikewave.reporting.run_and_write import Command, case_folder, drawing, run_and_write
+from strikewave.reporting.style import save
 from strikewave.reporting.terminal import report_table
 
 LEFT_OUT_FIRST = ("note", "derived", "noise (µε)", "Student's factor, 95 %", "freedom")
 """Columns that a narrow screen does without."""
-
-AnySolution = HopkinsonSolution | SensorSolution | EchoSolution
 
 
 def run_setup(case: HopkinsonCase, changes: Sequence[str], output: Output) -> int:
@@ -40,7 +30,7 @@ def run_setup(case: HopkinsonCase, changes: Sequence[str], output: Output) -> in
 
 @dataclass(frozen=True)
 class SetupCommand(Command[AnySolution]):
-    """A shot, an accelerometer on the end of a bar, or the calibration of a bar, as the set-up says."""
+    """The reduction of a set-up: a shot, an accelerometer on the end of a bar, or the calibration of a bar."""
 
     indent: ClassVar[int | None] = None
 
@@ -51,23 +41,18 @@ class SetupCommand(Command[AnySolution]):
         return run_hopkinson(self.case)
 
     def summary(self, result: AnySolution) -> str:
-        """Say what came out."""
-        if isinstance(result, HopkinsonSolution):
-            return shot_words(result)
-        return sensor_words(result) if isinstance(result, SensorSolution) else echo_words(result)
+        """Return the result in a sentence."""
+        return KINDS[type(result)].summary(result)
 
     def show(self, result: AnySolution) -> None:
         """Print the tables of a result."""
-        for shown in _tables(result):
-            report_table(shown, more=LEFT_OUT_FIRST)
+        for table in KINDS[type(result)].tables(result):
+            report_table(table, more=LEFT_OUT_FIRST)
 
     def draw(self, result: AnySolution, folder: Path) -> list[str]:
-        """Write page and summary."""
-        return draw_result(result, folder)
-
-
-def _tables(solution: AnySolution) -> list[Table]:
-    """Return the tables of a result."""
-    if isinstance(solution, HopkinsonSolution):
-        return shot_tables(solution)
-    return sensor_tables(solution) if isinstance(solution, SensorSolution) else echo_tables(solution)
+        """Write page and picture."""
+        with drawing(folder / "summary.svg") as path:
+            save(picture(result), path)
+        with drawing(folder / "report.html") as path:
+            path.write_text(page(result), "utf-8", newline="\n")
+        return ["report.html", "summary.svg"]
