@@ -53,6 +53,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.reporting.measured_files import Reading as Reading
     from strikewave.signal.srs import srs as srs
     from strikewave.studies.buffer.result import BufferStudy as BufferStudy
+    from strikewave.studies.buffer.stacks import StackChoices as StackChoices
     from strikewave.studies.buffer.study import buffer as buffer
     from strikewave.studies.engine.runner import Workers as Workers
     from strikewave.studies.fit.result import FitStudy as FitStudy
@@ -99,6 +100,7 @@ _HOMES = {
     "Solution": "analyses.machine.result",
     "Spectra": "analyses.record.options",
     "SpectrumResult": "analyses.record.spectrum",
+    "StackChoices": "studies.buffer.stacks",
     "StrikewaveError": "base.errors",
     "SweepStudy": "studies.sweep.study",
     "WaveSolution": "analyses.wave.result",

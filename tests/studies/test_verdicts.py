@@ -132,7 +132,7 @@ def a_drop_table():
 
 
 def a_buffer():
-    return strikewave.buffer(parse_case(BAR), "20000 g", materials=["rubber"], thicknesses=["1 mm"], layers=1)
+    return strikewave.buffer(parse_case(BAR), "20000 g", stacks=strikewave.StackChoices(["rubber"], ["1 mm"], 1))
 
 
 def a_fit():

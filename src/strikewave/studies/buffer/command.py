@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 import typer
@@ -14,23 +15,10 @@ from strikewave.reporting.output_options import StudyOutput
 from strikewave.studies.buffer import LAYERS, THICKEST, WORST
 
 
-def command(
-    case: Annotated[
-        str | None, case_name("CASE", "Case with the sensor: a case file, or the name of a built-in case.")
-    ] = None,
-    *,
-    limit: Annotated[
-        float, quantity("--limit", si="m/s^2", bare=False, help='Largest allowed reading, such as "5000 g".')
-    ],
-    sensor: Annotated[
-        str | None,
-        typer.Option(
-            "--sensor", metavar="NAME", help="Name of the sensor, where the case has several.", show_default=False
-        ),
-    ] = None,
-    blow: Annotated[
-        str, typer.Option("--blow", metavar="worst|first|NUMBER", help="Blow that the stacks are compared at.")
-    ] = WORST,
+@dataclass(frozen=True)
+class StackOptions:
+    """Gaskets that stacks may be made of, and what ranks the stacks; see `strikewave.StackChoices`."""
+
     material: Annotated[
         list[str] | None,
         typer.Option(
@@ -39,7 +27,7 @@ def command(
             help="Material of the gaskets; all polymers and elastomers by default; may be repeated.",
             show_default=False,
         ),
-    ] = None,
+    ] = None
     thickness: Annotated[
         list[Value] | None,
         typed_value(
@@ -48,28 +36,63 @@ def command(
             highest=THICKEST,
             help="Thickness of the gaskets; 0.5, 1 and 2 mm by default; may be repeated.",
         ),
-    ] = None,
-    layers: Annotated[
-        int, typer.Option("--layers", metavar="COUNT", help="Largest number of gaskets in a stack.")
-    ] = LAYERS,
+    ] = None
+    layers: Annotated[int, typer.Option("--layers", metavar="COUNT", help="Largest number of gaskets in a stack.")] = (
+        LAYERS
+    )
     rank: Annotated[
         Literal["bandwidth", "peak", "robust"],
         typer.Option("--rank", help="Quantity that ranks the stacks that keep the limit."),
-    ] = "bandwidth",
+    ] = "bandwidth"
+
+
+@dataclass(frozen=True)
+class SensorOptions:
+    """The sensor: its name in a case, and what is stated of it in place of what the case has."""
+
+    sensor: Annotated[
+        str | None,
+        typer.Option(
+            "--sensor", metavar="NAME", help="Name of the sensor, where the case has several.", show_default=False
+        ),
+    ] = None
     mass: Annotated[
         Value | None,
         typed_value("--mass", si="kg", highest=1e3, help="Mass of the sensor; that of the case by default."),
-    ] = None,
+    ] = None
     diameter: Annotated[
         Value | None,
         typed_value("--diameter", si="m", highest=1.0, help="Diameter of the gaskets; that of the case by default."),
-    ] = None,
+    ] = None
     model: Annotated[
         str | None,
         typer.Option(
             "--model", metavar="NAME", help="A known accelerometer; that of the case by default.", show_default=False
         ),
+    ] = None
+
+    def stated(self) -> dict[str, Any]:
+        """Return what is stated of the sensor."""
+        from strikewave.studies.buffer.stacks import chosen
+
+        sizes = {"mass": self.mass, "diameter": self.diameter}
+        values = {name: chosen(value) for name, value in sizes.items() if value is not None}
+        return values if self.model is None else {"model": self.model, **values}
+
+
+def command(
+    case: Annotated[
+        str | None, case_name("CASE", "Case with the sensor: a case file, or the name of a built-in case.")
     ] = None,
+    *,
+    limit: Annotated[
+        float, quantity("--limit", si="m/s^2", bare=False, help='Largest allowed reading, such as "5000 g".')
+    ],
+    blow: Annotated[
+        str, typer.Option("--blow", metavar="worst|first|NUMBER", help="Blow that the stacks are compared at.")
+    ] = WORST,
+    stacks: StackOptions,
+    mounted: SensorOptions,
     record: Annotated[
         str | None,
         typer.Option(
@@ -90,32 +113,19 @@ def command(
     case or a layered bar at the sensor's tap, or a record. With --json, no files are written unless --out is given.
     """
     from strikewave.studies.buffer.report import BufferCommand, rank_buffers, source_of_case, source_of_record
-    from strikewave.studies.buffer.stacks import BufferGoal
-    from strikewave.studies.buffer.study import choices_of
+    from strikewave.studies.buffer.stacks import BufferGoal, StackChoices, all_stacks
     from strikewave.studies.engine.runner import Workers
 
-    goal = BufferGoal(limit, rank)
-    choice = choices_of(material, thickness, layers)
-    given = _given(mass, diameter, model)
+    goal = BufferGoal(limit, stacks.rank)
+    choice = StackChoices(stacks.material or (), stacks.thickness or (), stacks.layers)
+    all_stacks(choice)  # refuses too many before the case is run
     if record is None:
-        source = source_of_case(case, sensor, changes, given)
+        source = source_of_case(case, mounted.sensor, changes, mounted.stated())
     else:
         if blow != WORST:
             raise InputError("--blow", blow, "only without --record, which holds one blow")
         stated, options = measurement.calibration(), measurement.reading()
-        source = source_of_record(record, stated, options, (case, sensor, changes), given)
+        source = source_of_record(record, stated, options, (case, mounted.sensor, changes), mounted.stated())
     pool = Workers(running.workers, cluster=running.cluster).pool()
     ranking = BufferCommand(source, blow, choice, goal, pool, place=running.store, fresh=running.fresh)
     return rank_buffers(ranking, output)
-
-
-def _given(mass: Value | None, diameter: Value | None, model: str | None) -> dict[str, Any]:
-    """Return what was typed of the sensor."""
-    from strikewave.studies.buffer.study import chosen
-
-    sensor: dict[str, Any] = {} if model is None else {"model": model}
-    if mass is not None:
-        sensor["mass"] = chosen(mass)
-    if diameter is not None:
-        sensor["diameter"] = chosen(diameter)
-    return sensor

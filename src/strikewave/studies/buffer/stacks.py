@@ -15,13 +15,15 @@ from numpy.typing import NDArray
 from strikewave.base import declare
 from strikewave.base.constants import STANDARD_GRAVITY, material
 from strikewave.base.declare import KEY, MAIN, MORE, NO_UNIT, Quantity
-from strikewave.base.errors import MISSING, InputError, nearest
+from strikewave.base.errors import InputError, nearest
 from strikewave.base.quantities import Value
 from strikewave.base.shock_quantities import LENGTH, PULSE_WIDTH, RATIO, STRESS
+from strikewave.reporting.options import read_value
 from strikewave.sensors import Mounting, Sensor, SensorReading, output
 from strikewave.sensors.mounting import PassBand, band
 from strikewave.sensors.trial import sensor_pulse
 from strikewave.signal.motion import integral
+from strikewave.studies.buffer import LAYERS, THICKEST, THICKNESSES
 from strikewave.studies.buffer.mounting_site import (
     SOFTEST,
     STIFFEST,
@@ -35,6 +37,7 @@ from strikewave.studies.buffer.mounting_site import (
     read_on,
     reading_of,
     spread,
+    usual_materials,
     variants,
 )
 
@@ -406,27 +409,55 @@ below every thickness that can be typed with sense."""
 
 @dataclass(frozen=True)
 class StackChoices:
-    """What stacks may be made of: materials, thicknesses, and the most layers."""
+    """Gaskets that stacks may be made of.
 
-    materials: tuple[str, ...]
-    thicknesses: tuple[Value, ...]
-    layers: int = 3
+    Attributes
+    ----------
+    materials : sequence of str
+        Materials by name; all polymers and elastomers by default.
+    thicknesses : sequence of str or Value
+        Thicknesses with units; 0.5, 1 and 2 mm by default.
+    layers : int
+        Largest number of gaskets in a stack.
+
+    Examples
+    --------
+    >>> import strikewave
+    >>> strikewave.StackChoices(["PTFE"], ["1 mm"], layers=1).layers
+    1
+    """
+
+    materials: Sequence[str] = ()
+    thicknesses: Sequence[str | Value] = ()
+    layers: int = LAYERS
 
 
-def stacks(choice: StackChoices) -> list[GasketStack]:
+def chosen(value: Value) -> Value:
+    """Return a value that says in the case where it comes from."""
+    return value.model_copy(update={"note": "chosen by strikewave buffer"})
+
+
+def all_stacks(choice: StackChoices) -> list[GasketStack]:
     """Return all stacks of a choice, none first; those that another one equals are left out.
 
     Neighbours of one material are bonded and are as one gasket of both thicknesses: 0.5 + 1 mm is 1 + 0.5 mm.
 
     Examples
     --------
-    >>> thin, thick = Value(si=1e-3, typed="1 mm"), Value(si=2e-3, typed="2 mm")
-    >>> [" | ".join(map(str, stack)) for stack in stacks(StackChoices(("PTFE",), (thin, thick), 2))]
+    >>> [" | ".join(map(str, stack)) for stack in all_stacks(StackChoices(["PTFE"], ["1 mm", "2 mm"], 2))]
     ['', 'PTFE 1 mm', 'PTFE 2 mm', 'PTFE 1 mm | PTFE 2 mm', 'PTFE 2 mm | PTFE 2 mm']
     """
-    names = tuple(dict.fromkeys(material(name, "--material").name for name in choice.materials))
-    sizes = {value.si: value for value in choice.thicknesses}
-    _check_count(len(names) * len(sizes), choice.layers)
+    names = tuple(dict.fromkeys(material(name, "--material").name for name in choice.materials or usual_materials()))
+    typed = choice.thicknesses or THICKNESSES
+    read = [size if isinstance(size, Value) else read_value(size, "thicknesses", "m", THICKEST) for size in typed]
+    sizes = {value.si: chosen(value) for value in read}
+    kinds, layers = len(names) * len(sizes), choice.layers
+    if not 0 <= layers <= MOST_LAYERS:
+        raise InputError("--layers", layers, f"a whole number from 0 to {MOST_LAYERS}")
+    count = sum(kinds**k for k in range(layers + 1))
+    if count > MOST_CANDIDATES:
+        hint = "take fewer materials, thicknesses or layers"
+        raise InputError("--layers", f"{layers} of {kinds} gaskets: {count} stacks", f"at most {MOST_CANDIDATES}", hint)
     single = [GasketLayer(name, value) for name in names for value in sizes.values()]
     distinct: dict[tuple[tuple[str, float], ...], GasketStack] = {}
     for count in range(choice.layers + 1):
@@ -434,18 +465,6 @@ def stacks(choice: StackChoices) -> list[GasketStack]:
             merged = tuple((name, round(thickness, THICKNESS_DIGITS)) for name, thickness in _bonded(stack))
             distinct.setdefault(merged, stack)
     return list(distinct.values())
-
-
-def _check_count(kinds: int, layers: int) -> None:
-    """Refuse nothing to choose from, and more stacks than may be tried."""
-    if not kinds:
-        raise InputError("--thickness", MISSING, "at least one material and one thickness")
-    if not 0 <= layers <= MOST_LAYERS:
-        raise InputError("--layers", layers, f"a whole number from 0 to {MOST_LAYERS}")
-    count = sum(kinds**k for k in range(layers + 1))
-    if count > MOST_CANDIDATES:
-        hint = "take fewer materials, thicknesses or layers"
-        raise InputError("--layers", f"{layers} of {kinds} gaskets: {count} stacks", f"at most {MOST_CANDIDATES}", hint)
 
 
 def _bonded(stack: GasketStack) -> Iterator[tuple[str, float]]:

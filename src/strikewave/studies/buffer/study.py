@@ -16,14 +16,12 @@ from typing import ClassVar
 
 from strikewave.base.compiling import compiling_shown
 from strikewave.base.errors import InputErrors
-from strikewave.base.quantities import Value
 from strikewave.base.result import Verdicts
 from strikewave.base.units import si_value
 from strikewave.cases.case import Case
-from strikewave.reporting.options import read_value
 from strikewave.sensors import Mounting
 from strikewave.sensors.mounting import mounting_system
-from strikewave.studies.buffer import LAYERS, THICKEST, THICKNESSES, WORST
+from strikewave.studies.buffer import WORST
 from strikewave.studies.buffer.mounting_site import (
     BaseMotion,
     Blows,
@@ -32,7 +30,6 @@ from strikewave.studies.buffer.mounting_site import (
     blows_of,
     choose_sensor,
     mounting_site_of,
-    usual_materials,
 )
 from strikewave.studies.buffer.result import BufferStudy, study_notices
 from strikewave.studies.buffer.stacks import (
@@ -41,12 +38,12 @@ from strikewave.studies.buffer.stacks import (
     Leading,
     StackChoices,
     alike,
+    all_stacks,
     assess,
     assess_mounting,
     distinct,
     look_closer,
     ranked,
-    stacks,
     with_pareto,
     withstands,
 )
@@ -55,6 +52,8 @@ from strikewave.studies.engine.questions import Answer, Failure, answers
 from strikewave.studies.engine.runner import Advance, Workers, as_workers, share_reporter
 from strikewave.studies.engine.store import RunStore, given_or_temporary, store_in
 
+ALL_STACKS = StackChoices()
+"""Stacks of the usual gaskets."""
 MOST_STATES = 800
 """A stack with more states is left out of the search: its time grows faster than the square of their number
 (measured: 0.5 s with 840 states, 3 s with 1680), where most stacks take 6 ms."""
@@ -129,7 +128,7 @@ def design_buffer(
     advance : callable, optional
         Called as stacks come back.
     """
-    every = stacks(choice)
+    every = all_stacks(choice)
     small = [stack for stack in every if not _too_large(site.mounting(stack))]
     with given_or_temporary(store) as kept, pool or ProcessPool(1) as open_pool:
         asked = [AskedStack(site, blows.motion, goal, stack) for stack in small]
@@ -198,9 +197,7 @@ def buffer(
     *,
     sensor: str | None = None,
     blow: str | int = WORST,
-    materials: Sequence[str] = (),
-    thicknesses: Sequence[str] = (),
-    layers: int = LAYERS,
+    stacks: StackChoices = ALL_STACKS,
     rank: str = "bandwidth",
     workers: int | Workers | None = None,
     store: Path | str | None = None,
@@ -218,12 +215,8 @@ def buffer(
         Its name, where the case has several.
     blow : str or int, optional
         Blow that the stacks are compared at: ``worst``, ``first`` or its number.
-    materials : sequence of str, optional
-        Materials of the gaskets; all polymers and elastomers by default.
-    thicknesses : sequence of str, optional
-        Thicknesses of the gaskets, with units; 0.5, 1 and 2 mm by default.
-    layers : int, optional
-        Largest number of gaskets in a stack.
+    stacks : StackChoices, optional
+        Materials and thicknesses of the gaskets, and the largest number of them in a stack.
     rank : str, optional
         Criterion that ranks the stacks that keep the limit: ``bandwidth``, ``peak`` or ``robust``.
     workers : int or Workers, optional
@@ -248,29 +241,16 @@ def buffer(
     --------
     >>> import strikewave
     >>> case = strikewave.load_case("li-ma-2019-fig5")
-    >>> study = strikewave.buffer(case, "7000 g", sensor="buffered", materials=["PTFE"], thicknesses=["1 mm"], layers=1)
+    >>> stacks = strikewave.StackChoices(["PTFE"], ["1 mm"], layers=1)
+    >>> study = strikewave.buffer(case, "7000 g", sensor="buffered", stacks=stacks)
     >>> [candidate.name for candidate in study.candidates]
     ['direct', 'PTFE 1 mm']
     """
     goal = BufferGoal(si_value(limit, "m/s^2", "limit"), rank)
-    sizes = [read_value(text, "thicknesses", "m", THICKEST) for text in thicknesses]
-    choice = choices_of(materials, sizes, layers)
+    all_stacks(stacks)  # refuses too many before the case is run
     site = mounting_site_of(choose_sensor(case, sensor), case)
     blows = blows_of(case, site.table, str(blow))
     pool = as_workers(workers).pool()
     with store_in(store) as finished:
-        study = design_buffer(site, blows, choice, goal, finished, pool, share_reporter(progress))
+        study = design_buffer(site, blows, stacks, goal, finished, pool, share_reporter(progress))
     return dataclasses.replace(study, case=case)
-
-
-def choices_of(names: Sequence[str] | None, sizes: Sequence[Value] | None, layers: int) -> StackChoices:
-    """Return what stacks may be made of: the usual materials and thicknesses where none are named."""
-    usual = (read_value(text, "--thickness", "m", THICKEST) for text in THICKNESSES)
-    choice = StackChoices(tuple(names or usual_materials()), tuple(chosen(size) for size in sizes or usual), layers)
-    stacks(choice)
-    return choice
-
-
-def chosen(value: Value) -> Value:
-    """Return a value that says in the case where it comes from."""
-    return value.model_copy(update={"note": "chosen by strikewave buffer"})
