@@ -122,8 +122,8 @@ class ResumableCommand(Command[Shown]):
 
         What is finished is counted in the store: a batch may be kept there before its progress is reported.
         """
-        kept = f"{finished} are kept in {store.folder}: the same command goes on there"
-        say("stopped; " + (kept if finished and self.store is not None else "nothing was written"))
+        where = f"{finished} are kept in {store.folder}: the same command goes on there"
+        say("stopped; " + (where if finished and self.store is not None else "nothing was written"))
         raise SystemExit(exit_code(stop)) from None
 
     def stopped_after(self, stop: KeyboardInterrupt, store: RunStore, what: str = "runs") -> NoReturn:
@@ -201,12 +201,12 @@ class StudyCommand(ResumableCommand[Made]):
         return run_and_write(self, output, self.usual_folder(changes), self.marked_text)
 
 
-def print_estimate(estimate: dict[str, float], words: str, output: Output) -> int:
+def print_estimate(estimate: dict[str, float], text: str, output: Output) -> int:
     """Print how long a study takes, s, as a document or in words, and return the exit code."""
     if output.json:
         print_json(plain({**head({"run_seconds": "s", "seconds": "s"}), **estimate}))
     else:
-        tell(words)
+        tell(text)
     return 0
 
 

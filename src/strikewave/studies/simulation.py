@@ -170,10 +170,10 @@ def name_and_owner(word: str) -> tuple[str, str]:
     >>> name_and_owner("first.width bar"), name_and_owner("tap.far end.peak_force")
     (('first.width', 'bar'), ('tap.far end.peak_force', ''))
     """
-    whole = word.strip()
-    if whole.startswith(("tap.", "sensor.")):  # of a bar: the name of tap or sensor stands within
-        return whole, ""
-    name, _, owner = whole.partition(" ")
+    typed = word.strip()
+    if typed.startswith(("tap.", "sensor.")):  # of a bar: the name of tap or sensor stands within
+        return typed, ""
+    name, _, owner = typed.partition(" ")
     return name, owner.strip()
 
 
@@ -187,12 +187,12 @@ def owners(case: Case, name: str) -> list[str] | None:
     ['striker', 'bar']
     """
     if "sensor_" in name:
-        return [one.name for one in case.sensor]
+        return [owner.name for owner in case.sensor]
     if case.command == "fem" and name in OF_BODY | OF_PART:
         assert case.mesh is not None
         assert case.fem is not None
         groups = case.fem.group if name in OF_BODY else ()
-        return [one.name for one in (*case.mesh.part, *groups)]
+        return [owner.name for owner in (*case.mesh.part, *groups)]
     return None
 
 

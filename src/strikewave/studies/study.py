@@ -63,7 +63,7 @@ def picture_section(title: str, figure: Figure, caption: str) -> Section:
 
 
 def study_page(
-    study: Study, words: str, outcome: Sequence[Section], plan: Section, kind: str, status: Tag | None = None
+    study: Study, summary_text: str, outcome: Sequence[Section], plan: Section, kind: str, status: Tag | None = None
 ) -> str:
     """Return the report of a study as one HTML page: no script, nothing fetched, the same bytes each time.
 
@@ -83,5 +83,5 @@ def study_page(
         How it went, where that is more than its checks say.
     """
     sections = [*outcome, chapters.warnings(study.notices), plan, chapters.inputs(study.case)]
-    summary = chapters.Summary(f"Report of {kind}", words, study.highlights(), status)
+    summary = chapters.Summary(f"Report of {kind}", summary_text, study.highlights(), status)
     return chapters.result_page(study, summary, sections)

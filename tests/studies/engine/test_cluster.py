@@ -123,7 +123,7 @@ def test_ten_thousand_runs_of_which_a_worker_is_killed_are_each_there_once(of_tw
 
     with RunStore(None) as kept, ClusterPool(of_two.address) as pool:
         found = carry_out(job, rows, kept, pool, advance)
-        numbers, failures, _ = kept.table(("speed",), found.keys)
+        numbers, failures = kept.table(("speed",), found.keys)
         assert len(kept.known()) == len(rows)
     assert first.poll() is not None
     assert not any(failures)
@@ -143,7 +143,7 @@ def test_a_run_that_ends_every_worker_is_a_row_with_the_reason(tmp_path, monkeyp
     job, rows = speeds(6, "Deadly")
     with RunStore(None) as kept, ClusterPool(made.address) as pool:
         found = carry_out(job, rows, kept, pool)
-        numbers, failures, _ = kept.table(("speed",), found.keys)
+        numbers, failures = kept.table(("speed",), found.keys)
     np.testing.assert_array_equal(numbers[:-1], rows[:-1])
     assert failures[:-1] == [""] * 5
     assert failures[-1].startswith("its process ended 3 times before it did")
@@ -165,7 +165,7 @@ def test_a_scheduler_that_is_killed_and_comes_back_loses_no_run(of_two):
 
     with RunStore(None) as kept, ClusterPool(of_two.address) as pool:
         found = carry_out(job, rows, kept, pool, advance)
-        numbers, failures, _ = kept.table(("speed",), found.keys)
+        numbers, failures = kept.table(("speed",), found.keys)
         assert len(kept.known()) == len(rows)
     assert of_two.scheduler.poll() is not None
     assert not any(failures)

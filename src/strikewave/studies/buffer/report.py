@@ -93,20 +93,24 @@ def buffer_report(study: BufferStudy) -> str:
 def buffer_words(study: BufferStudy) -> str:
     """Say in words what the stacks do to the reading."""
     first, limit = study.candidates[0], text_of(study, "limit")
-    words = [
+    sentences = [
         f"{study.keeping} stacks keep the reading of {study.motion.name} within {limit}; directly "
         f"on the surface {study.site.table.name} would read {_peak(study.direct)}.",
         f"{study.order[0].upper()}{study.order[1:]}: {first.name}, {_peak(first)}, amplitudes within 10 % up to "
         f"{study.bandwidth}.",
     ]
     if study.verdicts.words:
-        words.insert(0, f"{study.verdicts.sentence[:-1]}: the blow is that of this run.")
+        sentences.insert(0, f"{study.verdicts.sentence[:-1]}: the blow is that of this run.")
     if study.robust is None:
-        words.append("No stack is known to keep the limit whatever the moduli of its gaskets.")
+        sentences.append("No stack is known to keep the limit whatever the moduli of its gaskets.")
     elif study.robust is not first:
-        words.append(f"Whatever the moduli of its gaskets, {study.robust.name} keeps it, with {_peak(study.robust)}.")
-    words.append("The motion of the surface is given: the back-effect of the sensor on the structure is not modelled.")
-    return " ".join(words)
+        sentences.append(
+            f"Whatever the moduli of its gaskets, {study.robust.name} keeps it, with {_peak(study.robust)}."
+        )
+    sentences.append(
+        "The motion of the surface is given: the back-effect of the sensor on the structure is not modelled."
+    )
+    return " ".join(sentences)
 
 
 def _peak(candidate: BufferCandidate) -> str:
@@ -116,8 +120,8 @@ def _peak(candidate: BufferCandidate) -> str:
 def _ranking_section(study: BufferStudy) -> Section:
     """List the first distinct stacks, the robust and the direct one, and the buffer that the case has now."""
     listing = distinct(study.candidates, MOST_ROWS)
-    listing += [one for one in (study.robust, study.direct) if one is not None and one not in listing]
-    rows = [one for one in study.stacks if one in listing or one is study.present]
+    listing += [stack for stack in (study.robust, study.direct) if stack is not None and stack not in listing]
+    rows = [stack for stack in study.stacks if stack in listing or stack is study.present]
     text = (
         f"Stacks with reading and bandwidth of one above within {percent(ALIKE, 0)} are left out; buffers.csv has all. "
         "Where a reading is cut off, the value is that of the element. Robust stacks keep the limit "
@@ -129,7 +133,7 @@ def _ranking_section(study: BufferStudy) -> Section:
     )
     tables = [
         page_table(f"Stacks by rank ({MARKED})", stack_columns("page", rows)),
-        page_table(moduli, stack_columns("moduli", [one for one in rows if one.stack and one.leading])),
+        page_table(moduli, stack_columns("moduli", [stack for stack in rows if stack.stack and stack.leading])),
     ]
     return Section("Stacks", text, tables)
 
@@ -147,14 +151,16 @@ def _gasket_section(study: BufferStudy, first: BufferCandidate) -> Section:
 def _sensor_section(study: BufferStudy) -> Section:
     """List sensor, footprint and blow."""
     site, motion = study.site, study.motion
-    words = [f"The sensor is a {site.table.model}."] if site.table.model else []
-    words += [] if math.isfinite(site.channel.sensor.range) else ["The sensor has no stated range."]
-    words += [] if math.isfinite(site.channel.recorder.sampling_rate) else ["Its recorder is ideal."]
+    sentences = [f"The sensor is a {site.table.model}."] if site.table.model else []
+    sentences += [] if math.isfinite(site.channel.sensor.range) else ["The sensor has no stated range."]
+    sentences += [] if math.isfinite(site.channel.recorder.sampling_rate) else ["Its recorder is ideal."]
     if motion.recorded is not None:
-        words.append(
+        sentences.append(
             f"The largest sample, with the noise that readings have too, is {text_of(motion, 'largest_sample')}."
         )
-    return Section("Sensor and blow", " ".join(words), [*part_tables(study, "sensor"), *part_tables(study, "motion")])
+    return Section(
+        "Sensor and blow", " ".join(sentences), [*part_tables(study, "sensor"), *part_tables(study, "motion")]
+    )
 
 
 def picture(study: BufferStudy) -> Figure:
@@ -198,11 +204,11 @@ def source_of_record(
     stated: dict[str, dict[str, Any]],
     options: Options,
     case: tuple[str | None, str | None, list[str] | None],
-    given: dict[str, Any],
+    stated_sensor: dict[str, Any],
 ) -> BlowSource:
     """Return where the blow of a record, and the sensor of a case or of what was typed, come from."""
     reading, notices = _reading(file, stated, options)
-    return BlowSource(None, source_of_case(*case, given, needed=False).site, Path(file), reading, notices)
+    return BlowSource(None, source_of_case(*case, stated_sensor, needed=False).site, Path(file), reading, notices)
 
 
 @dataclass
@@ -275,11 +281,11 @@ class BufferCommand(ResumableCommand[BufferStudy]):
 
 
 def source_of_case(
-    name: str | None, sensor: str | None, changes: list[str] | None, given: dict[str, Any], needed: bool = True
+    name: str | None, sensor: str | None, changes: list[str] | None, stated_sensor: dict[str, Any], needed: bool = True
 ) -> BlowSource:
     """Return case and site; without a case, where none is needed, the site stands on what was typed."""
-    typed = {key: value for key, value in given.items() if key != "diameter"}
-    footprint = {"diameter": given["diameter"]} if "diameter" in given else None
+    typed = {key: value for key, value in stated_sensor.items() if key != "diameter"}
+    footprint = {"diameter": stated_sensor["diameter"]} if "diameter" in stated_sensor else None
     if name is None:
         if needed:
             raise InputError("CASE", MISSING, "a case, or --record with a measured blow", "see `strikewave cases`")
@@ -352,7 +358,7 @@ def _print(study: BufferStudy) -> None:
     )
     shown = distinct(study.candidates, LEADING)
     shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
-    rows = [one for one in study.stacks if one in shown or one is study.present]
+    rows = [stack for stack in study.stacks if stack in shown or stack is study.present]
     title = f"{study.keeping} stacks keep {amount(READING, study.limit, digits=5)}; {study.order} ({MARKED})"
     print_rows(title, stack_columns("screen", rows))
     if len(study.candidates) > len(shown):

@@ -134,7 +134,7 @@ class BufferStudy(ShownResult):
     @declare.computed(declare.named(GasketMaterial, "materials of the gaskets"))
     def materials(self) -> dict[str, GasketMaterial]:
         """The materials, in the order in which stacks have them."""
-        used = {layer.material: material(layer.material) for one in self.candidates for layer in one.stack}
+        used = {layer.material: material(layer.material) for candidate in self.candidates for layer in candidate.stack}
         return {name: GasketMaterial(row.status, row.source, row.note, spread(row)) for name, row in used.items()}
 
     @declare.computed(declare.part(BufferedSensor, "the sensor"))
@@ -213,11 +213,11 @@ class BufferStudy(ShownResult):
         """What the ranking goes by, in words; that nothing is robust, or carries the pulse, is said here too."""
         if not any(candidate.keeps for candidate in self.candidates):
             return "first by peak"
-        words = f"first by {self.goal.rank}"
+        order = f"first by {self.goal.rank}"
         if self.goal.rank == "robust":
             none = "none is known to be robust: first by bandwidth"
-            words = none if self.robust is None else "the robust first, then by bandwidth"
-        return words if carries(self.candidates[0], self.motion.width) else f"{words}; none carries the pulse"
+            order = none if self.robust is None else "the robust first, then by bandwidth"
+        return order if carries(self.candidates[0], self.motion.width) else f"{order}; none carries the pulse"
 
     @property
     def robust(self) -> BufferCandidate | None:
@@ -266,9 +266,9 @@ class BufferStudy(ShownResult):
 
     def tables(self) -> dict[str, str]:
         """Return all candidates as CSV text; yes or no of what is true or not."""
-        words = {True: "yes", False: "no"}
+        yes_or_no = {True: "yes", False: "no"}
         columns = [
-            column._replace(values=[words[v] if isinstance(v, bool) else v for v in column.values])
+            column._replace(values=[yes_or_no[v] if isinstance(v, bool) else v for v in column.values])
             for column in self.columns()
         ]
         return {"buffers.csv": csv_table(columns, HISTORY_DIGITS)}
@@ -279,7 +279,7 @@ def stack_columns(table: str, stacks: Sequence[BufferCandidate]) -> list[Column]
 
     That readings are cut off is said only where one is.
     """
-    cut = any(one.clipped for one in stacks)
+    cut = any(stack.clipped for stack in stacks)
     return [column for column in columns_of(BufferCandidate, stacks, table) if cut or column.name != CUT_OFF]
 
 

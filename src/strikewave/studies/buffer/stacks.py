@@ -265,7 +265,7 @@ def assess_mounting(
     """Run any mounting in time and find what it costs."""
     reading, passed = read_on(site, mounting, motion), band(mounting)
     pulse, highest = sensor_pulse(reading), true_peak(reading)
-    whole = not motion.after_peak * passed.resonance < SHOWN_PERIODS
+    is_whole = not motion.after_peak * passed.resonance < SHOWN_PERIODS
     error, ringing = _velocity(reading, motion, passed.resonance)
     return BufferCandidate(
         stack=(),
@@ -281,11 +281,11 @@ def assess_mounting(
         pareto=False,
         band=passed,
         rigid_ratio=pulse.peak / motion.rigid_peak if motion.rigid_peak else math.nan,
-        velocity_error=error if whole and ringing <= RINGING else math.nan,
+        velocity_error=error if is_whole and ringing <= RINGING else math.nan,
         ringing=ringing,
         loss_error=max((mounting.loss(layer).error for layer in mounting.gaskets), default=0.0),
         sag=sum(STANDARD_GRAVITY * mass / layer.stiffness for mass, layer in loads(mounting)),
-        whole=whole,
+        whole=is_whole,
         label=label,
     )
 

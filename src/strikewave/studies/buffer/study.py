@@ -130,27 +130,27 @@ def design_buffer(
     """
     every = all_stacks(choice)
     small = [stack for stack in every if not _too_large(site.mounting(stack))]
-    with given_or_temporary(store) as kept, pool or ProcessPool(1) as open_pool:
+    with given_or_temporary(store) as open_store, pool or ProcessPool(1) as open_pool:
         asked = [AskedStack(site, blows.motion, goal, stack) for stack in small]
-        candidates = _answered(answers(asked, kept, open_pool, advance))
+        candidates = _answered(answers(asked, open_store, open_pool, advance))
         order = ranked(with_pareto(candidates), goal, blows.motion.width)
         leading = _leading(order, site, blows.motion, goal)
-        closer = [AskedCloser(site, blows.motion, goal, one.stack, one) for one in leading]
-        found = dict(zip(map(id, leading), _answered(answers(closer, kept, open_pool)), strict=True))
-    looked_at = [dataclasses.replace(one, leading=found.get(id(one))) for one in order]
+        closer = [AskedCloser(site, blows.motion, goal, candidate.stack, candidate) for candidate in leading]
+        closer_looks = dict(zip(map(id, leading), _answered(answers(closer, open_store, open_pool)), strict=True))
+    looked_at = [dataclasses.replace(candidate, leading=closer_looks.get(id(candidate))) for candidate in order]
     order = ranked(looked_at, goal, blows.motion.width)
-    placed = tuple(dataclasses.replace(one, place=place) for place, one in enumerate(order, 1))
+    placed = tuple(dataclasses.replace(candidate, place=place) for place, candidate in enumerate(order, 1))
     verdicts = Verdicts([blows.verdict] if blows.verdict else [], "simulated runs")
     study = BufferStudy(site, blows, goal, _present(site, blows, goal), placed, verdicts=verdicts)
     return dataclasses.replace(study, notices=(*blows.warnings, *study_notices(study, len(every) - len(small))))
 
 
-def _answered(found: Sequence[Answer | Failure]) -> list[Answer]:
+def _answered(outcomes: Sequence[Answer | Failure]) -> list[Answer]:
     """Return answers; what fails of one stack fails of all: the recorder does not fit the history."""
-    for one in found:
-        if isinstance(one, Failure):
-            raise InputErrors([one.reason])
-    return [one for one in found if not isinstance(one, Failure)]
+    for outcome in outcomes:
+        if isinstance(outcome, Failure):
+            raise InputErrors([outcome.reason])
+    return [outcome for outcome in outcomes if not isinstance(outcome, Failure)]
 
 
 def _present(site: MountingSite, blows: Blows, goal: BufferGoal) -> BufferCandidate | None:

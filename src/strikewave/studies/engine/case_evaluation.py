@@ -86,12 +86,12 @@ def numbers_of(case: Case, analysis: str) -> dict[str, str]:
     ('1', False)
     """
     if analysis == "impact":
-        return {name: one.quantity.si for name, one in declarations(RigidReference).items()}
+        return {name: declared.quantity.si for name, declared in declarations(RigidReference).items()}
     units = number_units(case)
     if analysis in ("run", "fast"):
         of_train = OF_TRAIN | (OF_FAST if analysis == "fast" else {})
         units |= {"typical.velocity_change": OF_BLOW["velocity_change"].si} | {
-            name: one.si for name, one in of_train.items()
+            name: declared.si for name, declared in of_train.items()
         }
     left_out = NOT_FAST if analysis == "fast" else ()
     return {name: unit for name, unit in units.items() if name.partition(".")[2] not in left_out}
@@ -171,7 +171,7 @@ class CaseEvaluation:
         return fast_not_judged(case) if self.analysis == "fast" else ()
 
 
-def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation:
+def read_kept(case: Case, analysis: str, typed: Sequence[str]) -> CaseEvaluation:
     """Return the evaluation that keeps what is named.
 
     Examples
@@ -180,9 +180,9 @@ def read_kept(case: Case, analysis: str, words: Sequence[str]) -> CaseEvaluation
     >>> read_kept(load_case("li-ma-2019"), "fast", ["cv", "blows"])
     CaseEvaluation(analysis='fast', names=('cv',), histories=('blows',), device=None)
     """
-    kept = tuple(dict.fromkeys(word.strip() for word in words if word.strip()))
-    histories = tuple(word for word in kept if word in HISTORIES)
-    names = tuple(word for word in kept if word not in HISTORIES) or usual_numbers(case, analysis)
+    wanted = tuple(dict.fromkeys(word.strip() for word in typed if word.strip()))
+    histories = tuple(word for word in wanted if word in HISTORIES)
+    names = tuple(word for word in wanted if word not in HISTORIES) or usual_numbers(case, analysis)
     if len(names) > MOST_KEPT:
         raise InputError("--keep", f"{len(names)} numbers", f"at most {MOST_KEPT}")
     known = numbers_of(case, analysis)
@@ -211,22 +211,22 @@ def _machine(wanted: CaseEvaluation, case: Case) -> Evaluated:
     run: Any
     if seen or "pulses" in wanted.histories:
         simulation = Simulation(case)
-        run, found = simulation.observed.run, simulation.observed.blows
+        run, train = simulation.observed.run, simulation.observed.blows
     else:
         from strikewave.analyses.machine.build import build_machine
         from strikewave.machines import blows, run_machine
 
         simulation = None
         run = run_machine(build_machine(case), case.solver.tolerance.si)
-        found = blows(run)
-    numbers = train_numbers(found) | {"energy_error": run.energy_error}
+        train = blows(run)
+    numbers = train_numbers(train) | {"energy_error": run.energy_error}
     if simulation is not None:
         numbers |= {name: simulation.number(*name_and_owner(name)) for name in seen}
-    histories = _blow_table(found, wanted)
+    histories = _blow_table(train, wanted)
     if "pulses" in wanted.histories and simulation is not None:
-        struck = [blow.index for blow in found if blow.kind != "missed"]
+        struck = [blow.index for blow in train if blow.kind != "missed"]
         histories += [_pulse(simulation, number) for number in struck]
-    return numbers, histories, run_verdict(case, run, found)
+    return numbers, histories, run_verdict(case, run, train)
 
 
 def _fast(wanted: CaseEvaluation, case: Case) -> Evaluated:
@@ -234,13 +234,13 @@ def _fast(wanted: CaseEvaluation, case: Case) -> Evaluated:
     from strikewave.machines.fast_run import fast_train
 
     run: FastTrain = fast_train(dataclasses.replace(build_machine(case), layered=None))
-    found = run.blows
-    forces = [blow.stop_force for blow in found if math.isfinite(blow.stop_force)]
-    numbers = train_numbers(found) | {"energy_error": run.energy_error, "stop_force": max(forces, default=None)}
-    return numbers, _blow_table(found, wanted), fast_verdict(case, run)
+    train = run.blows
+    forces = [blow.stop_force for blow in train if math.isfinite(blow.stop_force)]
+    numbers = train_numbers(train) | {"energy_error": run.energy_error, "stop_force": max(forces, default=None)}
+    return numbers, _blow_table(train, wanted), fast_verdict(case, run)
 
 
-def train_numbers(found: Sequence[Any]) -> dict[str, float | None]:
+def train_numbers(train: Sequence[Any]) -> dict[str, float | None]:
     """Return the numbers of the blows of a run, full or fast, by name.
 
     Examples
@@ -250,30 +250,30 @@ def train_numbers(found: Sequence[Any]) -> dict[str, float | None]:
     >>> numbers["count"], numbers["missed"], numbers["cv"]
     (1.0, 0.0, nan)
     """
-    struck = [blow for blow in found if blow.kind != "missed"]
+    struck = [blow for blow in train if blow.kind != "missed"]
     peaks = [blow.rigid_peak for blow in struck]
-    displacements = [b.largest_displacement for b in found if math.isfinite(b.largest_displacement)]
-    numbers: dict[str, float | None] = dict(blow_results(found))
+    displacements = [b.largest_displacement for b in train if math.isfinite(b.largest_displacement)]
+    numbers: dict[str, float | None] = dict(blow_results(train))
     if struck:
         first = struck[0]
         numbers |= {f"first.{name}": getattr(first, name, None) for name in OF_FIRST}
         numbers["window"] = struck[-1].time - first.time
     return numbers | {
         "count": float(len(struck)),
-        "missed": float(len(found) - len(struck)),
+        "missed": float(len(train) - len(struck)),
         "cv": variation(peaks),
         "cv_later": variation(peaks[1:]),
         "largest_displacement": max(displacements, default=None),
     }
 
 
-def _blow_table(found: Sequence[Blow | Any], wanted: CaseEvaluation) -> list[KeptHistory]:
+def _blow_table(train: Sequence[Blow | Any], wanted: CaseEvaluation) -> list[KeptHistory]:
     """Return the table of blows as histories along the blows; none where it is not kept."""
     if "blows" not in wanted.histories:
         return []
 
     def column(name: str) -> list[float]:
-        return [KINDS.index(blow.kind) if name == "kind" else getattr(blow, name) for blow in found]
+        return [KINDS.index(blow.kind) if name == "kind" else getattr(blow, name) for blow in train]
 
     return [
         KeptHistory(f"blows.{name}", unit, 0, math.nan, math.nan, np.array(column(name), dtype=float))

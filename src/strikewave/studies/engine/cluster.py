@@ -104,10 +104,10 @@ class ClusterPool(Pool):
         except (OSError, RuntimeError):
             client.close()
             raise InputError(OPTION, self._address, "a scheduler with a worker", hint) from None
-        for worker, found in client.run(program_key, on_error="return").items():
-            if found != program_key():
+        for worker, program in client.run(program_key, on_error="return").items():
+            if program != program_key():
                 client.close()
-                raise InputError(OPTION, self._address, f"workers with this strikewave: {worker} has {_said(found)}")
+                raise InputError(OPTION, self._address, f"workers with this strikewave: {worker} has {_said(program)}")
         return client
 
     @property
@@ -217,7 +217,7 @@ def _asked(address: str, seconds: float) -> str:
     """Return why no scheduler answers, in words; empty where one does."""
     comm = importlib.import_module("distributed.comm")
     registry = importlib.import_module("distributed.comm.registry")
-    given: dict[str, Any] = {}
+    certificates: dict[str, Any] = {}
     scheme = comm.parse_address(address)[0]
     try:
         registry.get_backend(scheme).get_connector()
@@ -235,13 +235,13 @@ def _asked(address: str, seconds: float) -> str:
         return NO_ADDRESS
     if scheme == "tls":
         try:
-            given = importlib.import_module("distributed").Security().get_connection_args("client")
+            certificates = importlib.import_module("distributed").Security().get_connection_args("client")
         except (OSError, ValueError) as error:
             return f"the certificates that Dask is configured with cannot be read ({error}): see {CERTIFICATES}"
-        if given["ssl_context"] is None:
+        if certificates["ssl_context"] is None:
             return f"tls:// needs certificates, which the configuration of Dask names under {CERTIFICATES}"
     try:
-        answer = asyncio.run(asyncio.wait_for(_identity(comm, address, 0.8 * seconds, given), 0.9 * seconds))
+        answer = asyncio.run(asyncio.wait_for(_identity(comm, address, 0.8 * seconds, certificates), 0.9 * seconds))
     except TimeoutError:
         return OTHER_ANSWER
     except OSError as error:
@@ -252,10 +252,10 @@ def _asked(address: str, seconds: float) -> str:
     return "" if answer == "Scheduler" else f"what answers there is a {str(answer).lower()} of Dask"
 
 
-async def _identity(comm: Any, address: str, seconds: float, given: dict[str, Any]) -> object:
+async def _identity(comm: Any, address: str, seconds: float, certificates: dict[str, Any]) -> object:
     """Return what one that speaks the protocol of Dask says that it is; what it sends is not unpickled."""
     asyncio.get_running_loop().set_exception_handler(lambda *_: None)
-    line = await comm.connect(address, timeout=seconds, deserialize=False, **given)
+    line = await comm.connect(address, timeout=seconds, deserialize=False, **certificates)
     try:
         await line.write({"op": "identity", "reply": True})
         return (await line.read())["type"]
@@ -263,14 +263,14 @@ async def _identity(comm: Any, address: str, seconds: float, given: dict[str, An
         line.abort()
 
 
-def _said(found: object) -> str:
+def _said(program: object) -> str:
     """Return what a worker has, in words: a key of its program, or an error that says why it has none."""
-    if isinstance(found, str):
-        return _other_version(found, program_key())
-    return f"none that can be used ({found})"
+    if isinstance(program, str):
+        return _other_version(program, program_key())
+    return f"none that can be used ({program})"
 
 
-def _other_version(found: str, program: str) -> str:
+def _other_version(other: str, program: str) -> str:
     """Say how two programs differ: by version, or else by source.
 
     Examples
@@ -278,5 +278,5 @@ def _other_version(found: str, program: str) -> str:
     >>> _other_version("0.1.0 ab", "0.2.0 ab"), _other_version("0.2.0 cd", "0.2.0 ab")
     ('strikewave 0.1.0, not 0.2.0', 'strikewave 0.2.0 with other kernels')
     """
-    (version, _), (own, _) = (key.split(" ", 1) for key in (found, program))
+    (version, _), (own, _) = (key.split(" ", 1) for key in (other, program))
     return f"strikewave {version}, not {own}" if version != own else f"strikewave {version} with other kernels"

@@ -72,17 +72,17 @@ def content_key(thing: object) -> bytes:
 def _add_content(digest: Any, thing: Any) -> None:
     """Add the kind of a thing, how much it holds, and all that."""
     parts: list[Any] = []
-    words = f"{type(thing).__module__}.{type(thing).__qualname__}"
+    text = f"{type(thing).__module__}.{type(thing).__qualname__}"
     if isinstance(thing, Case):
-        words += run_key(thing, "").hex()
+        text += run_key(thing, "").hex()
     elif isinstance(thing, np.ndarray):
-        words += f" {thing.dtype} {thing.shape} {hashlib.sha256(thing.tobytes()).hexdigest()}"
+        text += f" {thing.dtype} {thing.shape} {hashlib.sha256(thing.tobytes()).hexdigest()}"
     elif thing is None or isinstance(thing, str | bytes | int | float | complex | Path | Enum | np.generic):
-        words += f" {thing!r}"
+        text += f" {thing!r}"
     elif isinstance(thing, type | FunctionType | BuiltinFunctionType):
         if "<" in thing.__qualname__:  # a lambda, or a function within one: what it holds is not seen
             raise TypeError(f"the content of {thing.__qualname__} is not known")
-        words += f" {thing.__module__}.{thing.__qualname__}"
+        text += f" {thing.__module__}.{thing.__qualname__}"
     elif isinstance(thing, MethodType):
         parts = [thing.__func__, thing.__self__]
     elif isinstance(thing, functools.partial):
@@ -96,8 +96,8 @@ def _add_content(digest: Any, thing: Any) -> None:
         own = {k: v for k, v in vars(thing).items() if not isinstance(getattr(type(thing), k, None), remembered)}
         parts = [own]
     else:
-        raise TypeError(f"the content of a {words} is not known")
-    digest.update(f"{words} {len(parts)}\n".encode())
+        raise TypeError(f"the content of a {text} is not known")
+    digest.update(f"{text} {len(parts)}\n".encode())
     for part in parts:
         _add_content(digest, part)
 
@@ -289,5 +289,5 @@ def ordered(numbers: dict[str, float | None], names: Sequence[str]) -> tuple[flo
     >>> ordered({"a": 1.0, "b": None}, ["b", "a"])
     (nan, 1.0)
     """
-    found = (numbers.get(name) for name in names)
-    return tuple(np.nan if value is None else float(value) for value in found)
+    values = (numbers.get(name) for name in names)
+    return tuple(np.nan if value is None else float(value) for value in values)

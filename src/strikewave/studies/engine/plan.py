@@ -171,15 +171,15 @@ def read_variable(case: Case, text: str, points: int = POINTS) -> StudyVariable:
     >>> [variable.axis.typed(value) for value in variable.axis.values]
     ['400 rpm', '650 rpm', '900 rpm']
     """
-    path, equals, given = (part.strip() for part in text.partition("="))
-    if not equals or not given:
+    path, equals, typed = (part.strip() for part in text.partition("="))
+    if not equals or not typed:
         raise InputError("--vary", text, "setting=values", EXAMPLE)
     if path in case.values():
-        return _quantity(case, path, given, points)
-    words = case.entries()
-    if path not in words:
-        raise InputError("--vary", path, "a quantity or a word of the case", nearest(path, words))
-    names = tuple(dict.fromkeys(part.strip() for part in given.split(",") if part.strip()))
+        return _quantity(case, path, typed, points)
+    entries = case.entries()
+    if path not in entries:
+        raise InputError("--vary", path, "a quantity or a word of the case", nearest(path, entries))
+    names = tuple(dict.fromkeys(part.strip() for part in typed.split(",") if part.strip()))
     for name in names:
         with_word(case, path, name)
     return StudyVariable(Axis(path, "", "", tuple(float(k) for k in range(len(names)))), names)
@@ -192,34 +192,35 @@ def with_word(case: Case, path: str, word: str) -> Case:
     return changed
 
 
-def _quantity(case: Case, path: str, given: str, points: int) -> StudyVariable:
-    found = _RANGE.fullmatch(given)
-    if found is None and ":" in given:  # as other tools write ranges; no quantity has a colon
-        low, high = with_last_unit([given.partition(":")[0], given.rpartition(":")[2]])
+def _quantity(case: Case, path: str, typed: str, points: int) -> StudyVariable:
+    matched = _RANGE.fullmatch(typed)
+    if matched is None and ":" in typed:  # as other tools write ranges; no quantity has a colon
+        low, high = with_last_unit([typed.partition(":")[0], typed.rpartition(":")[2]])
         hint = f'such as "{path}={low.partition(" ")[0]}..{high}:{points}"'
-        raise InputError("--vary", f"{path}={given}", "a range written low..high:COUNT, or values and commas", hint)
-    if found is None:
-        values = read_list(case, path, given)
+        raise InputError("--vary", f"{path}={typed}", "a range written low..high:COUNT, or values and commas", hint)
+    if matched is None:
+        values = read_list(case, path, typed)
         unit, si_unit = units_of(path, values[-1])
         numbers = sorted({value.si for value in values})
         return StudyVariable(Axis(path, unit, si_unit, tuple(numbers)))
-    ends = read_ends(case, path, f"{found['low']}..{found['high']}")
+    ends = read_ends(case, path, f"{matched['low']}..{matched['high']}")
     if ends is None:
         raise InputError(
-            "--vary", f"{path}={given}", "a range written low..high:COUNT", "two dots stand between its ends"
+            "--vary", f"{path}={typed}", "a range written low..high:COUNT", "two dots stand between its ends"
         )
-    count = int(found["count"] or points)
+    count = int(matched["count"] or points)
     if not 2 <= count <= MOST_VALUES:
-        raise InputError("--vary", given, f"2 to {MOST_VALUES} values of a range")
-    axis = range_axis(path, ends, count, bool(found["log"]))
+        raise InputError("--vary", typed, f"2 to {MOST_VALUES} values of a range")
+    axis = range_axis(path, ends, count, bool(matched["log"]))
     if range_of(case, path).unit == "count":
-        whole = sorted({float(round(value)) for value in axis.values})
-        return StudyVariable(Axis(path, "", "", tuple(whole), axis.log))
-    typed = tuple(typed_value(case, path, str(axis.typed(value))).si for value in axis.values)
-    return StudyVariable(replace(axis, values=typed), is_range=True)  # each is what --set with its text would give
+        rounded = sorted({float(round(value)) for value in axis.values})
+        return StudyVariable(Axis(path, "", "", tuple(rounded), axis.log))
+    # each value is what --set with its text would give
+    steps = tuple(typed_value(case, path, str(axis.typed(value))).si for value in axis.values)
+    return StudyVariable(replace(axis, values=steps), is_range=True)
 
 
-def read_ends(case: Case, path: str, given: str) -> tuple[Value, Value] | None:
+def read_ends(case: Case, path: str, typed: str) -> tuple[Value, Value] | None:
     """Return the ends of a range of a quantity, such as ``400..900 rpm``; None where that is none.
 
     Examples
@@ -228,13 +229,13 @@ def read_ends(case: Case, path: str, given: str) -> tuple[Value, Value] | None:
     >>> [end.typed for end in read_ends(load_case("li-ma-2019"), "machine.speed", "400..900 rpm")]
     ['400 rpm', '900 rpm']
     """
-    ends = range_ends(given)
+    ends = range_ends(typed)
     return None if ends is None else (typed_value(case, path, ends[0]), typed_value(case, path, ends[1]))
 
 
-def read_list(case: Case, path: str, given: str) -> list[Value]:
+def read_list(case: Case, path: str, typed: str) -> list[Value]:
     """Return the values of a list of a quantity, such as ``10, 20 N s/m``."""
-    parts = [part for part in given.split(",") if part.strip()]
+    parts = [part for part in typed.split(",") if part.strip()]
     if len(parts) > MOST_VALUES:
         raise InputError("--vary", f"{len(parts)} values", f"at most {MOST_VALUES}")
     return [typed_value(case, path, part) for part in with_last_unit(parts)] if parts else []
@@ -331,10 +332,10 @@ class AxisVariation:
     def case_of(self, row: Row) -> Case:
         """Return the case of a row."""
         pairs = list(zip(self.variables, row, strict=True))
-        words = tuple(value for variable, value in pairs if variable.words)
+        places = tuple(value for variable, value in pairs if variable.words)
         numbers = [(variable.axis, value) for variable, value in pairs if not variable.words]
         axes: list[Axis] = [axis for axis, _ in numbers]
-        return case_at(self.cases[words], axes, [value for _, value in numbers], self.note)
+        return case_at(self.cases[places], axes, [value for _, value in numbers], self.note)
 
 
 def varied(case: Case, variables: Sequence[StudyVariable], note: str) -> AxisVariation:
@@ -383,7 +384,8 @@ def filled(variables: Sequence[StudyVariable], design: str, runs: int, seed: int
         shares = latin_hypercube(len(variables), runs, seed)
     else:
         shares = sobol_sequence(len(variables), runs, seed)
-    return [tuple(one.at(share) for one, share in zip(variables, row, strict=True)) for row in shares.tolist()]
+    rows = (zip(variables, row, strict=True) for row in shares.tolist())
+    return [tuple(variable.at(share) for variable, share in row) for row in rows]
 
 
 def sobol_sequence(dimensions: int, runs: int, seed: int) -> Array:

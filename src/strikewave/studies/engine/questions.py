@@ -126,8 +126,8 @@ def answers(
     advance : callable, optional
         Called as answers come back.
     """
-    found = store.documents(carry_out(Answering(), questions, store, pool, advance).keys)
+    outcomes = store.documents(carry_out(Answering(), questions, store, pool, advance).keys)
     return [
         Failure(failure) if failure else _written_as(question.answered_by).validate_python(json.loads(document))
-        for question, (document, failure) in zip(questions, found, strict=True)
+        for question, (document, failure) in zip(questions, outcomes, strict=True)
     ]

@@ -168,7 +168,7 @@ def finished_runs(
 ) -> FinishedRuns:
     """Run what a store does not have of a job, and return all of it; see `carry_out` and `Verdicts`."""
     keys = carry_out(job, rows, store, pool, advance).keys
-    numbers, failures, _ = store.table(job.names, keys)
+    numbers, failures = store.table(job.names, keys)
     return FinishedRuns(keys, numbers, failures, store.verdicts(keys, noun, not_judged))
 
 
@@ -398,8 +398,8 @@ class _Unfinished(Generic[Asked]):
         for key in keys:
             self._rows.pop(key, None)
         self._done += len(keys)
-        self._failed += sum(bool(one.failure) for one in outcomes)
-        self._seconds += sum(one.seconds for one in outcomes)
+        self._failed += sum(bool(outcome.failure) for outcome in outcomes)
+        self._seconds += sum(outcome.seconds for outcome in outcomes)
         if self._advance is not None and not quiet:
             rate = self._done / max(time.perf_counter() - self._begin, 1e-9)
             self._advance(StudyProgress(len(self._all), self.reused + self._done, self._failed, rate))

@@ -267,9 +267,9 @@ class RunStore:
                 self._columns.add(name)
 
     def _keep_histories(self, key: bytes, histories: Iterable[KeptHistory]) -> None:
-        for one in histories:
-            values = np.ascontiguousarray(one.values, "<f8").tobytes()
-            row = (key, one.name, one.unit, one.blow, one.start, one.step, values)
+        for history in histories:
+            values = np.ascontiguousarray(history.values, "<f8").tobytes()
+            row = (key, history.name, history.unit, history.blow, history.start, history.step, values)
             self._base.execute("INSERT INTO histories VALUES (?, ?, ?, ?, ?, ?, ?)", row)
             self._waiting += len(values)
 
@@ -322,21 +322,20 @@ class RunStore:
             self._base.execute("VACUUM INTO ?", (str(folder / KEPT_INDEX),))
         return [KEPT_INDEX]
 
-    def table(self, names: Sequence[str], keys: Sequence[bytes]) -> tuple[Array, list[str], Array]:
-        """Return numbers (runs, names), failures and seconds of runs that are there; NaN where there is no number."""
+    def table(self, names: Sequence[str], keys: Sequence[bytes]) -> tuple[Array, list[str]]:
+        """Return numbers (runs, names) and failures of runs that are there; NaN where there is no number."""
         with self._in_words():
             self._add_columns(names)
             wanted = {key: place for place, key in enumerate(dict.fromkeys(keys))}
             numbers, failures = np.full((len(wanted), len(names)), np.nan), [""] * len(wanted)
-            seconds = np.zeros(len(wanted))
             columns = "".join(f", {_quoted(name)}" for name in names)
-            for key, failure, time, *found in self._base.execute(f"SELECT key, failure, seconds{columns} FROM runs"):
+            for key, failure, *values in self._base.execute(f"SELECT key, failure{columns} FROM runs"):
                 place = wanted.get(key)
                 if place is not None:
-                    numbers[place] = [np.nan if value is None else value for value in found]
-                    failures[place], seconds[place] = failure, time
+                    numbers[place] = [np.nan if value is None else value for value in values]
+                    failures[place] = failure
         at = [wanted[key] for key in keys]
-        return numbers[at], [failures[place] for place in at], seconds[at]
+        return numbers[at], [failures[place] for place in at]
 
     def verdicts(self, keys: Sequence[bytes], noun: str = "runs", not_judged: Sequence[str] = ()) -> Verdicts:
         """Return the verdicts of runs that are there, in the order of their keys; "" of those kept without one."""
@@ -428,7 +427,7 @@ def _remove_damaged(index: Path) -> None:
 
 def _history(name: str, unit: str, blow: int, start: float | None, step: float | None, values: Array) -> KeptHistory:
     """Return a history from its row: SQLite has no NaN, and gives None."""
-    begin, each = (np.nan if one is None else float(one) for one in (start, step))
+    begin, each = (np.nan if value is None else float(value) for value in (start, step))
     return KeptHistory(name, unit, blow, begin, each, values)
 
 
@@ -441,7 +440,7 @@ def _write_parquet(rows: Sequence[tuple[bytes, str, str, int, float, float, byte
     """Write histories as one table, a row a history."""
     pa = importlib.import_module("pyarrow")
     keys, names, units, blows, starts, steps, values = zip(*rows, strict=True)
-    offsets = np.concatenate([[0], np.cumsum([len(one) // 8 for one in values])]).astype(np.int32)
+    offsets = np.concatenate([[0], np.cumsum([len(packed) // 8 for packed in values])]).astype(np.int32)
     flat = pa.Array.from_buffers(pa.float64(), int(offsets[-1]), [None, pa.py_buffer(b"".join(values))])
     table = pa.table(
         {

@@ -61,8 +61,8 @@ def check_colour(name: str) -> None:
 
 def colour_label(name: str) -> str:
     """Return what a field is called, with the unit in which it is shown."""
-    one = declarations(MapCell)[name]
-    return headed(label_of(name, one), one.quantity.si, one.quantity.usual)
+    declared = declarations(MapCell)[name]
+    return headed(label_of(name, declared), declared.quantity.si, declared.quantity.usual)
 
 
 def map_figure(study: MapStudy) -> Figure:

@@ -37,27 +37,27 @@ def map_words(study: MapStudy) -> str:
     """Say in words what the map shows."""
     panels, rows, columns = study.plan.shape
     cells, even = panels * rows * columns, len(study.even_settings())
-    words = [f"{cells} machines of {study.plan.blows} blows each, over {' and '.join(study.paths)}."]
-    words += [study.verdicts.sentence] if study.verdicts.words else []
+    sentences = [f"{cells} machines of {study.plan.blows} blows each, over {' and '.join(study.paths)}."]
+    sentences += [study.verdicts.sentence] if study.verdicts.words else []
     if study.plan.train:
         first = max(study.shares, key=study.shares.__getitem__)
-        words.append(f"Most of them ({percent(study.shares[first], 0)}) are in the regime {first}.")
+        sentences.append(f"Most of them ({percent(study.shares[first], 0)}) are in the regime {first}.")
     wanted = f"a CV of the peaks within {percent(study.wanted)}"
     if study.setting is None:
-        words.append(
+        sentences.append(
             f"{even} settings have {wanted} by the fast run, and none of those tried in full keeps it."
             if even
             else f"No setting has blows that all come with {wanted}."
         )
     elif study.setting.distance == 0.0:
-        words.append(f"The case itself has {wanted}: {text_of(study, 'nearest_cv')} in a full run.")
+        sentences.append(f"The case itself has {wanted}: {text_of(study, 'nearest_cv')} in a full run.")
     else:
-        at = ", ".join(f"{one.name} = {one.text}" for one in study.shown_setting)
-        words.append(
+        at = ", ".join(f"{chosen.name} = {chosen.text}" for chosen in study.shown_setting)
+        sentences.append(
             f"The nearest setting with {wanted} is {at}: a full run has {text_of(study, 'nearest_cv')} and a mean peak "
             f"of {text_of(study, 'nearest_peak')}."
         )
-    return " ".join(words)
+    return " ".join(sentences)
 
 
 def setting_table(study: MapStudy, caption: str) -> Table:
@@ -70,7 +70,7 @@ def setting_table(study: MapStudy, caption: str) -> Table:
         [f"{axis.path} ({axis.shown_unit or '1'})", *(f"{axis.shown(values[k]):.5g}" for values, _ in settings)]
         for k, axis in enumerate(study.axes)
     ]
-    rows += [[one.head, *one.texts()] for one in columns_of(MapCell, [cell for _, cell in settings])]
+    rows += [[column.head, *column.texts()] for column in columns_of(MapCell, [cell for _, cell in settings])]
     return Table(caption, heads, rows)
 
 
@@ -106,7 +106,7 @@ def _regime_section(study: MapStudy) -> Section:
 def _axis_section(study: MapStudy) -> Section:
     """List the axes of the map and what its file holds."""
     held = declarations(MapCell).items()
-    fields: list[list[Cell]] = [[name, one.quantity.si, one.meaning] for name, one in held]
+    fields: list[list[Cell]] = [[name, field.quantity.si, field.meaning] for name, field in held]
     tables = [
         face_table(study, "variables", caption="Axes"),
         Table("What map.nc and map.csv hold of each cell", ["field", "SI unit", "meaning"], fields),
@@ -173,5 +173,5 @@ class MapCommand(StudyCommand[MapStudy]):
         for text, count in result.failures.items():
             tell(f"no result, or no regime, in {count} cells: {text}")
         report_table(setting_table(result, f"{result.case.name}: {result.plan.blows} blows"))
-        for one in result.refused:
-            tell(f"even by the fast run, but not in full: {one.setting}: {one.why}")
+        for refusal in result.refused:
+            tell(f"even by the fast run, but not in full: {refusal.setting}: {refusal.why}")

@@ -218,7 +218,9 @@ class MapStudy(Study):
     @declare.computed(declare.word("what the checks of each cell came to, by code"))
     def verdict(self) -> Array:
         """The verdict of each cell by its place in `RUN_STATUSES`; NaN where none is known."""
-        codes = [RUN_STATUSES.index(one) if one in RUN_STATUSES else math.nan for one in self.verdicts.statuses]
+        codes = [
+            RUN_STATUSES.index(status) if status in RUN_STATUSES else math.nan for status in self.verdicts.statuses
+        ]
         return np.array(codes, dtype=float).reshape(self.plan.shape)
 
     verdict_codes = declare.computed(declare.word("what the verdict of a cell is, by its code"))(
@@ -232,10 +234,10 @@ class MapStudy(Study):
     def cell_table(self) -> list[Column]:
         """All cells, a file has settings in the units asked for; regimes by name."""
         settings = zip(*self.plan.rows, strict=True)
-        columns = [one.column(values) for one, values in zip(self.variables, settings, strict=True)]
-        for name, one in declare.declarations(MapCell).items():
+        columns = [declared.column(values) for declared, values in zip(self.variables, settings, strict=True)]
+        for name, declared in declare.declarations(MapCell).items():
             values = [_named(name, value) for value in self.field(name).flat]
-            si, usual, label, *_ = ("", "", *one.quantity[2:]) if name in COUNTED else one.quantity
+            si, usual, label, *_ = ("", "", *declared.quantity[2:]) if name in COUNTED else declared.quantity
             columns.append(Column(name, values, si, "", usual if name in SHOWN else None, label))
         return [*columns, Column("verdict", self.verdicts.texts, shown="")]
 
@@ -256,14 +258,16 @@ class MapStudy(Study):
             if axis is not None
         }
         variables = {
-            name: quantity(dimensions, self.field(name), one.quantity.si, one.meaning)
-            for name, one in declare.declarations(MapCell).items()
+            name: quantity(dimensions, self.field(name), declared.quantity.si, declared.meaning)
+            for name, declared in declare.declarations(MapCell).items()
         }
         variables["verdict"] = quantity(
             dimensions, self.verdict, "1", f"what the checks came to, by code: {' | '.join(RUN_STATUSES)}"
         )
-        words = {"case": dump_case(self.plan.case), "regimes": " | ".join(NAMES), "reasons": " | ".join(REASONS)}
-        return LabelledArrays.of(variables, coordinates, {**words, "blows": self.plan.blows, "train": self.plan.train})
+        attributes = {"case": dump_case(self.plan.case), "regimes": " | ".join(NAMES), "reasons": " | ".join(REASONS)}
+        return LabelledArrays.of(
+            variables, coordinates, {**attributes, "blows": self.plan.blows, "train": self.plan.train}
+        )
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document, and the case of the nearest even setting, as files."""
@@ -414,12 +418,12 @@ def in_full(case: Case, count: int) -> tuple[float, float]:
     machine = machine_of(case)
     own = count == round(case.rotary_tables().feed.blows.si)
     run = run_machine(machine.with_feed(blows=count), RUN_TOLERANCE)
-    found = blows(run)
-    peaks = np.array([blow.rigid_peak for blow in found[:count] if blow.kind != "missed"])
+    train = blows(run)
+    peaks = np.array([blow.rigid_peak for blow in train[:count] if blow.kind != "missed"])
     if peaks.size < count:
         raise StrikewaveError(f"{peaks.size} of {count} blows came")
     wanted = case.with_values({"feed.blows": Value(si=float(count), typed=count)})
-    verdict = run_verdict(wanted, run, found if own else found[:count])
+    verdict = run_verdict(wanted, run, train if own else train[:count])
     if verdict.status != RUN_PASSED:
         raise StrikewaveError(f"it failed a check ({', '.join(verdict.codes)})")
     return variation(peaks), float(peaks.mean())
@@ -503,10 +507,10 @@ def map(
     return make_map(plan, want_cv, pool=as_workers(workers).pool(), advance=share_reporter(progress))
 
 
-def axes_of(case: Case, given: tuple[str, str, str | None], points: tuple[int, int]) -> tuple[Axis, ...]:
+def axes_of(case: Case, typed_axes: tuple[str, str, str | None], points: tuple[int, int]) -> tuple[Axis, ...]:
     """Return the axes of a map from what was typed; one with ``log`` at its end has logarithmic spacing."""
     axes = []
-    for option, spaced, size in zip(("x", "y"), given[:2], points, strict=True):
+    for option, spaced, size in zip(("x", "y"), typed_axes[:2], points, strict=True):
         text = spaced.removesuffix(LOG)
         path, equals, typed = (part.strip() for part in str(text).partition("="))
         _check_path(case, path)
@@ -514,14 +518,14 @@ def axes_of(case: Case, given: tuple[str, str, str | None], points: tuple[int, i
         if equals and ends is None:
             raise InputError(f"--{option}", text, "setting=low..high", f'such as --{option} {X}="400..1000 rpm"')
         axes.append(axis_of(case, path, ends, size, text != spaced))
-    if given[2] is None:
+    if typed_axes[2] is None:
         return tuple(axes)
-    path, _, listed = (part.strip() for part in given[2].partition("="))
+    path, _, listed = (part.strip() for part in typed_axes[2].partition("="))
     _check_path(case, path)
     values = read_list(case, path, listed)
     if not 1 <= len(values) <= MOST_PANELS:
         allowed = f"setting=value,value, with 1 to {MOST_PANELS} values"
-        raise InputError("--panels", given[2], allowed, 'such as object.damper="10 N s/m, 40 N s/m"')
+        raise InputError("--panels", typed_axes[2], allowed, 'such as object.damper="10 N s/m, 40 N s/m"')
     return (*axes, Axis(path, *units_of(path, values[0]), tuple(sorted(v.si for v in values))))
 
 

@@ -28,7 +28,7 @@ def scatter_picture(study: ScatterStudy) -> Figure:
     """Draw the peaks by blow with median and band of 95 %, the dynamics alone on top, and the bars of shares."""
     from matplotlib.figure import Figure
 
-    bars = [min(len(one.rows), MOST_BARS) for one in study.shares]
+    bars = [min(len(shares.rows), MOST_BARS) for shares in study.shares]
     heights = [PEAKS_HEIGHT, *(HEAD + ROW * count for count in bars)]
     figure = Figure(figsize=(WIDTH, sum(heights)), layout="constrained")
     rows = figure.subplots(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
@@ -73,8 +73,8 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
 def _mark_largest(axes: Any, study: ScatterStudy, size: float) -> None:
     """Mark the largest peak of each run that failed a check: a run that could not be made has none."""
     peaks = [np.nan_to_num(run.peak, nan=-np.inf) for run in study.runs]
-    blows = [int(np.argmax(one)) + 1 if one.size else np.nan for one in peaks]
-    largest = [float(np.max(one)) / size if one.size else np.nan for one in peaks]
+    blows = [int(np.argmax(of_run)) + 1 if of_run.size else np.nan for of_run in peaks]
+    largest = [float(np.max(of_run)) / size if of_run.size else np.nan for of_run in peaks]
     mark_runs(axes, blows, largest, study.verdicts, "run (at its largest peak)", size=5.0)
 
 

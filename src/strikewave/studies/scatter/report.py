@@ -35,7 +35,7 @@ def scatter_report(study: ScatterStudy) -> str:
 def scatter_words(study: ScatterStudy) -> str:
     """Say in words what the tolerances do."""
     low, high = (amount(ACCELERATION, end[0]) for end in (study.peak_band.low, study.peak_band.high))
-    words = [
+    sentences = [
         f"{len(study.completed)} full runs with every one of {_count(len(study.tolerances), 'tolerance')} drawn anew."
         + (f" {study.verdicts.sentence}" if study.verdicts.words else ""),
         f"The peak of the first blow lies between {low} and {high} in 95 % of them.",
@@ -46,8 +46,8 @@ def scatter_words(study: ScatterStudy) -> str:
     for shares in study.shares:
         known = [row for row in shares.rows if row.distinct]
         if known:
-            words.append(f"Most of the {shares.of} comes from {known[0].path} ({text_of(known[0], 'share')}).")
-    return " ".join(words)
+            sentences.append(f"Most of the {shares.of} comes from {known[0].path} ({text_of(known[0], 'share')}).")
+    return " ".join(sentences)
 
 
 def _count(number: int, what: str) -> str:
@@ -56,17 +56,17 @@ def _count(number: int, what: str) -> str:
 
 def sum_words(shares: Shares) -> str:
     """Write the sum of shares with its bounds."""
-    whole, low, high = (amount(VARIATION, value) for value in (shares.sum, shares.sum_low, shares.sum_high))
-    return f"{whole} ({low} to {high})" if shares.sum_low == shares.sum_low else f"{whole} (–)"
+    total, low, high = (amount(VARIATION, value) for value in (shares.sum, shares.sum_low, shares.sum_high))
+    return f"{total} ({low} to {high})" if shares.sum_low == shares.sum_low else f"{total} (–)"
 
 
 def _caption(study: ScatterStudy) -> str:
-    words = (
+    caption = (
         "Above, the rigid-body peak of each blow: median and the band that holds 95 % of the runs, beside the dynamics "
         "alone."
     )
-    words += " A run that failed a check is marked at its largest peak." if any(study.verdicts.marked) else ""
-    return words + (" Below, the share of each tolerance with its bounds at 95 %." if study.shares else "")
+    caption += " A run that failed a check is marked at its largest peak." if any(study.verdicts.marked) else ""
+    return caption + (" Below, the share of each tolerance with its bounds at 95 %." if study.shares else "")
 
 
 def _figure_section(study: ScatterStudy) -> Section:
@@ -87,8 +87,10 @@ def _share_section(study: ScatterStudy) -> Section:
     how = "Sobol indices" if sobol else "each tolerance alone, all other inputs nominal"
     which = "sobol" if sobol else "alone"
     tables = [
-        page_table(f"Shares in the {one.of}; {one.runs} runs each", columns_of(ShareRow, study.share_rows(one), which))
-        for one in study.shares
+        page_table(
+            f"Shares in the {shares.of}; {shares.runs} runs each", columns_of(ShareRow, study.share_rows(shares), which)
+        )
+        for shares in study.shares
     ]
     sums = [f"{shares.of}: {sum_words(shares)}" for shares in study.shares]
     return Section("Shares", f"By {how}. The shares add up to: {'; '.join(sums)}.", tables)
@@ -102,7 +104,7 @@ def _tolerance_section(study: ScatterStudy) -> Section:
         f" {_count(failed, 'run')} could not be made and {'is' if failed == 1 else 'are'} left out." if failed else ""
     )
     text = f"{plan.runs} runs, random seed {plan.seed}: equal seeds reproduce them bit for bit.{left}"
-    names = listed([one.path for one in study.tolerances[:3]])
+    names = listed([tolerance.path for tolerance in study.tolerances[:3]])
     return Section("What was drawn", text, [face_table(study, "drawn", "drawn", f"Tolerances, such as {names}")])
 
 
@@ -148,10 +150,13 @@ class ScatterCommand(StudyCommand[ScatterStudy]):
         tell(f"bounds of the CV between runs: for normal figures; 95 % of runs below: with 95 % confidence{counted}")
         if len(result.runs) < FEWEST_FOR_LIMIT:
             tell(f"95 % of runs below takes {FEWEST_FOR_LIMIT} runs or more")
-        kinds = ", ".join(f"{one.blows} {kind} (in {one.runs} runs)" for kind, one in result.odd_blows.items())
+        kinds = ", ".join(
+            f"{counted_blows.blows} {kind} (in {counted_blows.runs} runs)"
+            for kind, counted_blows in result.odd_blows.items()
+        )
         tell(f"blows: {kinds}; largest displacement (rearward) {text_of(result, 'largest_displacement')}")
-        for one in result.shares:
-            _print_shares(result, one)
+        for counted_blows in result.shares:
+            _print_shares(result, counted_blows)
 
 
 def _print_shares(study: ScatterStudy, shares: Shares) -> None:

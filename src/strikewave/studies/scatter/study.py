@@ -70,7 +70,7 @@ FIGURES = {
 }
 """Figures of each blow and what they measure: attributes of `RunResult` and of `Blow`, whose ``rigid_peak`` is called
 peak here."""
-UNITS = {"kind": NO_UNIT, **{name: one.si for name, one in FIGURES.items()}}
+UNITS = {"kind": NO_UNIT, **{name: quantity.si for name, quantity in FIGURES.items()}}
 """SI units of what is kept of each blow; kinds by their place in `KINDS`."""
 TYPICAL_KINDS = ("full", "double")
 """Kinds of blow that may be typical: a glancing or missed one has no pulse of the whole striker."""
@@ -184,8 +184,8 @@ class TrainEvaluation:
         if run.failure:
             return RunOutcome(failure=run.failure)
         kinds = np.array([KINDS.index(kind) for kind in run.kinds], dtype=float)
-        kept = {"kind": kinds, **{name: getattr(run, name) for name in FIGURES}}
-        histories = [KeptHistory(name, UNITS[name], 0, np.nan, np.nan, values) for name, values in kept.items()]
+        columns = {"kind": kinds, **{name: getattr(run, name) for name in FIGURES}}
+        histories = [KeptHistory(name, UNITS[name], 0, np.nan, np.nan, values) for name, values in columns.items()]
         return RunOutcome((run.largest_displacement,), tuple(histories), verdict=run.verdict)
 
 
@@ -229,7 +229,7 @@ def kept_runs(store: RunStore, keys: Sequence[bytes]) -> list[RunResult]:
     for key, history in store.histories():
         if key in wanted:
             blows[key][history.name] = history.values
-    numbers, failures, _ = store.table(TrainEvaluation().names, keys)
+    numbers, failures = store.table(TrainEvaluation().names, keys)
     verdicts = store.verdicts(keys).texts
     runs = []
     for key, (displacement,), failure, verdict in zip(keys, numbers, failures, verdicts, strict=True):
@@ -340,9 +340,9 @@ class RunStatistic:
     @classmethod
     def of_values(cls, name: str, values: Sequence[float]) -> RunStatistic:
         """Return the statistic of a figure, of what runs have; see `strikewave.records.campaign.Statistic`."""
-        one = statistic([value for value in values if math.isfinite(value)])
-        numbers = one.mean, one.low, one.high, one.cv, one.cv_low, one.cv_high
-        return cls(FIGURES[name].label, *numbers, one.n, FIGURES[name])
+        known = statistic([value for value in values if math.isfinite(value)])
+        numbers = known.mean, known.low, known.high, known.cv, known.cv_low, known.cv_high
+        return cls(FIGURES[name].label, *numbers, known.n, FIGURES[name])
 
     @property
     def given_units(self) -> declare.GivenUnits:
@@ -427,13 +427,13 @@ class Tolerance:
     note: str = declare.word("what the case says of it", column=MAIN, tables="drawn")
 
     @classmethod
-    def of_input(cls, one: UncertainInput) -> Tolerance:
+    def of_input(cls, drawn_input: UncertainInput) -> Tolerance:
         """Return what documents and tables have of an input."""
-        value, band = one.value, one.value.tolerance
+        value, band = drawn_input.value, drawn_input.value.tolerance
         assert band is not None
-        drawn = "for each striker" if one.strikers else "once a run"
-        numbers = f"{value.typed} ± {band.typed}", value.si, value.half_width, one.allowed.unit or NO_UNIT
-        return cls(one.path, *numbers, band.typed, band.distribution, drawn, value.provenance, value.note)
+        drawn = "for each striker" if drawn_input.strikers else "once a run"
+        numbers = f"{value.typed} ± {band.typed}", value.si, value.half_width, drawn_input.allowed.unit or NO_UNIT
+        return cls(drawn_input.path, *numbers, band.typed, band.distribution, drawn, value.provenance, value.note)
 
 
 @declare.dataclass
@@ -547,9 +547,9 @@ class ScatterStudy(Study):
         """Scatter within a run of each figure: of all blows, and without the first."""
         return [
             WithinRow(FIGURES[name].label, blows, still, spread)
-            for name, one in self.figures.items()
+            for name, figure in self.figures.items()
             for alone in [self.dynamics_alone[name]]
-            for blows, still, spread in (("all", alone.cv, one.within), ("later", alone.cv_later, one.later))
+            for blows, still, spread in (("all", alone.cv, figure.within), ("later", alone.cv_later, figure.later))
         ]
 
     @property
@@ -629,16 +629,16 @@ class ScatterStudy(Study):
     def run_table(self) -> list[Column]:
         """All runs: what was drawn, and what came of it."""
         runs = self.runs
-        units = [one.allowed.unit for one in self.tolerances for _ in range(one.count)]
-        names = [name for one in self.tolerances for name in one.names]
+        units = [tolerance.allowed.unit for tolerance in self.tolerances for _ in range(tolerance.count)]
+        names = [name for tolerance in self.tolerances for name in tolerance.names]
         columns = [Column("run", range(1, len(runs) + 1), shown="")]
         for name, si, values in zip(names, units, np.transpose(self.numbers), strict=True):
             columns.append(Column(name, values, si or NO_UNIT))
         columns.append(Column("blows", [len(run.kinds) for run in runs], shown=""))
         columns += [Column(kind, [run.kinds.count(kind) for run in runs]) for kind in COUNTED_KINDS]
-        for name, one in FIGURES.items():
+        for name, tolerance in FIGURES.items():
             for how, read in COLUMNS.items():
-                measured = VARIATION if how == "cv of" else one
+                measured = VARIATION if how == "cv of" else tolerance
                 values = [float(read(run, name)) for run in runs]
                 is_shown = f"{how} {name}" in SHOWN
                 columns.append(Column(f"{how} {name}", values, measured.si, "", measured.usual if is_shown else None))
@@ -649,11 +649,11 @@ class ScatterStudy(Study):
     @property
     def named_units(self) -> Mapping[str, str]:
         """SI units of the figures."""
-        return {name: one.si for name, one in FIGURES.items()}
+        return {name: quantity.si for name, quantity in FIGURES.items()}
 
     def share_rows(self, shares: Shares) -> list[ShareRow]:
         """Return a row a tolerance, the largest share first."""
-        known = {one.path: one for one in self.drawn}
+        known = {tolerance.path: tolerance for tolerance in self.drawn}
         return [ShareRow(known[row.path], row) for row in shares.rows]
 
     def preview(self) -> Curve:
@@ -757,14 +757,14 @@ def make_scatter(
 def _shares_of(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shares, ...]:
     """Return the shares in the typical peak's variance between runs, and in the scatter of the peaks within a run."""
     tolerances, plan, count = study.tolerances, study.plan, study.plan.share_runs
-    paths, sizes = [one.path for one in tolerances], [one.count for one in tolerances]
+    paths, sizes = [tolerance.path for tolerance in tolerances], [tolerance.count for tolerance in tolerances]
     if plan.shares == "none":
         return ()
     if plan.shares == "sobol":
         first, second, mixtures_of = mixtures(sobol_points(sum(sizes), count, plan.seed), sizes)
         a, b, *mixed = _in_parts(runner, [drawn(tolerances, part) for part in (first, second, *mixtures_of)])
         return tuple(
-            sobol_shares(of, paths, read(a), read(b), np.array([read(one) for one in mixed]), plan.seed)
+            sobol_shares(of, paths, read(a), read(b), np.array([read(tolerance) for tolerance in mixed]), plan.seed)
             for of, read in ((BETWEEN, _typical), (BETWEEN_CV, _variation))
         )
     rows = np.repeat(nominal(tolerances), count, axis=0)
@@ -775,13 +775,13 @@ def _shares_of(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shar
         parts.append(part)
         place += size
     alone = _in_parts(runner, parts)
-    whole = study.runs[:count]
+    together = study.runs[:count]
     return (
-        variance_shares(BETWEEN, paths, _typical(whole), np.array([_typical(runs) for runs in alone]), plan.seed),
+        variance_shares(BETWEEN, paths, _typical(together), np.array([_typical(runs) for runs in alone]), plan.seed),
         scatter_shares(
             ADDED,
             paths,
-            _added(whole, study.nominal_run),
+            _added(together, study.nominal_run),
             np.array([_added(runs, study.nominal_run) for runs in alone]),
             plan.seed,
         ),

@@ -110,7 +110,7 @@ class DesignRuns:
         if new:
             names = self.plan.evaluation.names
             finished = carry_out(self.plan.job, new, self._store, self._pool, self._told)
-            numbers, failures, _ = self._store.table(names, finished.keys)
+            numbers, failures = self._store.table(names, finished.keys)
             verdicts = self._store.verdicts(finished.keys).texts
             for row, number, failure, verdict in zip(new, numbers, failures, verdicts, strict=True):
                 self._places[row] = len(self.rows)

@@ -215,7 +215,7 @@ def verified(
         return None, [""] * len(rows), [""] * len(rows)
     better, _ = plan.verifying
     finished = carry_out(better.job, rows, store, pool)
-    numbers, failures, _ = store.table(better.evaluation.names, finished.keys)
+    numbers, failures = store.table(better.evaluation.names, finished.keys)
     margins = np.full((len(rows), len(plan.goals)), np.nan)
     shares = shares_of(better.goals, better.evaluation.names, numbers)
     for k, goal in enumerate(better.goals):
@@ -234,7 +234,7 @@ def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Ro
     inputs = tolerances_of(case)
     drawn = drawn_rows(inputs, plan.robust, plan.seed)
     finished = carry_out(Job(DrawVariation(case, inputs), plan.evaluation), drawn, store, pool)
-    numbers, _, _ = store.table(plan.evaluation.names, finished.keys)
+    numbers, _ = store.table(plan.evaluation.names, finished.keys)
     least = shares_of(plan.goals, plan.evaluation.names, numbers).min(axis=1, initial=math.inf)
     passed = np.array([status_of(text) != RUN_BROKEN for text in store.verdicts(finished.keys).texts])
     met = int(np.sum((least >= 0.0) & passed))

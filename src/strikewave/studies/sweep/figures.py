@@ -47,9 +47,9 @@ def sweep_picture(study: SweepStudy) -> Figure:
     return _maps(study, _cells) if count == 2 else _many(study)
 
 
-def shown_number(study: SweepStudy, one: KeptNumber) -> Array:
+def shown_number(study: SweepStudy, number: KeptNumber) -> Array:
     """Return a number of each run in the unit in which it is shown."""
-    return np.asarray(study.number(one.name) / one.scale)
+    return np.asarray(study.number(number.name) / number.scale)
 
 
 def _figure(study: SweepStudy, rows: int, columns: int, height: float) -> tuple[Figure, Any]:
@@ -71,12 +71,12 @@ def _lines(study: SweepStudy) -> Figure:
     variable, x = study.plan.variables[0], _setting(study, 0)
     order = np.argsort(x, kind="stable")
     line = "" if variable.words else "-"
-    for drawn, one in zip(axes[:, 0], numbers, strict=True):
-        values = shown_number(study, one)
+    for drawn, number in zip(axes[:, 0], numbers, strict=True):
+        values = shown_number(study, number)
         drawn.plot(x[order], values[order], line, marker="o", color=BLUE, markersize=3.5, linewidth=1.4, zorder=3)
         mark_runs(drawn, x, values, study.verdicts)
         _mark_failures(drawn, study, x)
-        quiet(drawn, _extent(study, one), variable.label, one.label)
+        quiet(drawn, _extent(study, number), variable.label, number.label)
         _along(drawn.xaxis, drawn.set_xscale, variable)
         drawn.margins(x=0.02, y=0.08)
     return legend_below(figure)
@@ -91,9 +91,9 @@ def _mark_failures(axes: Any, study: SweepStudy, x: Array) -> None:
         axes.plot(x[failed], at, "x", color=RED, transform=place, label="run failed", clip_on=False)
 
 
-def _extent(study: SweepStudy, one: KeptNumber) -> str:
+def _extent(study: SweepStudy, number: KeptNumber) -> str:
     """Return between what a number lies."""
-    return study.range_of(one).extent or "no run has it"
+    return study.range_of(number).extent or "no run has it"
 
 
 def _setting(study: SweepStudy, k: int) -> Array:
@@ -120,11 +120,11 @@ def _maps(study: SweepStudy, draw: Any) -> Figure:
     rows = -(-len(numbers) // columns)
     figure, axes = _figure(study, rows, columns, ROW + 0.4)
     first, second = study.plan.variables
-    for drawn, one in zip(axes.flat, numbers, strict=False):
+    for drawn, number in zip(axes.flat, numbers, strict=False):
         drawn.set_facecolor("#D9D9D9")
-        coloured = draw(drawn, study, shown_number(study, one))
-        figure.colorbar(coloured, ax=drawn, pad=0.02).set_label(one.label, fontsize=8)
-        quiet(drawn, _extent(study, one), first.label, second.label)
+        coloured = draw(drawn, study, shown_number(study, number))
+        figure.colorbar(coloured, ax=drawn, pad=0.02).set_label(number.label, fontsize=8)
+        quiet(drawn, _extent(study, number), first.label, second.label)
         drawn.grid(False)
         _along(drawn.xaxis, drawn.set_xscale, first)
         _along(drawn.yaxis, drawn.set_yscale, second)
@@ -159,10 +159,10 @@ def _many(study: SweepStudy) -> Figure:
     sheet_title(figure, f"{study.case.name or 'case'}: {len(study.failures)} runs, {study.plan.design}")
     parts: Any = figure.subfigures(len(heights), 1, height_ratios=heights)
     _parallel(figure, parts[0], study, chosen, numbers[0])
-    for part, one in zip(parts[1:], numbers, strict=True):
+    for part, number in zip(parts[1:], numbers, strict=True):
         axes = part.subplots(1, len(chosen), squeeze=False, sharey=True)[0]
         for place, (drawn, k) in enumerate(zip(axes, chosen, strict=True)):
-            _effect(drawn, study, k, one, place == 0)
+            _effect(drawn, study, k, number, place == 0)
     return figure
 
 
@@ -176,45 +176,45 @@ def drawn_settings(study: SweepStudy) -> list[int]:
     return sorted(np.argsort(-shares, kind="stable")[:MOST_SETTINGS].tolist())
 
 
-def _parallel(figure: Figure, part: Any, study: SweepStudy, chosen: list[int], one: KeptNumber) -> None:
+def _parallel(figure: Figure, part: Any, study: SweepStudy, chosen: list[int], number: KeptNumber) -> None:
     """Draw a line a run through all settings to its number."""
     from matplotlib.cm import ScalarMappable
     from matplotlib.collections import LineCollection
     from matplotlib.colors import Normalize
 
     axes = part.subplots()
-    values = shown_number(study, one)
+    values = shown_number(study, number)
     known = np.flatnonzero(np.isfinite(values))
     columns = [*(_setting(study, k) for k in chosen), values]
     scaled = np.column_stack([_to_one(column) for column in columns])
     places = np.arange(len(columns))
-    kept = known[:: max(1, -(-known.size // MOST_LINES))]
+    drawn_runs = known[:: max(1, -(-known.size // MOST_LINES))]
     norm = Normalize(*((float(values[known].min()), float(values[known].max())) if known.size else (0.0, 1.0)))
-    lines = [np.column_stack([places, scaled[run]]) for run in kept]
-    drawn = LineCollection(lines, array=values[kept], cmap="cividis", norm=norm, linewidths=0.9, alpha=0.7)
+    lines = [np.column_stack([places, scaled[run]]) for run in drawn_runs]
+    drawn = LineCollection(lines, array=values[drawn_runs], cmap="cividis", norm=norm, linewidths=0.9, alpha=0.7)
     drawn.set_rasterized(True)
     axes.add_collection(drawn)
     failed = np.flatnonzero([bool(failure) for failure in study.failures])
     if failed.size:
         lost = [np.column_stack([places[:-1], scaled[run, :-1]]) for run in failed[:MOST_LINES]]
         axes.add_collection(LineCollection(lost, colors=RED, linewidths=0.9, linestyles="dashed"))
-    broken = [run for run in kept if study.verdicts.statuses[run] == RUN_BROKEN]
+    broken = [run for run in drawn_runs if study.verdicts.statuses[run] == RUN_BROKEN]
     if broken:
         axes.add_collection(
             LineCollection([np.column_stack([places, scaled[run]]) for run in broken], colors=RED, linewidths=0.9)
         )
-    note = f" ({kept.size} of {known.size} runs drawn)" if kept.size < known.size else ""
+    note = f" ({drawn_runs.size} of {known.size} runs drawn)" if drawn_runs.size < known.size else ""
     note += "; red, and diamonds below: failed a check" if broken else ""
     note += "; dashed: failed" if failed.size else ""
     quiet(axes, f"Runs through their settings{note}", "", "")
     axes.grid(False)
     axes.set(xlim=(-0.15, places[-1] + 0.15), ylim=(-0.04, 1.04), yticks=[])
     axes.spines["left"].set_visible(False)
-    labels = [*(_ends(study, k) for k in chosen), _range_words(one.label, values)]
+    labels = [*(_ends(study, k) for k in chosen), _range_words(number.label, values)]
     axes.set_xticks(places, labels, fontsize=8)
     for place in places:
         axes.axvline(place, color=GREY, linewidth=0.8, zorder=1)
-    figure.colorbar(ScalarMappable(norm, "cividis"), ax=axes, pad=0.02).set_label(one.label, fontsize=8)
+    figure.colorbar(ScalarMappable(norm, "cividis"), ax=axes, pad=0.02).set_label(number.label, fontsize=8)
 
 
 def _to_one(values: Array) -> Array:
@@ -236,20 +236,20 @@ def _range_words(label: str, values: Array) -> str:
     return f"{label}\n{ends}".replace(" of the ", "\nof the ", 1)
 
 
-def _effect(axes: Any, study: SweepStudy, k: int, one: KeptNumber, first: bool) -> None:
+def _effect(axes: Any, study: SweepStudy, k: int, number: KeptNumber, first: bool) -> None:
     """Draw all runs over one setting, and the means of its groups."""
     variable = study.plan.variables[k]
-    effect = study.effects[one.name][variable.path]
+    effect = study.effects[number.name][variable.path]
     x = effect.places if variable.words else variable.axis.shown(effect.places)
-    dots = axes.plot(_setting(study, k), shown_number(study, one), ".", color=GREY, markersize=3, alpha=0.35)[0]
+    dots = axes.plot(_setting(study, k), shown_number(study, number), ".", color=GREY, markersize=3, alpha=0.35)[0]
     dots.set_rasterized(True)
-    mark_runs(axes, _setting(study, k), shown_number(study, one), study.verdicts, size=3.5)
-    axes.plot(x, effect.means / one.scale, "o-", color=ORANGE, markersize=4, linewidth=1.8)
+    mark_runs(axes, _setting(study, k), shown_number(study, number), study.verdicts, size=3.5)
+    axes.plot(x, effect.means / number.scale, "o-", color=ORANGE, markersize=4, linewidth=1.8)
     chance = 100.0 * study.chance(effect)
     share = share_with_error(effect.share, effect.standard_error)
-    words = "no variance" if np.isnan(effect.share) else f"share {share}"
-    words += f" (chance: {chance:.0f} %)" if chance else ""
-    quiet(axes, words, variable.label.replace(" of the ", "\nof the "), one.label if first else "")
+    title = "no variance" if np.isnan(effect.share) else f"share {share}"
+    title += f" (chance: {chance:.0f} %)" if chance else ""
+    quiet(axes, title, variable.label.replace(" of the ", "\nof the "), number.label if first else "")
     axes.xaxis.label.set_fontsize(8)
     axes.yaxis.label.set_fontsize(8)
     axes.margins(x=0.06, y=0.06)

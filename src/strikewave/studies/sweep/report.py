@@ -38,17 +38,17 @@ def sweep_report(study: SweepStudy) -> str:
 def sweep_words(study: SweepStudy) -> str:
     """Say in words what came out."""
     plan = study.plan
-    words = [f"{plan.words}{f'; {study.verdicts.words}' if study.verdicts.words else ''}."]
-    first, one = plan.kept[0], study.ranges[0]
-    if one.smallest is None or one.largest is None:
-        words.append(f"No run has a {one.name}.")
+    sentences = [f"{plan.words}{f'; {study.verdicts.words}' if study.verdicts.words else ''}."]
+    first, extent = plan.kept[0], study.ranges[0]
+    if extent.smallest is None or extent.largest is None:
+        sentences.append(f"No run has a {extent.name}.")
     else:
-        low, high = (first.words(end) for end in (one.smallest, one.largest))
-        words.append(f"{one.name.capitalize()}: {low} ({one.smallest_at}) to {high} ({one.largest_at}).")
+        low, high = (first.words(end) for end in (extent.smallest, extent.largest))
+        sentences.append(f"{extent.name.capitalize()}: {low} ({extent.smallest_at}) to {high} ({extent.largest_at}).")
     effect = next((effect for effect in study.largest_effects if effect.kept == first), None)
     if effect is not None and effect.stands_out:
-        words.append(f"Of its variance, {percent(effect.share, 0)} comes from {effect.setting} alone.")
-    return " ".join(words)
+        sentences.append(f"Of its variance, {percent(effect.share, 0)} comes from {effect.setting} alone.")
+    return " ".join(sentences)
 
 
 def _caption(study: SweepStudy) -> str:

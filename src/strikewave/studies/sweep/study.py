@@ -161,10 +161,10 @@ def plan_of(
 
 def _drawn_variables(inputs: Sequence[UncertainInput]) -> Iterator[StudyVariable]:
     """Yield what is drawn as variables, from one end of its range to the other."""
-    for one in inputs:
-        unit = one.allowed.unit if one.allowed.unit != "count" else ""
-        for name in one.names:
-            yield StudyVariable(Axis(name, unit, unit, (one.low, one.high)), is_range=True)
+    for quantity in inputs:
+        unit = quantity.allowed.unit if quantity.allowed.unit != "count" else ""
+        for name in quantity.names:
+            yield StudyVariable(Axis(name, unit, unit, (quantity.low, quantity.high)), is_range=True)
 
 
 class SweepFile(CaseTable):
@@ -216,7 +216,7 @@ class SweepRequest:
 
     def plan(self, case: Case) -> SweepPlan:
         """Return the plan of the sweep of a case."""
-        keep = [name for words in self.keep for name in words.split(",")]
+        keep = [name for names in self.keep for name in names.split(",")]
         seed = 1 if self.seed is None else self.seed
         return plan_of(case, self.vary, keep, self.analysis, self.design or GRID, self.runs, seed)
 
@@ -240,11 +240,11 @@ def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> Swee
     file = FORM.read(document)
     if file.schema_version != SCHEMA:
         raise InputError("schema", file.schema_version, f"schema = {SCHEMA}")
-    whole = (*file.set, *changes)
-    case = load_case(case_place(file.case, Path(name).parent), whole)
+    settings = (*file.set, *changes)
+    case = load_case(case_place(file.case, Path(name).parent), settings)
     stated = SweepRequest(tuple(vary_texts(file.vary)), file.keep, file.analysis, file.design, file.runs, file.seed)
     beside = {name: value for name, value in vars(typed).items() if value not in (None, "", ())}
-    return replace(stated, **{**beside, "changes": whole, "case": case})
+    return replace(stated, **{**beside, "changes": settings, "case": case})
 
 
 def _document(text: str) -> Mapping[str, Any]:
@@ -375,8 +375,8 @@ class SweepStudy(Study):
     def setting_lists(self) -> dict[str, list[Any]]:
         """The settings of the runs by their paths."""
         return {
-            one.path: [one.words[int(value)] for value in column] if one.words else column
-            for one, column in zip(self.plan.variables, self.settings.T.tolist(), strict=True)
+            variable.path: [variable.words[int(value)] for value in column] if variable.words else column
+            for variable, column in zip(self.plan.variables, self.settings.T.tolist(), strict=True)
         }
 
     @declare.computed(declare.word("of each run: the number, SI", key="numbers"))
@@ -397,33 +397,36 @@ class SweepStudy(Study):
     def number_effects(self) -> dict[str, NumberEffects]:
         """What the document has of the main effects."""
         return {
-            one.name: NumberEffects({path: self._effect(one, path) for path in self.effects[one.name]})
-            for one in self.plan.kept
+            number.name: NumberEffects({path: self._effect(number, path) for path in self.effects[number.name]})
+            for number in self.plan.kept
             if self.effects
         }
 
     @declare.computed(declare.rows(EffectShare, "main effects, the largest first", in_document=False))
     def largest_effects(self) -> list[EffectShare]:
         """The main effects on each number, those with the largest shares first; of settings with any run."""
-        found = []
+        largest = []
         for name, effects in self.number_effects.items():
-            known = [one for path, one in effects.of_settings.items() if self.effects[name][path].means.size]
-            found += sorted(known, key=lambda one: -np.nan_to_num(one.share, nan=-1.0))[:MOST_EFFECTS]
-        return found
+            known = [effect for path, effect in effects.of_settings.items() if self.effects[name][path].means.size]
+            largest += sorted(known, key=lambda effect: -np.nan_to_num(effect.share, nan=-1.0))[:MOST_EFFECTS]
+        return largest
 
     @declare.computed(declare.rows(RunRange, "each number over all runs", headline="3", in_document=False))
     def ranges(self) -> list[RunRange]:
         """Each number over all runs."""
-        return [self.range_of(one) for one in self.plan.kept]
+        return [self.range_of(number) for number in self.plan.kept]
 
     @declare.computed(declare.table("the runs: settings, numbers, verdicts, and why one failed"))
     def run_table(self) -> list[Column]:
         """All runs; with histories the keys by which they are found."""
         columns = [Column("run", range(1, self.run_count + 1), shown="")]
-        columns += [one.column(self.setting_lists[one.path], k < MOST_SHOWN) for k, one in enumerate(self.vary)]
+        columns += [
+            shown_one.column(self.setting_lists[shown_one.path], k < MOST_SHOWN)
+            for k, shown_one in enumerate(self.vary)
+        ]
         most = None if len(self.vary) == 1 else MOST_SHOWN
         shown = self.plan.kept[:most]
-        columns += [one.column(self.number(one.name), one in shown) for one in self.plan.kept]
+        columns += [shown_one.column(self.number(shown_one.name), shown_one in shown) for shown_one in self.plan.kept]
         if self.plan.evaluation.histories:
             columns.append(Column("key", self.keys))
         return [*columns, Column("verdict", self.verdicts.texts, shown=""), Column("failure", self.failures)]
@@ -431,8 +434,8 @@ class SweepStudy(Study):
     @property
     def named_units(self) -> Mapping[str, str]:
         """SI units of settings and numbers."""
-        settings = {one.path: one.axis.si_unit or NO_UNIT for one in self.vary if not one.words}
-        return {**settings, **{one.name: one.si for one in self.plan.kept}}
+        settings = {number.path: number.axis.si_unit or NO_UNIT for number in self.vary if not number.words}
+        return {**settings, **{number.name: number.si for number in self.plan.kept}}
 
     def run_rows(self) -> tuple[list[str], list[list[str]]]:
         """Return heads and rows of the runs over a single setting, in its order; no rows over several, or of many."""
@@ -499,10 +502,10 @@ class SweepStudy(Study):
     def found_notices(self) -> tuple[Notice, ...]:
         """Return what should be known: runs that failed, and numbers that runs have not."""
         notices = list(self.verdicts.notices())
-        for one in self.plan.kept:
-            lacking = int(np.sum(np.isnan(self.number(one.name)))) - self.failed
+        for number in self.plan.kept:
+            lacking = int(np.sum(np.isnan(self.number(number.name)))) - self.failed
             if lacking > 0:
-                message = f"{lacking} runs that did not fail have no {one.name}, such as where no blow struck"
+                message = f"{lacking} runs that did not fail have no {number.name}, such as where no blow struck"
                 notices.append(Notice("number-missing", message, float(lacking), 0.0))
         return tuple(notices)
 
