@@ -145,7 +145,7 @@ def test_runs_that_ended_for_want_of_memory_are_made_again_and_others_not(tmp_pa
 
     job = Job(speeds(50)[0].variation, Hungry())
     with RunStore(tmp_path / "s") as store:
-        _, (_, failures, _) = run(store, 60, 70, 80, 90, pool=Mortal({90.0: 99}), job=job)
+        _, (_, failures) = run(store, 60, 70, 80, 90, pool=Mortal({90.0: 99}), job=job)
         assert [bool(failure) for failure in failures] == [True, False, True, True]
         assert failures[2] == "out of memory"
     with RunStore(tmp_path / "s") as store:
