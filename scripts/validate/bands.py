@@ -33,7 +33,7 @@ from strikewave.machines.fast_run import fast_train
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.uncertainty.bands import Sample, find_band, latin_hypercube
 from strikewave.uncertainty.draws import FELT, drawn, drawn_case
-from strikewave.uncertainty.known import known_inputs
+from strikewave.uncertainty.input_ranges import known_inputs
 
 MACHINES = {
     "li-ma-2019": ("li-ma-2019", ()),

@@ -11,7 +11,7 @@ from strikewave.base.errors import InputErrors
 from strikewave.base.quantities import Value
 from strikewave.cases.case import comparisons, dump_case, load_case, origin_notices, own_case, parse_case
 from strikewave.cases.files import bundled_cases
-from strikewave.uncertainty.known import known_inputs
+from strikewave.uncertainty.input_ranges import known_inputs
 
 FITTED = ["machine.engagement", "object.frame_stiffness"]
 NUDGES = {"rad": 1.75e-3, "m": 20e-6}

@@ -29,7 +29,7 @@ from strikewave.studies.engine.plan import read_ends, read_variable, typed_value
 from strikewave.studies.search.goals import read_aim
 from strikewave.uncertainty.bands import moved
 from strikewave.uncertainty.draws import range_of
-from strikewave.uncertainty.known import known_inputs
+from strikewave.uncertainty.input_ranges import known_inputs
 from strikewave.web.case_values import edited_fields
 from strikewave.web.pages.case.bar_parts import _millimetres
 

@@ -11,7 +11,7 @@ from strikewave.analyses.wave.run import run_wave
 from strikewave.base.quantities import Range, Value
 from strikewave.cases.files import read_case_text
 from strikewave.uncertainty.draws import UncertainInput, allowed_inputs, range_of
-from strikewave.uncertainty.known import known_inputs
+from strikewave.uncertainty.input_ranges import known_inputs
 
 RUBBER = "iec-60068-2-27-rubber"
 LOSSES = {

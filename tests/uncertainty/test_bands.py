@@ -37,7 +37,7 @@ from strikewave.uncertainty.bands import (
 )
 from strikewave.uncertainty.draws import OF_EACH_STRIKER, UncertainInput, drawn, drawn_strikers, range_of
 from strikewave.uncertainty.expansion import Expansion, fit_expansion
-from strikewave.uncertainty.known import DEFAULTS, field_of, known_inputs
+from strikewave.uncertainty.input_ranges import DEFAULTS, field_of, known_inputs
 
 
 def uniform(name, low, high):

@@ -8,7 +8,7 @@ import pytest
 from strikewave.base.quantities import ToleranceBand, Value
 from strikewave.cases.case import FitTable, dump_case, load_case, parse_case
 from strikewave.uncertainty.draws import STATED
-from strikewave.uncertainty.known import (
+from strikewave.uncertainty.input_ranges import (
     FITTED_BASIS,
     NAMED_BASIS,
     PLAUSIBLE_BASIS,

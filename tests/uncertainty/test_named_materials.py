@@ -17,7 +17,7 @@ from strikewave.contact.cushions import cushion_materials
 from strikewave.contact.elastoplastic import automatic_pressure
 from strikewave.uncertainty.bands import LEVEL
 from strikewave.uncertainty.draws import drawn_case, nominal
-from strikewave.uncertainty.known import NAMED_BASIS, known_inputs
+from strikewave.uncertainty.input_ranges import NAMED_BASIS, known_inputs
 
 BAR = """
 schema = 1

@@ -2,7 +2,7 @@
 
 A stiffness of a joint, a damping, a restitution or an engagement stands in a case as one number, yet nobody knows it
 so well. Here each of them has the range that it may have about the number that stands there, with its reason; a value
-in the middle of a range is as likely as one at its end. `strikewave.uncertainty.known` says when the range counts.
+in the middle of a range is as likely as one at its end. `strikewave.uncertainty.input_ranges` says when the range counts.
 
 A path names tables and key without the names of rows: ``stack.joint.stiffness`` is that of every joint.
 """

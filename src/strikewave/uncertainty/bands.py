@@ -1,4 +1,4 @@
-"""The band of a result: where it lies when the inputs move within what is known of them, and which inputs move it.
+"""The band of a result over the ranges of its inputs, and the share of each input in it.
 
 Runs are made at a Latin hypercube of all inputs. A fit to them (`strikewave.uncertainty.expansion`) tells the share of
 each input in the variance. Where it explains nearly everything, the ends of the band are those of many draws of the
@@ -45,9 +45,9 @@ FIT_STREAM, LEFT_STREAM = 1, 2
 """Keys of the random numbers of the draws of a fit, and of what is added to them."""
 
 
-def moved(one: UncertainInput) -> MovedInput:
-    """Return the row of an input that moved."""
-    return MovedInput(one.path, one.value.typed, one.low, one.high, one.allowed.unit, one.basis, one.reason)
+def moved(row: UncertainInput) -> MovedInput:
+    """Return an input as a row of the inputs that moved."""
+    return MovedInput(row.path, row.value.typed, row.low, row.high, row.allowed.unit, row.basis, row.reason)
 
 
 def latin_hypercube(numbers: int, runs: int, seed: int = SEED, stream: int = 0) -> Array:
@@ -82,7 +82,7 @@ class Sample:
     @functools.cached_property
     def owners(self) -> list[str]:
         """Field of each number drawn."""
-        return [one.path for one in self.inputs for _ in range(one.count)]
+        return [row.path for row in self.inputs for _ in range(row.count)]
 
     @functools.cached_property
     def _many(self) -> Array:
@@ -96,7 +96,7 @@ class Sample:
 
 
 class FoundBand(NamedTuple):
-    """A band, the share of the variance that no input makes by itself, and how they were found; see `BandMethod`."""
+    """A band, the share of the variance that no input makes by itself, and the method; see `BandMethod`."""
 
     band: Band
     rest: float
@@ -121,8 +121,8 @@ def find_band(sample: Sample, results: Array, level: float = LEVEL) -> FoundBand
     >>> from strikewave.base.quantities import Range, Value
     >>> inputs = [UncertainInput("a", Value(si=0.0, typed=0.0), Range(""), -1.0, 1.0)]
     >>> points = latin_hypercube(1, 32, 1)
-    >>> found = find_band(Sample(inputs, points), 3.0 * inputs[0].at(points[:, 0]))
-    >>> round(found.band.low, 2), round(found.band.high, 2), [one.field for one in found.band.inputs]
+    >>> band = find_band(Sample(inputs, points), 3.0 * inputs[0].at(points[:, 0])).band
+    >>> round(band.low, 2), round(band.high, 2), [share.field for share in band.inputs]
     (-2.85, 2.85, ['a'])
     """
     known = np.isfinite(results)
@@ -136,12 +136,14 @@ def find_band(sample: Sample, results: Array, level: float = LEVEL) -> FoundBand
     fitted = fit.explained >= SMOOTH
     low, high = _quantiles(sample.draws(fit) if fitted else results, level)
     if fit.explained < RANKED_BELOW:
-        of_ranks = fit_expansion(polynomials, _normal_scores(results))
+        ranks = np.empty(len(results))
+        ranks[np.argsort(results, kind="stable")] = np.arange(len(results))
+        of_ranks = fit_expansion(polynomials, normal_quantile((ranks + 0.5) / len(results)))
         fit, ranked = (of_ranks, True) if of_ranks.explained > fit.explained else (fit, False)
     shares, errors = fit.shares(sample.owners), fit.share_errors(sample.owners, len(results))
     largest = sorted(shares.items(), key=lambda item: -item[1])[:INPUTS]
-    told = tuple(InputShare(path, share, errors[path]) for path, share in largest if share >= LEAST_SHARE)
-    return FoundBand(Band(low, high, level, told), max(1.0 - sum(shares.values()), 0.0), fitted, ranked)
+    named = tuple([InputShare(path, share, errors[path]) for path, share in largest if share >= LEAST_SHARE])
+    return FoundBand(Band(low, high, level, named), max(1.0 - sum(shares.values()), 0.0), fitted, ranked)
 
 
 def _quantiles(values: Array, level: float) -> tuple[float, float]:
@@ -151,22 +153,15 @@ def _quantiles(values: Array, level: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _normal_scores(results: Array) -> Array:
-    """Return the normal quantile of the rank of each result."""
-    ranks = np.empty(len(results))
-    ranks[np.argsort(results, kind="stable")] = np.arange(len(results))
-    return normal_quantile((ranks + 0.5) / len(results))
-
-
 def find_bands(sample: Sample, results: Mapping[str, Array], method: BandMethod) -> tuple[dict[str, Band], BandMethod]:
-    """Return the band of each result that has one, and the method with what came of it."""
-    found = {name: find_band(sample, values) for name, values in results.items()}
-    bands = {name: one for name, one in found.items() if one is not None}
-    done = dataclasses.replace(
-        method,
-        rest={**method.rest, **{name: one.rest for name, one in bands.items()}},
-        fitted=(*method.fitted, *(name for name, one in bands.items() if one.fitted)),
-        ranked=(*method.ranked, *(name for name, one in bands.items() if one.ranked)),
-        inputs=tuple(moved(one) for one in sample.inputs),
-    )
-    return {name: one.band for name, one in bands.items()}, done
+    """Return the band of each result that has one, and the method completed by these bands."""
+    bands, rest = dict[str, Band](), dict(method.rest)
+    fitted, ranked = list(method.fitted), list(method.ranked)
+    for name, values in results.items():
+        row = find_band(sample, values)
+        if row is not None:
+            bands[name], rest[name] = row.band, row.rest
+            fitted += [name] * row.fitted
+            ranked += [name] * row.ranked
+    inputs = tuple(map(moved, sample.inputs))
+    return bands, dataclasses.replace(method, rest=rest, fitted=tuple(fitted), ranked=tuple(ranked), inputs=inputs)

@@ -1,4 +1,4 @@
-"""What is uncertain in a case: the inputs, what is drawn of each, and the case that a draw makes.
+"""The uncertain inputs of a case, the draws of each, and the case that a draw makes.
 
 Where a case refuses a whole side of a range, the other side moves alone. What a quantity may be can depend on others: a
 pad with a retardation has a restitution of 1, and no less. A range that does not know this would make every run fail
@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,8 +28,7 @@ from strikewave.cases.tables.machine import OwnStriker, RotaryTable
 Array = NDArray[np.float64]
 Shape = Literal["normal", "uniform", "log-uniform"]
 
-NORMAL = NormalDist()
-"""That of the standard library: to import scipy's takes longer than all draws of a band."""
+NORMAL = NormalDist()  # of the standard library: to import scipy's takes longer than all draws of a band
 STATED = "stated tolerance"
 """Basis of an input that is drawn within the tolerance that its case states."""
 
@@ -41,11 +40,11 @@ OF_EACH_STRIKER = {
 FELT = ("machine", "striker", "feed", "object", "contact", "stack", "load", "mesh", "fem")
 """Tables that a blow, a bar or elements feel: a tolerance anywhere else changes no run."""
 EXAMPLE = 'mass = { value = "1 kg", tolerance = "2 %" } in [striker], or --set striker.mass.tolerance="2 %"'
-"""A tolerance, for the error line where a case has none."""
+"""Example of a tolerance, for the error line where a case has none."""
 
 
 def normal_quantile(probability: Array) -> Array:
-    """Return what a standard normal variable stays below with a probability, between 0 and 1.
+    """Return the quantile of a standard normal variable at a probability between 0 and 1.
 
     Examples
     --------
@@ -70,14 +69,13 @@ class UncertainInput:
     low, high : float
         Ends of its range, SI.
     shape : {"normal", "uniform", "log-uniform"}
-        How it is drawn between them: the normal distribution about the value, cut off at the ends; evenly; evenly in
-        its logarithm.
+        Distribution between them: normal about the value, cut off at the ends; even; even in the logarithm.
     deviation : float
         Standard deviation of the normal distribution before it is cut off, SI.
     basis : str
         Basis of its range, such as "stated tolerance".
     reason : str
-        Why it is so wide.
+        Reason for its width.
     strikers : tuple of int
         Numbers of the strikers for which it is drawn separately; empty where it is drawn once a run.
     goes_with : tuple of (str, float)
@@ -111,7 +109,7 @@ class UncertainInput:
 
     @property
     def count(self) -> int:
-        """How many numbers are drawn in a run."""
+        """Count of the numbers drawn in a run."""
         return len(self.strikers) or 1
 
     @property
@@ -120,7 +118,7 @@ class UncertainInput:
         return [f"{self.path} of {number}" for number in self.strikers] or [self.path]
 
     def at(self, quantile: ArrayLike) -> Array:
-        """Return what the quantity is at quantiles of its distribution, in SI.
+        """Return the quantity at quantiles of its distribution, in SI.
 
         Examples
         --------
@@ -139,7 +137,7 @@ class UncertainInput:
 
     @property
     def width(self) -> float:
-        """Half of what a tolerance states, or of the range, SI; that of a normal tolerance is two deviations."""
+        """Half width of the tolerance or of the range, SI; that of a normal tolerance is two deviations."""
         return DEVIATIONS * self.deviation if self.shape == "normal" else 0.5 * (self.high - self.low)
 
 
@@ -168,14 +166,14 @@ def stated(path: str, value: Value, allowed: Range, strikers: tuple[int, ...] = 
 
 
 def range_of(case: Case, path: str) -> Range:
-    """Return what a quantity of a case may be."""
+    """Return the range of values that a quantity of a case may have."""
     allowed = allowed_at(case, path)
     assert allowed is not None
     return allowed
 
 
 def allowed_at(case: Case, path: str) -> Range | None:
-    """Return what the quantity at a path may be, stated or not; None where there can be none."""
+    """Return the range of the quantity at a path, stated or not; None where there can be none."""
     table, *places = path.split(".")
     if not places:
         return None
@@ -207,8 +205,8 @@ def tolerances_of(case: Case) -> tuple[UncertainInput, ...]:
     Examples
     --------
     >>> from strikewave import load_case
-    >>> found = {one.path: one.count for one in tolerances_of(load_case("li-ma-2019"))}
-    >>> len(found), found["feed.arrival"], found["striker.mass"]
+    >>> counts = {row.path: row.count for row in tolerances_of(load_case("li-ma-2019"))}
+    >>> len(counts), counts["feed.arrival"], counts["striker.mass"]
     (24, 1, 4)
     """
     inputs = []
@@ -224,8 +222,8 @@ def tolerances_of(case: Case) -> tuple[UncertainInput, ...]:
 
 
 def unfelt(case: Case, inputs: Sequence[UncertainInput]) -> list[str]:
-    """Return the paths of other tolerances: of sensors, recorder, solver, or of what each striker has for itself."""
-    known = {one.path for one in inputs}
+    """Return the paths of other tolerances: of sensors, recorder, solver, or of single strikers' own values."""
+    known = {row.path for row in inputs}
     return [path for path, value in case.values().items() if value.tolerance is not None and path not in known]
 
 
@@ -234,46 +232,41 @@ def quantiles(inputs: Sequence[UncertainInput], runs: int, seed: int) -> Array:
 
     Each depends on seed, run and path alone: another tolerance in the case, or more runs, change none of them.
     """
-    return np.array([np.concatenate([_random(one, run, seed) for one in inputs]) for run in range(runs)])
+    return np.array([np.concatenate([_random(row, run, seed) for row in inputs]) for run in range(runs)])
 
 
-def _random(one: UncertainInput, run: int, seed: int) -> Array:
-    """Return the random numbers of one tolerance in one run; a striker has the same whether others are drawn or not."""
-    source = np.random.Philox(np.random.SeedSequence(seed, spawn_key=(run, *one.path.encode())))
-    numbers = np.random.Generator(source).random(max(one.strikers, default=1))
-    return numbers[np.array(one.strikers) - 1] if one.strikers else numbers
+def _random(tolerance: UncertainInput, run: int, seed: int) -> Array:
+    """Return the random numbers of a tolerance in a run; a striker has the same whether others are drawn or not."""
+    source = np.random.Philox(np.random.SeedSequence(seed, spawn_key=(run, *tolerance.path.encode())))
+    numbers = np.random.Generator(source).random(max(tolerance.strikers, default=1))
+    return numbers[np.array(tolerance.strikers) - 1] if tolerance.strikers else numbers
 
 
 def drawn(inputs: Sequence[UncertainInput], points: Array) -> Array:
-    """Return what is drawn at quantiles, shape (runs, numbers drawn), in SI."""
-    columns, place = dict[str, Array](), 0
-    quantile = dict[str, Array]()
-    for one in inputs:
-        quantile[one.path] = points[:, place : place + one.count]
-        place += one.count
-    for one in inputs:
-        columns[one.path] = one.at(_mixed(one, quantile) if one.fitted_with else quantile[one.path])
+    """Return the numbers drawn at quantiles, shape (runs, numbers drawn), in SI."""
+    edges = np.cumsum([row.count for row in inputs])[:-1]
+    quantile = {row.path: part for row, part in zip(inputs, np.split(points, edges, axis=1), strict=True)}
+    columns = {row.path: row.at(_mixed(row, quantile) if row.fitted_with else quantile[row.path]) for row in inputs}
     return together(inputs, columns)
 
 
 def together(inputs: Sequence[UncertainInput], columns: Mapping[str, Array]) -> Array:
     """Return numbers drawn of each input by itself as they go with one another, shape (runs, numbers drawn), in SI."""
-    nominal = {one.path: one.value.si for one in inputs}
-    scaled = [
-        math.prod(
-            ((columns[path] / nominal[path]) ** power for path, power in one.goes_with if path in columns),
-            start=columns[one.path],
-        )
-        for one in inputs
-    ]
+    nominal, scaled = {row.path: row.value.si for row in inputs}, []
+    for row in inputs:
+        column = columns[row.path]
+        for path, power in row.goes_with:
+            if path in columns:
+                column = column * (columns[path] / nominal[path]) ** power
+        scaled.append(column)
     return np.concatenate(scaled, axis=1)
 
 
-def _mixed(one: UncertainInput, quantile: Mapping[str, Array]) -> Array:
+def _mixed(fitted: UncertainInput, quantile: Mapping[str, Array]) -> Array:
     """Return the quantiles of an input that goes with others, from independent ones."""
-    weights = {path: weight for path, weight in one.fitted_with if path in quantile}
-    own = math.sqrt(max(1.0 - sum(weight**2 for weight in weights.values()), 0.0))
-    scores = own * normal_quantile(quantile[one.path])
+    weights = {path: weight for path, weight in fitted.fitted_with if path in quantile}
+    own = math.sqrt(max(1.0 - sum([weight**2 for weight in weights.values()]), 0.0))
+    scores = own * normal_quantile(quantile[fitted.path])
     for path, weight in weights.items():
         scores = scores + weight * normal_quantile(quantile[path])
     return np.array([NORMAL.cdf(score) for score in scores.ravel().tolist()]).reshape(scores.shape)
@@ -281,11 +274,11 @@ def _mixed(one: UncertainInput, quantile: Mapping[str, Array]) -> Array:
 
 def nominal(inputs: Sequence[UncertainInput]) -> Array:
     """Return the nominal values in the order of the drawn numbers, shape (1, numbers drawn)."""
-    return np.array([[one.value.si for one in inputs for _ in range(one.count)]])
+    return np.array([[row.value.si for row in inputs for _ in range(row.count)]])
 
 
 def drawn_case(case: Case, inputs: Sequence[UncertainInput], numbers: Sequence[float]) -> Case:
-    """Return a case with what was drawn instead of what has a tolerance; strikers get rows of their own.
+    """Return a case with drawn values in the place of uncertain ones; strikers get rows of their own.
 
     Examples
     --------
@@ -299,34 +292,31 @@ def drawn_case(case: Case, inputs: Sequence[UncertainInput], numbers: Sequence[f
     once: dict[str, Value] = {}
     of_materials: dict[str, Value] = {}
     left = iter(numbers)
-    for one in inputs:
-        for number in one.strikers:
-            own.setdefault(number, {})[OF_EACH_STRIKER[one.path]] = _exactly(one, next(left))
-        if not one.strikers:
-            (of_materials if one.sets else once).update(dict.fromkeys(one.fields, _exactly(one, next(left))))
-    changed = case.with_values(once, keep_tolerances=False)
-    changed = with_quantities(changed, of_materials)
-    return changed.model_copy(update={"striker": _with_rows(changed.rotary_tables().striker, own)}) if own else changed
-
-
-def _with_rows(striker: Any, own: dict[int, dict[str, Value]]) -> Any:
-    """Return [striker] with values of single strikers in its rows."""
+    for source in inputs:
+        for number in source.strikers:
+            own.setdefault(number, {})[OF_EACH_STRIKER[source.path]] = _exactly(source, next(left))
+        if not source.strikers:
+            (of_materials if source.sets else once).update(dict.fromkeys(source.fields, _exactly(source, next(left))))
+    changed = with_quantities(case.with_values(once, keep_tolerances=False), of_materials)
+    if not own:
+        return changed
+    striker = changed.rotary_tables().striker
     rows = {int(row.number.si): row for row in striker.each}
     for number, values in own.items():
         row = rows.get(number) or OwnStriker(number=Value(si=float(number), typed=number))
         rows[number] = row.model_copy(update=values)
-    return striker.model_copy(update={"each": tuple(rows[number] for number in sorted(rows))})
+    each = tuple([rows[number] for number in sorted(rows)])
+    return changed.model_copy(update={"striker": striker.model_copy(update={"each": each})})
 
 
-def _exactly(one: UncertainInput, number: float) -> Value:
+def _exactly(source: UncertainInput, number: float) -> Value:
     """Return a drawn number as a value without tolerance that reads back bit for bit."""
     number = float(number)
-    typed = f"{number!r} {one.allowed.unit}" if one.allowed.unit in DIMENSIONS else number
-    return Value(si=number, typed=typed, provenance=one.value.provenance, note=one.value.note)
+    typed = f"{number!r} {source.allowed.unit}" if source.allowed.unit in DIMENSIONS else number
+    return Value(si=number, typed=typed, provenance=source.value.provenance, note=source.value.note)
 
 
-STEPS = 10
-"""Halvings by which the end of what is allowed is found: to a thousandth of the side of a range."""
+STEPS = 10  # halvings by which the end of an allowed range is found: to a thousandth of its side
 
 
 def allowed_inputs(
@@ -341,22 +331,22 @@ def allowed_inputs(
     inputs : sequence of UncertainInput
         Inputs, and the ranges within which they move.
     build : callable
-        Makes of a case what runs, and raises where parts of it do not go together.
+        Builds the parts of a case, and raises where they do not go together.
 
     Examples
     --------
     >>> from strikewave import load_case
     >>> from strikewave.analyses.machine.build import build_machine
-    >>> from strikewave.uncertainty.known import known_inputs
+    >>> from strikewave.uncertainty.input_ranges import known_inputs
     >>> pad = ["contact.cushion.retardation=20 us", "contact.restitution=1"]
     >>> case = load_case("iec-60068-2-27-rubber", pad)
     >>> known = known_inputs(case)
-    >>> sorted({one.path for one in known} - {one.path for one in allowed_inputs(case, known, build_machine)})
+    >>> sorted({row.path for row in known} - {row.path for row in allowed_inputs(case, known, build_machine)})
     ['contact.restitution']
     """
 
     def goes(moved: UncertainInput, number: float) -> bool:
-        columns = {one.path: np.full((1, one.count), one.value.si) for one in inputs}
+        columns = {row.path: np.full((1, row.count), row.value.si) for row in inputs}
         columns[moved.path][:] = number
         try:
             build(drawn_case(case, inputs, together(inputs, columns)[0].tolist()))
@@ -364,23 +354,23 @@ def allowed_inputs(
             return False
         return True
 
-    def end(one: UncertainInput, wanted: float) -> float:
-        if goes(one, wanted):
+    def end(moved: UncertainInput, wanted: float) -> float:
+        if goes(moved, wanted):
             return wanted
-        good, bad = one.value.si, wanted
+        good, bad = moved.value.si, wanted
         for _ in range(STEPS):
             middle = 0.5 * (good + bad)
-            good, bad = (middle, bad) if goes(one, middle) else (good, middle)
+            good, bad = (middle, bad) if goes(moved, middle) else (good, middle)
         return good
 
     if not inputs or not goes(inputs[0], inputs[0].value.si):
         return tuple(inputs)
-    kept = []
-    for one in inputs:
-        low, high = end(one, one.low), end(one, one.high)
-        if (low, high) == (one.low, one.high):
-            kept.append(one)
+    allowed = []
+    for row in inputs:
+        low, high = end(row, row.low), end(row, row.high)
+        if (low, high) == (row.low, row.high):
+            allowed.append(row)
         elif high > low:
-            reason = f"{one.reason}; as far as the case allows"
-            kept.append(dataclasses.replace(one, low=low, high=high, reason=reason))
-    return tuple(kept)
+            reason = f"{row.reason}; as far as the case allows"
+            allowed.append(dataclasses.replace(row, low=low, high=high, reason=reason))
+    return tuple(allowed)

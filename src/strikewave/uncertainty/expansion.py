@@ -1,4 +1,4 @@
-"""A sparse polynomial fit to runs at drawn inputs: it tells how much of the variance each input makes.
+"""A sparse polynomial fit to runs at drawn inputs, which gives the share of each input in the variance.
 
 The result is written as a sum of products of polynomials, each in one number drawn, orthonormal under its distribution:
 the coefficients squared are then shares of the variance (Sudret 2008), whatever the sample. Of many candidate terms a
@@ -32,12 +32,9 @@ COST = 3.0
 """Cost of a chosen term in the cross-validation, in free parameters (Friedman 1991 recommends 2 to 4)."""
 MOST_TERMS = 40
 """Most terms: with three parameters each, 128 runs never keep as many."""
-PATIENCE = 6
-"""Terms that may come without any gain before the search ends."""
-DEPENDENT = 1e-6
-"""A candidate of which less than this share of its square is new adds nothing but rounding."""
-NOTHING_LEFT = 1e-24
-"""Share of the variance below which what is left is rounding."""
+PATIENCE = 6  # terms without any gain before the search ends: chosen, so that one accident does not end it
+DEPENDENT = 1e-6  # a candidate of which less than this share of its square is new adds nothing but rounding
+NOTHING_LEFT = 1e-24  # share of the variance below which the residual is rounding: the square of 1e-12
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 
 
@@ -81,7 +78,7 @@ class Expansion:
         return 1.0 - self.error / self.variance if self.variance > 0.0 else 1.0
 
     def at(self, polynomials: Array) -> Array:
-        """Return the fit at points, of which the polynomials are known."""
+        """Return the fit at the points of some polynomials."""
         values = np.full(polynomials.shape[1], self.coefficients[0])
         for term, coefficient in zip(self.terms, self.coefficients[1:], strict=True):
             values += coefficient * _column(polynomials, term)
@@ -125,30 +122,30 @@ def polynomials_at(inputs: Sequence[UncertainInput], points: Array, needed: Coll
     Examples
     --------
     >>> from strikewave.base.quantities import Range, Value
-    >>> one = UncertainInput("x", Value(si=0.5, typed=0.5), Range(""), 0.0, 1.0)
-    >>> polynomials_at([one], np.array([[0.0], [1.0]]))[0].round(4).tolist()
+    >>> x = UncertainInput("x", Value(si=0.5, typed=0.5), Range(""), 0.0, 1.0)
+    >>> polynomials_at([x], np.array([[0.0], [1.0]]))[0].round(4).tolist()
     [[-1.7321, 2.2361, -2.6458, 3.0], [1.7321, 2.2361, 2.6458, 3.0]]
     """
-    found, place = np.zeros((points.shape[1], len(points), DEGREE)), 0
-    for one in inputs:
-        places = range(place, place + one.count)
-        place += one.count
-        if needed is not None and not any(k in needed for k in places):
+    values, place = np.zeros((points.shape[1], len(points), DEGREE)), 0
+    for row in inputs:
+        places = range(place, place + row.count)
+        place += row.count
+        if needed is not None and not set(needed) & set(places):
             continue
-        nodes = np.vander(_standard(one, 0.5 * (_NODES + 1.0)), DEGREE + 1, increasing=True)
+        nodes = np.vander(_standard(row, 0.5 * (_NODES + 1.0)), DEGREE + 1, increasing=True)
         triangle = np.linalg.qr(np.sqrt(0.5 * _WEIGHTS)[:, None] * nodes, mode="r")
         triangle *= np.sign(np.diag(triangle))[:, None]
         for k in places:
-            powers = np.vander(_standard(one, points[:, k]), DEGREE + 1, increasing=True)
-            found[k] = np.linalg.solve(triangle.T, powers.T).T[:, 1:]
-    return found
+            powers = np.vander(_standard(row, points[:, k]), DEGREE + 1, increasing=True)
+            values[k] = np.linalg.solve(triangle.T, powers.T).T[:, 1:]
+    return values
 
 
-def _standard(one: UncertainInput, quantile: Array) -> Array:
+def _standard(source: UncertainInput, quantile: Array) -> Array:
     """Return an input at quantiles in units of its width, in which results are smooth."""
-    if one.shape != "normal":
+    if source.shape != "normal":
         return 2.0 * quantile - 1.0
-    return (one.at(quantile) - one.value.si) / one.deviation
+    return (source.at(quantile) - source.value.si) / source.deviation
 
 
 def fit_expansion(polynomials: Array, results: Array) -> Expansion:
@@ -183,18 +180,21 @@ def fit_expansion(polynomials: Array, results: Array) -> Expansion:
     terms = [term for term in alone if term[0][0] in active or term[0][1] <= 2] + [
         ((a, p), (b, q)) for a, b in combinations(active[:TOGETHER], 2) for p, q in ((1, 1), (1, 2), (2, 1))
     ]
-    found = _select(_columns(polynomials, terms), results)
-    if first.error <= found.error:
-        terms, found = alone, first
-    kept = tuple(terms[k] for k in found.chosen)
-    matrix = np.column_stack([np.ones(runs), *(_column(polynomials, term) for term in kept)])
+    best = _select(_columns(polynomials, terms), results)
+    if first.error <= best.error:  # pairs explain nothing more
+        terms, best = alone, first
+    chosen = tuple([terms[k] for k in best.chosen])
+    matrix = np.column_stack([np.ones(runs), _columns(polynomials, chosen)]) if chosen else np.ones((runs, 1))
     coefficients = np.asarray(np.linalg.lstsq(matrix, results, rcond=None)[0], dtype=np.float64)
-    return Expansion(kept, coefficients, found.error, found.left_out)
+    return Expansion(chosen, coefficients, best.error, best.left_out)
 
 
 def _column(polynomials: Array, term: Term) -> Array:
     """Return a term at the points."""
-    return np.asarray(np.prod([polynomials[place, :, degree - 1] for place, degree in term], axis=0))
+    column = np.ones(polynomials.shape[1])
+    for place, degree in term:
+        column = column * polynomials[place, :, degree - 1]
+    return column
 
 
 def _columns(polynomials: Array, terms: Sequence[Term]) -> Array:

@@ -18,8 +18,7 @@ from strikewave.base.processes import OTHERS, end_after
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-MOST_THREADS = 8
-"""Most threads: what is not compiled, a tenth of a run, keeps them from gaining by more."""
+MOST_THREADS = 8  # the part of a run that is not compiled, a tenth, keeps more threads from gaining
 
 
 def on_threads(
@@ -71,7 +70,7 @@ def on_threads(
 
 
 def why_failed(function: Callable[[Item], object], items: Sequence[Item], results: Sequence[object | None]) -> str:
-    """Return in one line why the first item without a result could not be computed; empty where all could.
+    """Return the fault of the first item without a result in one line; empty where all have one.
 
     Examples
     --------
@@ -98,7 +97,7 @@ def or_none(function: Callable[[Item], Result], item: Item) -> Result | None:
 
 @contextlib.contextmanager
 def computed_beside(function: Callable[[], Result]) -> Iterator[Callable[[], Result | None]]:
-    """Let a copy of this process compute what will be needed later, while the block runs.
+    """Let a copy of this process compute a later result while the block runs.
 
     Gives a function that waits for the result. It returns None where no copy is made, or the copy failed: then compute
     it here. Copies are made on Linux, on more than one processor, while this process has one thread. The copy ends

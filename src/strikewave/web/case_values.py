@@ -20,7 +20,7 @@ from strikewave.cases.tables.fem import FilePart
 from strikewave.reporting.numbers import round_step
 from strikewave.reporting.shown_result import ShownResult
 from strikewave.uncertainty.draws import range_of
-from strikewave.uncertainty.known import field_of, known_inputs
+from strikewave.uncertainty.input_ranges import field_of, known_inputs
 from strikewave.web.case_state import CaseSource, EditedField, ListedStack, StackRow
 
 

@@ -21,7 +21,7 @@ from strikewave.studies.fit.targets import parse_target, read_targets
 from strikewave.studies.simulation import Simulation, quick_case
 from strikewave.uncertainty.bands import latin_hypercube
 from strikewave.uncertainty.draws import drawn
-from strikewave.uncertainty.known import FITTED_BASIS, known_inputs
+from strikewave.uncertainty.input_ranges import FITTED_BASIS, known_inputs
 
 DROP = "jesd22-b111-b"
 FIELDS = ("contact.reference_force", "contact.restitution")

@@ -33,7 +33,7 @@ from strikewave.machines.blows import pulse_window
 from strikewave.machines.fast_run import TrainBlow, fast_train, why_not
 from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube, moved
 from strikewave.uncertainty.draws import FELT, UncertainInput, allowed_inputs, drawn, drawn_case
-from strikewave.uncertainty.known import known_inputs
+from strikewave.uncertainty.input_ranges import known_inputs
 from strikewave.uncertainty.runs import on_threads, why_failed
 
 Array = NDArray[np.float64]

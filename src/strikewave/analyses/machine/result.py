@@ -559,14 +559,11 @@ def blow_results(run_blows: Sequence[TimedBlow]) -> dict[str, float]:
     >>> list(blow_results(run_case(load_case("jesd22-b111-b")).blows))
     ['first.rigid_peak', 'first.width', 'first.velocity_change']
     """
-    struck = struck_blows(run_blows)
-    if not struck:
-        return {}
-    later, results = typical_blows(struck), dict[str, float]()
-    for name in OF_A_BLOW:
-        results[f"first.{name}"] = float(getattr(struck[0], name))
-        if later:
-            results[f"typical.{name}"] = median([float(getattr(blow, name)) for blow in later])
+    struck, results = struck_blows(run_blows), dict[str, float]()
+    later = typical_blows(struck)
+    for group, blows in (("first", struck[:1]), ("typical", later)):
+        for name in OF_A_BLOW if blows else ():
+            results[f"{group}.{name}"] = median([float(getattr(blow, name)) for blow in blows])
     if len(struck) > 1:
         times = [blow.time for blow in struck]
         results["interval"] = median(map(operator.sub, times[1:], times))

@@ -26,7 +26,7 @@ from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest, measure_pulse
 from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube
 from strikewave.uncertainty.draws import allowed_inputs, drawn, drawn_case
-from strikewave.uncertainty.known import known_inputs
+from strikewave.uncertainty.input_ranges import known_inputs
 from strikewave.uncertainty.runs import on_threads, why_failed
 from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Stack, Tap, run_bar
 from strikewave.waves.li_ma import EXACT, ROUTES, RouteHistory, route_history, specimen_of, too_thin

@@ -19,7 +19,7 @@ from strikewave.studies.axes import Axis, units_of
 from strikewave.studies.engine.plan import read_ends
 from strikewave.studies.simulation import Simulation
 from strikewave.uncertainty.draws import allowed_at, range_of
-from strikewave.uncertainty.known import field_of
+from strikewave.uncertainty.input_ranges import field_of
 from strikewave.waves.spectral import is_linear
 from strikewave.waves.transit import WaveSetup, wave_setup
 

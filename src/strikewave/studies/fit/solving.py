@@ -21,7 +21,7 @@ from strikewave.studies.fit.free_fields import FreeField, case_at
 from strikewave.studies.fit.measured import MeasuredPulse
 from strikewave.studies.fit.problem import AS_STATED, Misfit, Problem
 from strikewave.studies.simulation import Simulation, number_units
-from strikewave.uncertainty.known import LEAST
+from strikewave.uncertainty.input_ranges import LEAST
 
 Array = NDArray[np.float64]
 

@@ -29,7 +29,7 @@ from strikewave.studies.fit.problem import Experiment
 from strikewave.studies.simulation import Simulation, checked_number, number_units, quick_case
 from strikewave.studies.study_file import stated_at
 from strikewave.uncertainty.draws import range_of
-from strikewave.uncertainty.known import LEAST, MOST, half_a_digit
+from strikewave.uncertainty.input_ranges import LEAST, MOST, half_a_digit
 
 MOST_RECORDS = 200
 """Most records of a fit: each of them is read, and aligned at each run."""

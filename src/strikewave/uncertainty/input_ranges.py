@@ -1,4 +1,4 @@
-"""What is known of each input of a case: as it states, or a default that its provenance and its field call for.
+"""The range of each input of a case: as stated, or a default by its provenance and its field.
 
 A stated tolerance counts as it stands. Without one, what was measured, published, or typed by the user is known to half
 a unit of its last digit, and to 1 % at best; what was inferred, fitted or assumed to the share of `DEFAULTS`. A field
@@ -60,8 +60,7 @@ BY_DIGITS = ("measured", "published", "user")
 UNKNOWN = ("assumed", "user")
 """Provenances of values that are in their plausible range at least, where the field has one."""
 UNIFORM: Shape = "uniform"
-JITTER = 1e-9
-"""Amount added to the variances of a correlation, so that two inputs that always go together have a factor."""
+JITTER = 1e-9  # added to the variances of a correlation, so that two inputs that always go together have a factor
 
 
 def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInput, ...]:
@@ -77,7 +76,7 @@ def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInp
     Examples
     --------
     >>> from strikewave import load_case
-    >>> known = {one.path: one for one in known_inputs(load_case("li-ma-2019", ["machine.engagement=5 mm"]))}
+    >>> known = {row.path: row for row in known_inputs(load_case("li-ma-2019", ["machine.engagement=5 mm"]))}
     >>> engagement = known["machine.engagement"]
     >>> engagement.basis, round(engagement.low, 6), round(engagement.high, 6)
     ('plausible range', 0.0025, 0.0075)
@@ -88,15 +87,15 @@ def known_inputs(case: Case, tables: Sequence[str] = FELT) -> tuple[UncertainInp
     for path, value in sorted(case.with_stale_fits_assumed().values().items()):
         if path.partition(".")[0] in tables:
             is_fitted = path in fitted and value.provenance == "fitted" and value.tolerance is None
-            one = fitted[path] if is_fitted else known_input(case, path, value)
-            one = _going_with(one, goes_with) if one is not None else None
-            if one is not None and one.high > one.low:
-                inputs.append(one)
+            known = fitted[path] if is_fitted else known_input(case, path, value)
+            if known is not None:
+                known = _going_with(known, goes_with)
+                inputs += [known] * (known.high > known.low)
     return (*inputs, *_material_inputs(case, tables), *_pressure_inputs(case, tables))
 
 
 def _material_inputs(case: Case, tables: Sequence[str]) -> Iterator[UncertainInput]:
-    """Yield what is known of the numbers that named materials stand for, each drawn once for all parts that take it."""
+    """Yield the numbers that named materials stand for, each drawn once for all parts that take it."""
     for path, number in sorted(named_numbers(case).items()):
         fields = tuple(field for field in number.fields if field.partition(".")[0] in tables)
         if not fields or field_of(case, fields[0]) in NOT_MOVED:
@@ -114,7 +113,7 @@ def _material_inputs(case: Case, tables: Sequence[str]) -> Iterator[UncertainInp
 
 
 def _pressure_inputs(case: Case, tables: Sequence[str]) -> Iterator[UncertainInput]:
-    """Yield what is known of the pressures at which contacts yield that follow from named materials."""
+    """Yield the pressures at which contacts yield that follow from named materials."""
     for path, pressure in automatic_pressures(case).items():
         if path.partition(".")[0] in tables:
             value = Value(si=pressure.best, typed=f"{pressure.best / 1e9:.4g} GPa", provenance="inferred")
@@ -133,47 +132,47 @@ def _pressure_inputs(case: Case, tables: Sequence[str]) -> Iterator[UncertainInp
 
 def _fitted_inputs(case: Case) -> dict[str, UncertainInput]:
     """Return the inputs whose fit says how well it fixes them, normal and correlated as it says, by path."""
-    found, values = dict[str, UncertainInput](), case.values()
+    inputs, values = dict[str, UncertainInput](), case.values()
     for fit in case.fit:
-        paths = [path for path in fit.standard_error if path in values]
-        rows = np.array(fit.correlation) if fit.correlation else np.eye(len(fit.standard_error))
+        order = list(fit.standard_error)
+        rows = np.array(fit.correlation) if fit.correlation else np.eye(len(order))
         factor = np.linalg.cholesky(rows + JITTER * np.eye(len(rows)))
         factor = factor / np.linalg.norm(factor, axis=1, keepdims=True)
-        order = list(fit.standard_error)
-        for path in paths:
+        for place, path in enumerate(order):
+            if path not in values:
+                continue
             allowed, value = range_of(case, path), values[path]
             error = Range(allowed.unit).read(fit.standard_error[path]).si
             reach = error * TRUNCATION
             low, high = within(allowed, value.si - reach, value.si + reach)
-            place = order.index(path)
             weights = tuple((order[k], float(factor[place, k])) for k in range(place) if factor[place, k])
             reason = f"fitted to {fit.to}" if fit.to else "fitted"
-            found[path] = UncertainInput(
+            inputs[path] = UncertainInput(
                 path, value, allowed, low, high, "normal", error, FITTED_BASIS, reason, fitted_with=weights
             )
-    return found
+    return inputs
 
 
-def _going_with(one: UncertainInput, goes_with: Mapping[str, GoesWith]) -> UncertainInput:
-    """Return an input as it goes with others: what was computed from the same drawing is not wrong apart from them.
+def _going_with(known: UncertainInput, goes_with: Mapping[str, GoesWith]) -> UncertainInput:
+    """Return an input with the others from the same drawing, which err together with it.
 
-    A measured quantity, or one with a tolerance of its own, does not go with them: it was found apart from them.
+    A measured quantity, or one with a tolerance of its own, errs apart from them.
     """
-    others = goes_with.get(one.path)
-    if others is None or one.basis == STATED or one.value.provenance == "measured":
-        return one
+    others = goes_with.get(known.path)
+    if others is None or known.basis == STATED or known.value.provenance == "measured":
+        return known
     names = ", ".join(path.rpartition(".")[2] for path in others.powers)
     return dataclasses.replace(
-        one,
-        low=max(one.low, others.least),
-        high=max(one.high, others.least),
-        reason=f"{one.reason}; at the values of {names} in the case, with which it changes",
+        known,
+        low=max(known.low, others.least),
+        high=max(known.high, others.least),
+        reason=f"{known.reason}; at the values of {names} in the case, with which it changes",
         goes_with=tuple(others.powers.items()),
     )
 
 
 def known_input(case: Case, path: str, value: Value) -> UncertainInput | None:
-    """Return what is known of one quantity of a case; None where it is a choice, or 0 without a range of its own."""
+    """Return the range of a quantity of a case; None where it is a choice, or 0 without a range of its own."""
     allowed, field = range_of(case, path), field_of(case, path)
     if allowed.unit == "count" or field in NOT_MOVED:
         return None
@@ -181,10 +180,13 @@ def known_input(case: Case, path: str, value: Value) -> UncertainInput | None:
     if strikers == ():
         return None
     plausible = PLAUSIBLE.get(field)
-    unknown = plausible is not None and value.provenance in UNKNOWN
     by_tolerance = None if value.tolerance is None else stated(path, value, allowed, strikers or ())
-    if plausible is not None and unknown:
-        by_field = _plausible(path, value, allowed, plausible, strikers or ())
+    if plausible is not None and value.provenance in UNKNOWN:
+        low, high, shape = _plausible_ends(value, allowed, plausible)
+        each = (strikers or ()) if plausible.each else ()  # what is unknown of all strikers is drawn once
+        by_field = UncertainInput(
+            path, value, allowed, low, high, shape, basis=PLAUSIBLE_BASIS, reason=plausible.reason, strikers=each
+        )
         if by_tolerance is None or (by_field.width > by_tolerance.width and not plausible.each):
             return by_field
     if by_tolerance is not None or value.si == 0.0:
@@ -205,18 +207,16 @@ def field_of(case: Case, path: str) -> str:
     'stack.joint.stiffness'
     """
     table, *places = path.split(".")
-    part, kept, place = getattr(case, table), [table], 0
-    while place < len(places):
+    part, keys = getattr(case, table), [table]
+    for place in places:
         if isinstance(part, tuple):
-            part = next(row for k, row in enumerate(part) if row_name(row, k) == places[place])
+            part = next(row for k, row in enumerate(part) if row_name(row, k) == place)
         else:
-            part = getattr(part, places[place])
-            kept.append(places[place])
-        place += 1
-    field = ".".join(kept)
+            part = getattr(part, place)
+            keys.append(place)
+    field = ".".join(keys)
     if field.startswith("striker.each."):
-        key = kept[-1]
-        return next((of_all for of_all, own in OF_EACH_STRIKER.items() if own == key), field)
+        return next((of_all for of_all, own in OF_EACH_STRIKER.items() if own == keys[-1]), field)
     return field
 
 
@@ -246,17 +246,6 @@ def half_a_digit(typed: str | float) -> float:
     mantissa = "" if parts is None else parts.number.lower().partition("e")[0].lstrip("+-")
     number = float(mantissa or 0.0)
     return 0.5 * 10.0 ** -len(mantissa.partition(".")[2]) / number if number else 0.0
-
-
-def _plausible(
-    path: str, value: Value, allowed: Range, plausible: PlausibleRange, strikers: tuple[int, ...]
-) -> UncertainInput:
-    """Return a quantity within the plausible range of its field; what is unknown of all strikers is drawn once."""
-    low, high, shape = _plausible_ends(value, allowed, plausible)
-    of = strikers if plausible.each else ()
-    return UncertainInput(
-        path, value, allowed, low, high, shape, basis=PLAUSIBLE_BASIS, reason=plausible.reason, strikers=of
-    )
 
 
 def _plausible_ends(value: Value, allowed: Range, plausible: PlausibleRange) -> tuple[float, float, Shape]:
