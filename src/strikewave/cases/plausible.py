@@ -1,8 +1,8 @@
 """What is plausible of the fields that nobody can weigh or read off, and which fields a band leaves alone.
 
 A stiffness of a joint, a damping, a restitution or an engagement stands in a case as one number, yet nobody knows it
-so well. Here each of them has the range that it may have about the number that stands there, with its reason; a value
-in the middle of a range is as likely as one at its end. `strikewave.uncertainty.input_ranges` says when the range counts.
+so well. Here each has the range that it may have about that number, with its reason; a value in the middle of a range is
+as likely as one at its end. `strikewave.uncertainty.input_ranges` says when the range counts.
 
 A path names tables and key without the names of rows: ``stack.joint.stiffness`` is that of every joint.
 """

@@ -136,9 +136,7 @@ def find_band(sample: Sample, results: Array, level: float = LEVEL) -> FoundBand
     fitted = fit.explained >= SMOOTH
     low, high = _quantiles(sample.draws(fit) if fitted else results, level)
     if fit.explained < RANKED_BELOW:
-        ranks = np.empty(len(results))
-        ranks[np.argsort(results, kind="stable")] = np.arange(len(results))
-        of_ranks = fit_expansion(polynomials, normal_quantile((ranks + 0.5) / len(results)))
+        of_ranks = fit_expansion(polynomials, _normal_scores(results))
         fit, ranked = (of_ranks, True) if of_ranks.explained > fit.explained else (fit, False)
     shares, errors = fit.shares(sample.owners), fit.share_errors(sample.owners, len(results))
     largest = sorted(shares.items(), key=lambda item: -item[1])[:INPUTS]
@@ -151,6 +149,13 @@ def _quantiles(values: Array, level: float) -> tuple[float, float]:
     place = np.array([0.5 * (1.0 - level), 0.5 * (1.0 + level)]) * (len(values) + 1) - 1.0
     low, high = np.interp(place, np.arange(len(values)), np.sort(values))
     return float(low), float(high)
+
+
+def _normal_scores(results: Array) -> Array:
+    """Return the normal quantile of the rank of each result."""
+    ranks = np.empty(len(results))
+    ranks[np.argsort(results, kind="stable")] = np.arange(len(results))
+    return normal_quantile((ranks + 0.5) / len(results))
 
 
 def find_bands(sample: Sample, results: Mapping[str, Array], method: BandMethod) -> tuple[dict[str, Band], BandMethod]:
