@@ -53,10 +53,8 @@ from strikewave.cases.tables.machine_kinds import AnyMachine
 from strikewave.cases.tables.stack import LoadTable, RecorderTable, SensorTable, StackTable, TapTable
 
 T = TypeVar("T", LoadTable, FilePart)
-SCHEMA = 1
-"""Version of case files: it rises when a field changes its meaning or goes."""
-LONGEST_REASON = 120
-"""Characters of what the TOML reader says: a line of a terminal."""
+SCHEMA = 1  # version of case files: it rises when a field changes its meaning or goes
+LONGEST_REASON = 120  # characters of a message of the TOML reader: a line of a terminal
 TABLES = (
     *("machine", "striker", "feed", "object", "contact", "stack", "load", "tap", "sensor", "recorder", "solver"),
     *("mesh", "fem"),
@@ -75,7 +73,7 @@ DIFFERS = "the case differs in"
 
 
 class StrikeTables(NamedTuple):
-    """The tables that every machine case has: what meets, how, and what records it."""
+    """The tables that every machine case has: striker, object, contact and recorder."""
 
     striker: AnyStriker
     object: AnyObject
@@ -84,7 +82,7 @@ class StrikeTables(NamedTuple):
 
 
 class RotaryTables(NamedTuple):
-    """The tables of a rotary machine, all of them there."""
+    """The tables of a rotary machine, none of which is missing."""
 
     machine: RotaryTable
     striker: StrikerTable
@@ -158,47 +156,42 @@ class Case(CaseTable):
     def _strict(cls, raw: Any, info: ValidationInfo) -> Any:
         """Ask for every quantity, but in a machine without a drive.
 
-        Of a machine that is itself refused the kind is not known: there a key that only a rotary machine has tells.
+        Where the machine itself is refused its kind is unknown: a key that only a rotary machine has then decides.
         """
         if not isinstance(raw, Mapping) or info.field_name is None:
             return raw
         strict, loose = STRICT[info.field_name], LOOSE[info.field_name]
         rotary = isinstance(info.data.get("machine"), RotaryTable | None)
         if "machine" not in info.data:
-            rotary = any(key in strict.model_fields and key not in loose.model_fields for key in raw)
+            rotary = bool(raw.keys() & strict.model_fields.keys() - loose.model_fields.keys())
         return strict.model_validate(raw) if rotary else raw
 
     @model_validator(mode="after")
     def _whole(self) -> Case:
-        """Refuse a case without anything to run, and a machine without one of its tables."""
+        """Refuse a case without a whole machine, bar or mesh, and tables that do not apply."""
         self._check_what_runs()
-        self._check_what_does_not_apply()
+        if self.command == "fem" and self.solver != Solver():
+            raise InputError("solver", "[solver]", "none: a mesh alone is run by the controls of [fem]", "remove it")
+        if self.feed is not None and not self._may_be_fed():
+            raise InputError("feed", "[feed]", "none: nothing is fed in a machine without a drive", "remove it")
         for place, fit in enumerate(self.fit):
             check_fit(fit, FORM, f"fit.{place}")
         return self
 
     def _check_what_runs(self) -> None:
         """Refuse a case in which neither a machine, nor a bar, nor a mesh is there with all its tables."""
+        stated = [name for name in ROTARY_TABLES if getattr(self, name) is not None]
         lacking = [name for name in ("mesh", "fem") if getattr(self, name) is None]
         if len(lacking) == 1:
             examples = {"mesh": "[[mesh.part]], once for each part", "fem": '[fem] with its duration = "80 us"'}
             raise InputError(lacking[0], MISSING, examples[lacking[0]])
-        alone = not any(getattr(self, name) is not None for name in ROTARY_TABLES)
-        if alone and not self.stack.layer and lacking:
+        if not stated and not self.stack.layer and lacking:
             needed_tables = "[machine] with its tables, [[stack.layer]] with [load], or [mesh] with [fem]"
             raise InputError("case", MISSING, needed_tables)
-        if self.machine is not None or not (self.stack.layer or (alone and not lacking)):
-            needed = [name for name in ROTARY_TABLES if name != "feed" or self._may_be_fed()]
-            lines = [f"{name}: missing; add [{name}]" for name in needed if getattr(self, name) is None]
-            if lines:
-                raise InputErrors(lines)
-
-    def _check_what_does_not_apply(self) -> None:
-        """Refuse controls of a solver that does not run, and a feed where nothing is fed."""
-        if self.command == "fem" and self.solver != Solver():
-            raise InputError("solver", "[solver]", "none: a mesh alone is run by the controls of [fem]", "remove it")
-        if self.feed is not None and not self._may_be_fed():
-            raise InputError("feed", "[feed]", "none: nothing is fed in a machine without a drive", "remove it")
+        if self.machine is not None or not (self.stack.layer or (not stated and not lacking)):
+            missing = [name for name in ROTARY_TABLES if name not in stated and (name != "feed" or self._may_be_fed())]
+            if missing:
+                raise InputErrors([f"{name}: missing; add [{name}]" for name in missing])
 
     def _may_be_fed(self) -> bool:
         """Tell whether the machine has a drive, or is not there yet."""
@@ -206,14 +199,14 @@ class Case(CaseTable):
 
     @property
     def command(self) -> str:
-        """The command that runs it: "run" a machine, "wave" a bar alone, "fem" a mesh alone."""
+        """Command that runs it: "run" a machine, "wave" a bar alone, "fem" a mesh alone."""
         if self.machine is not None:
             return "run"
         return "fem" if self.fem is not None and not self.stack.layer else "wave"
 
     @property
     def time_zero(self) -> str:
-        """What the time of its results counts from, in words."""
+        """Zero of the time of its results, in words."""
         return "the start" if self.launched() else "the valve signal"
 
     def impact(self) -> StrikeTables:
@@ -267,30 +260,27 @@ class Case(CaseTable):
         """Return the fitted values whose fit no longer applies: a field that they were fitted under has changed."""
         if not self.fit:
             return []
-        values, entries, stale = self.values(), self.entries(), []
+        values, entries, stale = self.values(), self.entries(), list[StaleFit]()
         for fit in self.fit:
             changed = tuple(changed_since(fit, entries, values, FORM))
-            stale += [
-                StaleFit(path, fit.to, changed)
-                for path in fit.fields
-                if changed and path in values and values[path].provenance == "fitted"
-            ]
+            for path in fit.fields if changed else ():
+                if path in values and values[path].provenance == "fitted":
+                    stale.append(StaleFit(path, fit.to, changed))
         return stale
 
     def with_stale_fits_assumed(self) -> Case:
-        """Return the case as what is known of it today: a value whose fit no longer applies is assumed."""
-        values = self.values()
-        assumed: dict[str, Value] = {
-            one.field: values[one.field].model_copy(update={"provenance": "assumed", "note": one.since})
-            for one in self.stale_fits()
-        }
-        return self.with_values(assumed)
+        """Return the case with values assumed whose fit no longer applies."""
+        stale, values = self.stale_fits(), self.values()
+        assumed = {"provenance": "assumed"}
+        return self.with_values(
+            {fit.field: values[fit.field].model_copy(update={**assumed, "note": fit.since}) for fit in stale}
+        )
 
     def compared(self) -> list[Published]:
         """Return the published numbers that its results are compared with.
 
-        Those of the built-in case that a changed case comes from are no longer its own: they are shown only where it
-        asks for that by ``compare = true``. What it adds to them is its own.
+        A changed case shows those of the built-in case that it comes from only by ``compare = true``; numbers that it
+        adds to them are its own.
         """
         if self.compare is False:
             return []
@@ -300,11 +290,8 @@ class Case(CaseTable):
         if not changed:
             return list(listed)
         shown = {"role": "shown", "note": f"{DIFFERS} {', '.join(changed)}"}
-        return [
-            entry.model_copy(update=shown) if entry in theirs else entry
-            for entry in listed
-            if self.compare or entry not in theirs
-        ]
+        own = [entry for entry in listed if self.compare or entry not in theirs]
+        return [entry.model_copy(update=shown) if entry in theirs else entry for entry in own]
 
     def changed_fields(self) -> list[str]:
         """Return the paths whose values or choices differ from the built-in case that this one comes from.
@@ -406,7 +393,7 @@ def load_case(name: str, changes: Iterable[str] = ()) -> Case:
 
 
 def _with_whole_path(case: Case, place: Path) -> Case:
-    """Return a case whose files of load and mesh have their whole path: beside the case, or else from where we work."""
+    """Return a case whose files of load and mesh have absolute paths: beside the case, or in the working folder."""
     folder = place if place.is_dir() else place.parent
     if case.load is not None and case.load.file:
         case = case.model_copy(update={"load": _with_whole_file(case.load, folder)})
@@ -417,7 +404,7 @@ def _with_whole_path(case: Case, place: Path) -> Case:
 
 
 def _with_whole_file(table: T, folder: Path) -> T:
-    """Return a table whose ``file`` has its whole path, where there is such a file."""
+    """Return a table whose ``file`` has its absolute path, where there is such a file."""
     if "\0" in table.file:
         return table
     beside = folder / table.file
@@ -426,7 +413,7 @@ def _with_whole_file(table: T, folder: Path) -> T:
 
 
 def own_case(case: Case, name: str, origin: str) -> Case:
-    """Return a case of one's own that begins from another: it names the built-in one, whose numbers are not its own."""
+    """Return a case of one's own that begins from another, without the published numbers of the built-in one."""
     source = origin if origin in bundled_cases() else case.source
     theirs = _published_in(source)
     own = tuple(entry for entry in case.published if entry not in theirs)
@@ -443,10 +430,7 @@ def parse_case(text: str, name: str = "", changes: Iterable[str] = ()) -> Case:
 
 
 def _parse(text: str, name: str, changes: Iterable[str], built_in: bool = False, place: str = "") -> Case:
-    """Check the TOML text of a case; a built-in one says of every value itself where it comes from.
-
-    ``place`` is the path of its file, for an error.
-    """
+    """Check the TOML text of a case, whose values have their provenance in a built-in one; ``place`` names its file."""
     try:
         document = read_toml(text)
     except ValueError as error:
@@ -474,10 +458,9 @@ def _with_names_of_today(document: Mapping[str, Any]) -> tuple[str, ...]:
     parts = mesh.get("part") if isinstance(mesh, dict) else None
     for place, part in enumerate(parts if isinstance(parts, list) else ()):
         solid = part.get("solid") if isinstance(part, dict) else None
-        for before in RENAMED.keys() & solid.keys() if isinstance(solid, dict) else ():
-            solid.setdefault(RENAMED[before], solid[before])
-            if solid[RENAMED[before]] is solid[before]:  # a file with both names is refused: which counts is not known
-                del solid[before]
+        for before, now in RENAMED.items():
+            if isinstance(solid, dict) and before in solid and now not in solid:  # a solid with both names is refused
+                solid[now] = solid.pop(before)
                 older.append(f"mesh.part.{row_name(part, place)}.solid.{before}")
     for fit in fits if isinstance(fits, list) else ():
         for key in {"fields", "under", "standard_error"} & fit.keys() if isinstance(fit, dict) else ():
@@ -501,17 +484,16 @@ def _check_schema(document: Mapping[str, Any]) -> None:
     if isinstance(schema, bool) or not isinstance(schema, int) or schema < 1:
         raise InputError("schema", schema, f"schema = {SCHEMA}")
     if schema > SCHEMA:
-        raise InputError(
-            "schema", schema, f"at most {SCHEMA}", "this file was written for a newer strikewave; update it"
-        )
+        hint = "this file was written for a newer strikewave; update it"
+        raise InputError("schema", schema, f"at most {SCHEMA}", hint)
 
 
 NONE = "none"
-"""Stands for a field, or a table, that the case did not have when it was fitted."""
+"""Value of a field, or a table, that the case did not have when it was fitted."""
 
 
 class FitTable(CaseTable):
-    """[[fit]]: the ``fields`` fitted ``to`` what, and ``under`` which values of fields the result depends on.
+    """[[fit]]: the ``fields`` fitted ``to`` something, and the values of fields ``under`` which the fit holds.
 
     Among the fields of ``under`` are the fitted ones; "none" stands for a field or table that was left out. Where one
     differs, the fit no longer applies. ``standard_error`` holds that of each field that the data fix, and
@@ -527,7 +509,7 @@ class FitTable(CaseTable):
 
 
 class ChangedField(NamedTuple):
-    """A field that differs from what it was under a fit: its path, what it was then, what it is now, as typed."""
+    """A field that has changed since a fit: its path, its value then and its value now, as typed."""
 
     path: str
     then: str
@@ -536,7 +518,7 @@ class ChangedField(NamedTuple):
 
 @declare.dataclass
 class StaleFit:
-    """A value whose fit no longer applies: its path, what it was fitted to, and the fields that changed since."""
+    """A value whose fit no longer applies, the target of the fit, and the fields that changed since."""
 
     field: str = declare.word("path of the fitted value", column=KEY)
     to: str
@@ -544,28 +526,31 @@ class StaleFit:
 
     @declare.computed(declare.word("paths of the fields under which it was fitted and that differ now", key="changed"))
     def changed_paths(self) -> list[str]:
-        """The paths of what changed."""
+        """Paths of the changed fields."""
         return [change.path for change in self.changed]
 
     @property
     def since(self) -> str:
-        """That it no longer applies, and why, in words."""
+        """Reason why it no longer applies, in words."""
         listed = ", ".join(f"{path} ({now}, then {then})" for path, then, now in self.changed)
         return f"fit no longer applies: {listed} changed"
 
 
 def check_fit(fit: FitTable, form: Form, path: str) -> None:
-    """Refuse a fit that names what is no field, or gives one what it cannot be."""
+    """Refuse a fit that names an unknown field, or gives a field a value that it cannot have."""
     for name in fit.fields:
         if form.range_at(name.split(".")) is None:
             raise InputError(f"{path}.fields", name, f"a quantity of the {form.name}", _like(name, form))
     for name, size in fit.standard_error.items():
         if name not in fit.fields:
             raise InputError(f"{path}.standard_error", name, "one of its fields", nearest(name, fit.fields))
-        _check_error(f"{path}.standard_error.{name}", form, name, size)
+        allowed = form.range_at(name.split("."))
+        try:
+            Range("" if allowed is None else allowed.unit, 0.0, open_low=True).read(size)
+        except InputError as wrong:
+            raise wrong.at(f"{path}.standard_error.{name}") from None
     rows, count = fit.correlation, len(fit.standard_error)
-    square = len(rows) == count and all(len(row) == count for row in rows)
-    if rows and not (square and _is_correlation(rows)):
+    if rows and not ({len(rows), *map(len, rows)} == {count} and _is_correlation(rows)):
         words = f"{count} rows of {count} numbers from -1 to 1, those of a correlation of the standard errors"
         raise InputError(f"{path}.correlation", str(rows), words)
     for name, then in fit.under.items():
@@ -578,16 +563,6 @@ def check_fit(fit: FitTable, form: Form, path: str) -> None:
                 allowed.read(then)
             except InputError as error:
                 raise error.at(f"{path}.under.{name}") from None
-
-
-def _check_error(path: str, form: Form, name: str, error: str | int | float) -> None:
-    """Refuse a standard error that is none above 0 in the unit of its field."""
-    allowed = form.range_at(name.split("."))
-    unit = "" if allowed is None else allowed.unit
-    try:
-        Range(unit, 0.0, open_low=True).read(error)
-    except InputError as wrong:
-        raise wrong.at(path) from None
 
 
 def _is_correlation(rows: tuple[tuple[float, ...], ...]) -> bool:
@@ -607,19 +582,7 @@ def _like(name: str, form: Form) -> str:
 def changed_since(
     fit: FitTable, entries: Mapping[str, float | str], values: Mapping[str, Value], form: Form
 ) -> Iterator[ChangedField]:
-    """Yield the fields that differ from what they were under a fit.
-
-    Parameters
-    ----------
-    fit : FitTable
-        A checked one.
-    entries : mapping of str to float or str
-        Every quantity (SI) and choice of the case now.
-    values : mapping of str to Value
-        Every quantity of the case now.
-    form : Form
-        Form of the case.
-    """
+    """Yield the fields that have changed since a checked fit, by the quantities and choices of the case now."""
     for path, then in fit.under.items():
         now = entries.get(path)
         if then == NONE and now is None:
@@ -631,7 +594,7 @@ def changed_since(
 
 
 def _same(now: float | str, then: str | float, path: str, form: Form) -> bool:
-    """Tell whether an entry, in SI or a choice, is what was typed then."""
+    """Tell whether an entry, in SI or a choice, equals the text typed then."""
     if isinstance(now, str):
         return now == then
     allowed = form.range_at(path.split("."))
@@ -639,8 +602,7 @@ def _same(now: float | str, then: str | float, path: str, form: Form) -> bool:
     return isinstance(read, Value) and math.isclose(read.si, now, rel_tol=SAME)
 
 
-LISTED = 3
-"""Fields that a notice names; the report names all."""
+LISTED = 3  # fields that a notice names: more would not fit a line, and the report names all
 
 
 def comparisons(case: Case, computed: Callable[[Published], float | None]) -> tuple[Comparison, ...]:
@@ -664,7 +626,7 @@ def comparisons(case: Case, computed: Callable[[Published], float | None]) -> tu
 
 
 def origin_notices(case: Case) -> Iterator[Notice]:
-    """Report older names of fields, and what a case no longer has of its source: published numbers, and fits."""
+    """Report older names of fields, and the published numbers and fits of its source that no longer hold."""
     for path in case._older_names:
         now = RENAMED[path.rpartition(".")[2]]
         message = f"{path} is called {now} now, and is read as that: write {now} in the case file"
@@ -679,8 +641,8 @@ def origin_notices(case: Case) -> Iterator[Notice]:
         yield Notice("changed-case", message, float(len(changed)), 0.0, severity=INFO)
     stale = case.stale_fits()
     if stale:
-        paths = list(dict.fromkeys(change.path for one in stale for change in one.changed))
-        fields = ", ".join(one.field for one in stale)
+        paths = list(dict.fromkeys([change.path for fit in stale for change in fit.changed]))
+        fields = ", ".join([fit.field for fit in stale])
         message = (
             f"the fit of {fields} no longer applies: it was made under another {first_few(paths, LISTED)}; fit again, "
             "with records of both to have it for both, or take them as assumed"
@@ -701,42 +663,39 @@ def document_of(case: Case) -> dict[str, Any]:
     document: dict[str, Any] = {key: value for key, value in head.items() if value}
     if case.compare is not None:
         document["compare"] = case.compare
-    if case.test.stated():
-        document["test"] = case.test.stated()
+    document["test"] = case.test.stated()
     for table in case.tables():
-        rows = _document(getattr(case, table))
-        if rows:
-            document[table] = rows
-    published = [
+        document[table] = _document(getattr(case, table))
+    document["fit"] = [_fit_document(fit) for fit in case.fit]
+    document["published"] = [
         {key: value.typed if isinstance(value, Value) else value for key, value in entry if value != ""}
         for entry in case.published
     ]
-    fits = [_fit_document(fit) for fit in case.fit]
-    return document | ({"fit": fits} if fits else {}) | ({"published": published} if published else {})
+    return {key: value for key, value in document.items() if value not in (None, {}, [])}
 
 
 def _fit_document(fit: FitTable) -> dict[str, Any]:
-    """Return [[fit]] as plain tables, without what is absent."""
-    rows = {"correlation": [list(row) for row in fit.correlation]} if fit.correlation else {}
-    tables: dict[str, Mapping[str, Any]] = {"standard_error": fit.standard_error, "records": fit.records}
-    return {
+    """Return [[fit]] as plain tables, without those that are empty."""
+    tables = {
         "fields": list(fit.fields),
         "to": fit.to,
-        **rows,
+        "correlation": list(map(list, fit.correlation)),
         "under": dict(fit.under),
-        **{key: dict(table) for key, table in tables.items() if table},
+        "standard_error": dict(fit.standard_error),
+        "records": dict(fit.records),
     }
+    return {key: table for key, table in tables.items() if table or key == "to"}
 
 
 def _document(part: Any) -> Any:
-    """Return a part of a case as plain tables, without what is absent."""
+    """Return a part of a case as plain tables, without empty entries."""
     if isinstance(part, Value):
         return part.document()
     if isinstance(part, BaseModel):
         if isinstance(part, StackTable) and not part.layer:
             return {}
-        rows = {key: _document(value) for key, value in part}
-        return {key: value for key, value in rows.items() if value not in (None, "", [], {})}
+        rows = [(key, _document(value)) for key, value in part if value is not None]
+        return {key: value for key, value in rows if value not in ("", [], {})}
     if isinstance(part, tuple):
         return [_document(row) for row in part]
     return part
@@ -750,7 +709,7 @@ def dump_case(case: Case, comments: Comments | None = None) -> str:
     case : Case
         Case to be written.
     comments : callable, optional
-        Returns the lines of comment above a key from its path, without names of rows, and from what stands there.
+        Returns the lines of comment above a key from its path, without names of rows, and its value.
 
     Returns
     -------
@@ -784,10 +743,8 @@ def _toml(value: Any, path: str, comments: Comments | None) -> Any:
                 table.add(tomlkit.comment(line))
             table[key] = _toml(entry, f"{path}.{key}", comments)
         return table
-    if isinstance(value, list) and not _is_rows(value):
-        return [_toml(entry, path, comments) for entry in value]
     if isinstance(value, list):
-        rows = tomlkit.aot()
+        rows = tomlkit.aot() if _has_head(value) else []
         for entry in value:
             rows.append(_toml(entry, path, comments))
         return rows
@@ -795,23 +752,17 @@ def _toml(value: Any, path: str, comments: Comments | None) -> Any:
 
 
 def _has_head(value: Any) -> bool:
-    """Tell whether a part of a file has a head of its own: what has none stands before it."""
+    """Tell whether a part of a file is a table, or rows of one, with a head of its own; other parts stand before it."""
     if isinstance(value, dict):
         return not ("provenance" in value or value.keys() <= VECTOR)
-    return isinstance(value, list) and _is_rows(value)
+    return isinstance(value, list) and all(isinstance(row, dict) and "provenance" not in row for row in value)
 
 
-def _is_rows(values: list[Any]) -> bool:
-    """Tell whether a list holds rows of an array of tables, not quantities."""
-    return all(isinstance(entry, dict) and "provenance" not in entry for entry in values)
-
-
-WIDTH = 118
-"""Characters of a line of comment, without its mark."""
+WIDTH = 118  # characters of a line of comment without its mark: a line of 120
 
 
 class Explained(NamedTuple):
-    """A field in words: what it is, how one gets it on a real machine, why a case takes what it takes."""
+    """A field in words: its meaning, the way to find it on a real machine, and the reason of the value of a case."""
 
     what: str
     how: str
@@ -820,9 +771,9 @@ class Explained(NamedTuple):
 
 @functools.cache
 def explanations(kind: str = "") -> dict[str, Explained]:
-    """Return the words on every field by its path without names of rows, such as ``stack.layer.length``.
+    """Return the explanation of every field by its path without names of rows, such as ``stack.layer.length``.
 
-    ``kind`` is that of a machine, in which some fields mean something of their own.
+    ``kind`` is that of a machine, in which some fields have another meaning.
 
     Examples
     --------
@@ -845,7 +796,7 @@ def _fields(table: dict[str, Any], path: str) -> list[tuple[str, Explained]]:
 
 
 def comment_lines(path: str, entry: Any, kind: str = "") -> list[str]:
-    """Return the comment above a field of a case file: nothing above a table, or where a file says it itself.
+    """Return the comment above a field of a case file; nothing above a table.
 
     ``kind`` is that of the machine of the file; see `explanations`.
 

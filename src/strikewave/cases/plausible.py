@@ -1,8 +1,8 @@
-"""What is plausible of the fields that nobody can weigh or read off, and which fields a band leaves alone.
+"""Plausible ranges of the fields that nobody can weigh or read off, and the fields that a band leaves alone.
 
 A stiffness of a joint, a damping, a restitution or an engagement stands in a case as one number, yet nobody knows it
-so well. Here each has the range that it may have about that number, with its reason; a value in the middle of a range is
-as likely as one at its end. `strikewave.uncertainty.input_ranges` says when the range counts.
+so well. Here each has its range about that number, with its reason; a value in the middle of a range is as likely as
+one at its end. `strikewave.uncertainty.input_ranges` says when the range counts.
 
 A path names tables and key without the names of rows: ``stack.joint.stiffness`` is that of every joint.
 """
@@ -19,19 +19,10 @@ Form = Literal["share", "factor", "width"]
 
 @dataclass(frozen=True)
 class PlausibleRange:
-    """The range of a field about its value.
+    """The range of a field about its value, with its reason.
 
-    Attributes
-    ----------
-    form : {"share", "factor", "width"}
-        Half width as a share of the value; the value divided and multiplied by a factor, even in its logarithm; or half
-        width in SI, which holds at a value of 0 too.
-    size : float
-        The share, the factor, or the half width.
-    reason : str
-        Why.
-    each : bool
-        True if strikers differ by it, so that it is drawn for each.
+    ``size`` is the half width as a share of the value; the factor by which the value is divided and multiplied, even in
+    its logarithm; or the half width in SI, which holds at a value of 0 too. ``each`` is True if strikers differ by it.
     """
 
     form: Form
@@ -56,14 +47,9 @@ class PlausibleRange:
 
 @dataclass(frozen=True)
 class GoesWith:
-    """How a quantity changes with others that come from the same drawing or weighing: with powers of them.
+    """The powers by which a quantity changes with others from the same drawing or weighing, by their paths.
 
-    Attributes
-    ----------
-    powers : mapping of str to float
-        Power by the path of each of the others.
-    least : float
-        Least that it may be at their nominal values, SI; it changes with the same powers.
+    ``least`` is its least value at their nominal ones, SI, which changes with the same powers.
     """
 
     powers: Mapping[str, float]
@@ -213,4 +199,4 @@ NOT_MOVED: Mapping[str, str] = {
     "sensor.range": _SETTING,
     "tap.position": _SETTING,
 }
-"""Fields that a band leaves as they are, and why; so are whole numbers and words, which are choices."""
+"""Fields that a band leaves as they are, with the reason; so are whole numbers and words, which are choices."""
