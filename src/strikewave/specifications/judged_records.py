@@ -319,7 +319,11 @@ def judge_records(
     """Judge the blows of records."""
     limits = specification.pulse_limits()
     check_directions(asked.directions, [(file.path, [_keys(reading) for reading in file.channels]) for file in files])
-    _check_cross_axis(asked.cross_axis, files)
+    for word in asked.cross_axis:
+        if not any(cross_axis_fits(word, file.path, _keys(one)) for file in files for one in file.channels):
+            named = {key for file in files for one in file.channels for key in _keys(one)}
+            hint = nearest(word.rpartition("#")[2], named) + "; a channel that --channel leaves out is not read"
+            raise InputError("--cross-axis", word, "name or number of a channel, or FILES#CHANNEL", hint)
     channels = [
         (file, reading)
         for file in files
@@ -346,7 +350,12 @@ def judge_records(
             found = judge_shock(shock, limits, asked.rule, asked.strict)
             shocks.append(JudgedShock(file.path, reading, number, pulse, direction, shock, found))
     empty += [file.path for file in files if not file.channels]
-    campaign = [*_without_shock(empty, limits), *_counts(shocks, specification, asked), *_rate(usable, specification)]
+    without = []
+    if empty:
+        clause = judged("files without a shock", float(len(empty)), Limits(0.0, 0.0, limits.status), "1")
+        reason = f"no shock was found in {first_few([Path(path).name for path in empty], 3)}"
+        without = [replace(clause, verdict=CANNOT_TELL, reason=reason)]
+    campaign = [*without, *_counts(shocks, specification, asked), *_rate(usable, specification)]
     if asked.strict:
         campaign = [refused(clause) for clause in campaign]
     return RecordsVerdict(specification, limits, asked, tuple(shocks), tuple(campaign))
@@ -354,16 +363,6 @@ def judge_records(
 
 def _is_across(asked: Asked, file: FileReading, reading: ChannelReading) -> bool:
     return any(cross_axis_fits(word, file.path, _keys(reading)) for word in asked.cross_axis)
-
-
-def _check_cross_axis(words: Sequence[str], files: Sequence[FileReading]) -> None:
-    """Refuse what names no channel of any file."""
-    for word in words:
-        if not any(cross_axis_fits(word, file.path, _keys(one)) for file in files for one in file.channels):
-            named = {key for file in files for one in file.channels for key in _keys(one)}
-            allowed = "name or number of a channel, or FILES#CHANNEL"
-            hint = nearest(word.rpartition("#")[2], named) + "; a channel that --channel leaves out is not read"
-            raise InputError("--cross-axis", word, allowed, hint)
 
 
 def _check_units(across: Sequence[ChannelReading]) -> None:
@@ -480,15 +479,6 @@ def filter_leaves(filter_: Filter, pulse: IdealPulse, step: float) -> float:
     fine = min(step, FINEST_FILTERED * pulse.duration)
     time = np.arange(-round(pulse.duration / fine), round(2.0 * pulse.duration / fine)) * fine
     return float(np.max(filter_.apply(pulse.at(time), fine))) / pulse.peak
-
-
-def _without_shock(paths: Sequence[str], limits: PulseLimits) -> list[Clause]:
-    """Return the clause of files in which no blow was found."""
-    if not paths:
-        return []
-    names = first_few([Path(path).name for path in paths], 3)
-    clause = judged("files without a shock", float(len(paths)), Limits(0.0, 0.0, limits.status), "1")
-    return [replace(clause, verdict=CANNOT_TELL, reason=f"no shock was found in {names}")]
 
 
 def _counts(shocks: Sequence[JudgedShock], specification: Specification, asked: Asked) -> list[Clause]:

@@ -228,7 +228,13 @@ def judge_shock(shock: Shock, limits: PulseLimits, rule: Rule = "simple", strict
         clauses.append(_band_clause(shock, limits, placement, peak, rule, coarse))
     if limits.cross_axis is not None:
         clauses.append(_cross_clause(shock, limits.cross_axis, pulse, start, rule))
-    clauses += _demands(shock, limits)
+    for name, value, demand, why in (
+        ("sampling rate", 1.0 / shock.step, limits.rate, "the record is sampled too slowly"),
+        ("filter", shock.filter_cutoff, limits.cutoff, "the filter is too low"),
+    ):
+        if demand is not None and math.isfinite(value):  # what does not meet a demand qualifies nothing
+            clause = judged(name, value, demand, "Hz")
+            clauses.append(replace(clause, verdict=CANNOT_TELL, reason=why) if clause.verdict == FAIL else clause)
     if strict:
         clauses = [refused(clause) for clause in clauses]
     return ShockVerdict(tuple(clauses), start, placement)
@@ -376,21 +382,6 @@ def _cross_clause(shock: Shock, limits: Limits, pulse: IdealPulse, start: float,
     clause = judged("cross-axis", largest, limits, "m/s^2", uncertainty, rule)
     trouble = shock.troubles.get("cross_axis", "")
     return replace(clause, verdict=CANNOT_TELL, reason=trouble) if trouble and clause.verdict == PASS else clause
-
-
-def _demands(shock: Shock, limits: PulseLimits) -> list[Clause]:
-    """Return the clauses on sampling and filter: what does not meet them qualifies nothing."""
-    found = []
-    if limits.rate is not None:
-        found.append(_demand("sampling rate", 1.0 / shock.step, limits.rate, "the record is sampled too slowly"))
-    if limits.cutoff is not None and math.isfinite(shock.filter_cutoff):
-        found.append(_demand("filter", shock.filter_cutoff, limits.cutoff, "the filter is too low"))
-    return found
-
-
-def _demand(name: str, value: float, limits: Limits, words: str) -> Clause:
-    clause = judged(name, value, limits, "Hz")
-    return replace(clause, verdict=CANNOT_TELL, reason=words) if clause.verdict == FAIL else clause
 
 
 def worst_clauses(shocks: Sequence[ShockVerdict]) -> list[tuple[Clause, int]]:

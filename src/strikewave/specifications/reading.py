@@ -18,9 +18,12 @@ from strikewave.specifications.ideal_pulses import IdealPulse, PulseBand, from_w
 from strikewave.specifications.judging import DecibelBand, Limits, PulseLimits, SpectrumLimits, weakest
 from strikewave.specifications.tables import (
     ConditionTable,
+    PeakTable,
     SpecificationFile,
     SpecificationTable,
     StatedNumber,
+    VelocityChangeTable,
+    WidthTable,
     standing,
 )
 
@@ -108,80 +111,44 @@ class Specification:
         """Return what it asks of a shock."""
         file, pulse, status = self.file, self.pulse, self.status
         level = 0.1 if file.width is None else file.width.level.si
-        window = (0.1, 0.1)
-        if file.velocity_change is not None:
-            window = file.velocity_change.before.si, file.velocity_change.after.si
+        peak = None if file.peak is None else self._about(pulse.peak, file.peak, status)
+        width = None
+        if file.width is not None:
+            nominal, least = pulse.width(level), file.width.least
+            width = self._about(nominal, file.width, status)
+            if least is not None:
+                low, high = min(width.low, nominal - least.si), max(width.high, nominal + least.si)
+                width = Limits(max(low, 0.0), high, weakest(width.status, self._status(least, file.width)))
+        change, window = None, (0.1, 0.1)
+        if (table := file.velocity_change) is not None:
+            nominal, known, window = pulse.velocity_change, status, (table.before.si, table.after.si)
+            if self.condition is not None and self.condition.velocity_change is not None:
+                nominal = self.condition.velocity_change.si
+                known = self._status(self.condition.velocity_change, self.condition)
+            change = self._about(nominal, table, known)
         cross = None
         if file.cross_axis is not None:
-            one = file.cross_axis.limit
-            cross = Limits(-math.inf, one.si * pulse.peak, weakest(status, self._status(one, file.cross_axis)))
-        sampling = file.sampling
-        return PulseLimits(
-            pulse,
-            status,
-            level,
-            self._peak_limits(pulse, status),
-            self._width_limits(pulse, level, status),
-            self._velocity_limits(pulse, status),
-            window,
-            cross,
-            self._band(pulse),
-            self._band_status(),
-            None if sampling is None else self._least(sampling.rate, sampling),
-            None if sampling is None else self._least(sampling.cutoff, sampling),
-        )
+            limit = file.cross_axis.limit
+            cross = Limits(-math.inf, limit.si * pulse.peak, weakest(status, self._status(limit, file.cross_axis)))
+        band, band_status = None, str(file.status)
+        if (drawn := file.band) is not None:
+            early, late = (math.nan if x is None else x.si for x in (drawn.amplitude_before, drawn.amplitude_after))
+            band = PulseBand(pulse, drawn.time.si, drawn.amplitude.si, early, late, drawn.before.si, drawn.after.si)
+            stated = [getattr(drawn, key) for key in drawn.model_fields_set]
+            band_status = weakest(*(self._status(one, drawn) for one in stated if isinstance(one, StatedNumber)))
+        demands: list[Limits | None] = [None, None]
+        if (sampling := file.sampling) is not None:
+            demands = [
+                None if number is None else Limits(number.si, math.inf, self._status(number, sampling))
+                for number in (sampling.rate, sampling.cutoff)
+            ]
+        return PulseLimits(pulse, status, level, peak, width, change, window, cross, band, band_status, *demands)
 
-    def _about(self, nominal: float, pair: tuple[StatedNumber, StatedNumber], table: SpecificationTable) -> Limits:
-        low, high = pair
-        status = weakest(self._status(low, table), self._status(high, table))
+    def _about(self, nominal: float, table: PeakTable | WidthTable | VelocityChangeTable, status: str) -> Limits:
+        """Return the tolerance of a table about a nominal value that has a status."""
+        low, high = table.tolerance
+        status = weakest(status, self._status(low, table), self._status(high, table))
         return Limits(nominal * (1.0 + low.si), nominal * (1.0 + high.si), status)
-
-    def _peak_limits(self, pulse: IdealPulse, status: str) -> Limits | None:
-        table = self.file.peak
-        if table is None:
-            return None
-        limits = self._about(pulse.peak, table.tolerance, table)
-        return limits._replace(status=weakest(status, limits.status))
-
-    def _width_limits(self, pulse: IdealPulse, level: float, status: str) -> Limits | None:
-        table = self.file.width
-        if table is None:
-            return None
-        nominal = pulse.width(level)
-        limits = self._about(nominal, table.tolerance, table)
-        if table.least is not None:
-            least = self._status(table.least, table)
-            low, high = min(limits.low, nominal - table.least.si), max(limits.high, nominal + table.least.si)
-            limits = Limits(max(low, 0.0), high, weakest(limits.status, least))
-        return limits._replace(status=weakest(status, limits.status))
-
-    def _velocity_limits(self, pulse: IdealPulse, status: str) -> Limits | None:
-        table = self.file.velocity_change
-        if table is None:
-            return None
-        nominal = pulse.velocity_change
-        if self.condition is not None and self.condition.velocity_change is not None:
-            nominal = self.condition.velocity_change.si
-            status = self._status(self.condition.velocity_change, self.condition)
-        limits = self._about(nominal, table.tolerance, table)
-        return limits._replace(status=weakest(status, limits.status))
-
-    def _band(self, pulse: IdealPulse) -> PulseBand | None:
-        table = self.file.band
-        if table is None:
-            return None
-        before, after = (math.nan if x is None else x.si for x in (table.amplitude_before, table.amplitude_after))
-        return PulseBand(pulse, table.time.si, table.amplitude.si, before, after, table.before.si, table.after.si)
-
-    def _band_status(self) -> str:
-        table = self.file.band
-        if table is None:
-            return self.file.status
-        stated = [getattr(table, key) for key in table.model_fields_set]
-        return weakest(*(self._status(one, table) for one in stated if isinstance(one, StatedNumber)))
-
-    def _least(self, number: StatedNumber | None, table: SpecificationTable) -> Limits | None:
-        return None if number is None else Limits(number.si, math.inf, self._status(number, table))
 
     def count(self) -> ShockCount | None:
         """Return how many shocks are asked for; None where nothing is."""
@@ -189,11 +156,8 @@ class Specification:
         if table is None:
             return None
         own = self.condition
-        number, holder = (
-            (own.per_direction, own)
-            if own is not None and own.per_direction is not None
-            else (table.per_direction, table)
-        )
+        holder = table if own is None or own.per_direction is None else own
+        number = holder.per_direction
         if number is None:
             return None
         status = weakest(self._status(number, holder), self._status(table.directions, table))
@@ -226,26 +190,26 @@ class Specification:
                 "a specification with breakpoints: here they are the project's",
                 copied + 'add them under [srs], such as points = [["20 Hz", "50 g"], ["10 kHz", "5000 g"]]',
             )
-        bands = tuple(
-            DecibelBand(
-                one.first.si,
-                one.last.si,
-                one.low.si,
-                one.high.si,
-                weakest(self._status(one.low, one), self._status(one.high, one)),
-            )
-            for one in table.tolerance
-        )
+        bands = []
+        for row in table.tolerance:
+            status = weakest(self._status(row.low, row), self._status(row.high, row))
+            bands.append(DecibelBand(row.first.si, row.last.si, row.low.si, row.high.si, status))
         status = weakest(*(self._status(one, table) for point in table.points for one in point))
-        above = (
-            None
-            if table.share_above is None
-            else Limits(table.share_above.si, math.inf, self._status(table.share_above, table))
-        )
+        least = table.share_above
+        above = None if least is None else Limits(least.si, math.inf, self._status(least, table))
         share = Limits(table.share.si, math.inf, self._status(table.share, table))
         frequency, level = (tuple(point[k].si for point in table.points) for k in (0, 1))
         return SpectrumLimits(
-            frequency, level, status, table.q.si, table.kind, table.side, table.per_octave.si, bands, share, above
+            frequency,
+            level,
+            status,
+            table.q.si,
+            table.kind,
+            table.side,
+            table.per_octave.si,
+            tuple(bands),
+            share,
+            above,
         )
 
     edition = declare.computed(declare.word("which edition of the standard"))(lambda one: one.file.edition)

@@ -467,6 +467,10 @@ def agreement(
         owner = one if a.deviation is not None else other
         places = np.clip((time - owner.start) / owner.step, 0.0, deviation.size - 1.0)
         deviation = np.interp(places, np.arange(deviation.size), deviation)
+    # As many samples as ISO/TS 18571 is used with
+    step = float(time[1] - time[0])
+    factor = max((interval[1] - interval[0]) / step / (SAMPLES - 1), 1.0)
+    samples = np.clip((np.linspace(*interval, SAMPLES) - time[0]) / step, 0.0, time.size - 1.0)
     frequency, spectra = _spectra(a.unit, time, (values_a, values_b), pulse_a, coarse.step)
     return CurveAgreement(
         time,
@@ -477,7 +481,7 @@ def agreement(
         interval,
         pulse_a,
         pulse_b,
-        _rating(time, values_a, values_b, interval),
+        rate(resampled(values_a, samples, factor), resampled(values_b, samples, factor)),
         frequency,
         *spectra,
         share_above(fine.values, fine.step, 0.5 / coarse.step) if coarse.step > fine.step * (1.0 + 1e-9) else 0.0,
@@ -522,15 +526,6 @@ def _interval(time: Array, a: Array, b: Array, pulses: tuple[Pulse, Pulse]) -> t
     longest = max(end - begin for begin, end in edges)
     begin, end = min(one[0] for one in edges), max(one[1] for one in edges)
     return begin - BESIDE * longest, end + BESIDE * longest
-
-
-def _rating(time: Array, a: Array, b: Array, interval: tuple[float, float]) -> Rating:
-    """Return the scores of ISO/TS 18571 over an interval, brought to as many samples as the standard is used with."""
-    step = float(time[1] - time[0])
-    places = (np.linspace(*interval, SAMPLES) - time[0]) / step
-    factor = max((interval[1] - interval[0]) / step / (SAMPLES - 1), 1.0)
-    places = np.clip(places, 0.0, time.size - 1.0)
-    return rate(resampled(a, places, factor), resampled(b, places, factor))
 
 
 def _spectra(

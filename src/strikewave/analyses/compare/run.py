@@ -38,7 +38,7 @@ from strikewave.records.thresholds import OfRingingSought
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.options import low_pass_of, wrong_choice
-from strikewave.signal.alignment import Shift, are_opposite
+from strikewave.signal.alignment import are_opposite
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import measure_pulse
 from strikewave.specifications.judging import Rule
@@ -192,7 +192,10 @@ def compared(a: Compared, b: Compared, request: CompareRequest, origin: Source) 
         first = _side("A", a, request.reading)
         second = _side("B", b, request.reading, first.unit)
     _check_units(first, second)
-    _check_doubt(first, second, request, specification is not None)
+    if request.decision != "simple" and specification is None:
+        raise InputError("--decision", request.decision, "only with a specification", "name it as B: spec:NAME")
+    if request.reading.budget is not None and not any(side.kind in MEASURED for side in (first, second)):
+        raise InputError("--uncertainty", "no measured file", "only with a record as A or B", "leave it out")
     if specification is not None and first.kind == "campaign":
         hint = "a mean may keep limits that its shocks do not: strikewave record --spec judges each of them"
         raise InputError("A", first.name, "one blow of a record, or a simulation", hint)
@@ -200,14 +203,6 @@ def compared(a: Compared, b: Compared, request: CompareRequest, origin: Source) 
     if specification is not None:
         judged = judged_by(specification, first, request.reading.low_pass, request.decision, request.reading.budget)
     return compared_curves(first, second, request, origin, judged)
-
-
-def _check_doubt(first: ComparedCurve, second: ComparedCurve, request: CompareRequest, judges: bool) -> None:
-    """Refuse a decision without a specification, and an uncertainty of what nobody measured."""
-    if request.decision != "simple" and not judges:
-        raise InputError("--decision", request.decision, "only with a specification", "name it as B: spec:NAME")
-    if request.reading.budget is not None and not any(one.kind in MEASURED for one in (first, second)):
-        raise InputError("--uncertainty", "no measured file", "only with a record as A or B", "leave it out")
 
 
 def _is_simulated(one: Compared) -> bool:
@@ -312,19 +307,6 @@ def _check_units(a: ComparedCurve, b: ComparedCurve) -> None:
     raise InputError("B", words[1], f"the quantity of A, {words[0]}", "take another channel or part")
 
 
-def _doubted_shift(to_gap: Shift, shift: Shift) -> list[Notice]:
-    """Tell that the shift depends on frequencies at which the two are coherent again, as pickup in both makes them."""
-    doubt = math.hypot(to_gap.uncertainty, shift.uncertainty)
-    apart = abs(to_gap.shift - shift.shift)
-    if apart <= SHIFTS_APART * doubt:
-        return []
-    message = (
-        f"A and B are coherent at low frequencies and, beyond a gap, again, as a pickup in both makes them: the shift "
-        f"by the low ones alone is {1e6 * to_gap.shift:.6g}\xa0us; --filter takes the pickup off both"
-    )
-    return [Notice("alignment-doubt", message, apart, SHIFTS_APART * doubt)]
-
-
 def _notices(a: ComparedCurve, b: ComparedCurve, found: CurveAgreement, result: CompareResult) -> list[Notice]:
     """Return what the user should know of the comparison itself."""
     notices = []
@@ -335,7 +317,14 @@ def _notices(a: ComparedCurve, b: ComparedCurve, found: CurveAgreement, result: 
             turned = "polarity = -1 under [all] in a file beside one, such as shot.csv.toml, turns that one round"
         notices.append(Notice("polarity", f"A and B have opposite signs, and B is not turned: {turned}"))
     if result.align == "correlation":
-        notices += _doubted_shift(shift_to_gap(a, b), found.shift)
+        to_gap = shift_to_gap(a, b)
+        doubt, apart = math.hypot(to_gap.uncertainty, found.shift.uncertainty), abs(to_gap.shift - found.shift.shift)
+        if apart > SHIFTS_APART * doubt:  # it depends on frequencies beyond the gap, as pickup in both makes them
+            message = (
+                f"A and B are coherent at low frequencies and, beyond a gap, again, as a pickup in both makes them: "
+                f"the shift by the low ones alone is {1e6 * to_gap.shift:.6g}\xa0us; --filter takes the pickup off both"
+            )
+            notices.append(Notice("alignment-doubt", message, apart, SHIFTS_APART * doubt))
     if found.lost > LOST:
         coarse = max(a.history.step, b.history.step)
         message = (

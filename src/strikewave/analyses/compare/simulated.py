@@ -81,15 +81,6 @@ def checked_run(solution: Result) -> CheckedRun:
     return CheckedRun(solution.own_verdict.text, failed)
 
 
-def _checked_then(name: str, verdict: str) -> CheckedRun:
-    """Return what the checks of a kept result came to when it was made; nothing where its file does not hold it."""
-    codes = verdict.partition(": ")[2]
-    if status_of(verdict) != RUN_BROKEN:
-        return CheckedRun(verdict)
-    message = f"{name} failed a check when it was made: {codes}"
-    return CheckedRun(verdict, (Notice("simulation-broken", message, severity=FAILED),))
-
-
 def arrays_curve(option: str, name: str, arrays: LabelledArrays, part: str, blow: int, unit: str) -> ComparedCurve:
     """Return a history of the arrays of a run of a case of this name, without bands; see `simulated_curve`."""
     return _curve(option, name, list(_parts(arrays, {})), CheckedRun(), part, blow, unit)
@@ -204,28 +195,23 @@ def _kept(place: str) -> tuple[str, list[SimulatedPart], CheckedRun]:
 
         solution = load_solution(path)
         return name, list(_parts(solution.arrays, solution.band)), checked_run(solution)
-    arrays, parts = _histories(path)
-    return name, parts, _checked_then(name, str(arrays.attrs.get(VERDICT, "")))
-
-
-def _histories(path: Path) -> tuple[LabelledArrays, list[SimulatedPart]]:
-    """Return the arrays of a file of a result, and their histories."""
     allowed = "the file of a result that `strikewave run`, `wave` or `fem` wrote"
     with open_result(path, allowed) as opened:
         if "strikewave_schema" not in opened.attrs:
             raise InputError("solution", path, allowed)
-        if int(opened.attrs["strikewave_schema"]) < 2 and _of_sectors(opened.attrs):
+        old = int(opened.attrs["strikewave_schema"]) < 2
+        meshed = tomllib.loads(str(opened.attrs.get("case", ""))).get("mesh", {}).get("part", []) if old else []
+        if any(part.get("sector", "whole") != "whole" for part in meshed):
             hint = "its forces are those of the meshed sector; run the case again for those of whole bodies"
             raise InputError("solution", path, "histories of whole bodies", hint)
         arrays = LabelledArrays.of_xarray(opened.load())
-        return arrays, list(_parts(arrays, {}))
-
-
-def _of_sectors(attributes: Mapping[Any, Any]) -> bool:
-    """Tell whether sectors of bodies are meshed in the case that a file of histories holds."""
-    case = tomllib.loads(str(attributes.get("case", "")))
-    parts = case.get("mesh", {}).get("part", [])
-    return any(part.get("sector", "whole") != "whole" for part in parts)
+        parts = list(_parts(arrays, {}))  # within, so that arrays that are none of a result are refused
+    verdict = str(arrays.attrs.get(VERDICT, ""))  # what its checks came to when it was made; nothing in older files
+    notices: tuple[Notice, ...] = ()
+    if status_of(verdict) == RUN_BROKEN:
+        message = f"{name} failed a check when it was made: {verdict.partition(': ')[2]}"
+        notices = (Notice("simulation-broken", message, severity=FAILED),)
+    return name, parts, CheckedRun(verdict, notices)
 
 
 def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:
@@ -247,12 +233,12 @@ def _machine_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterato
             known = of if quantity == "acceleration" else {}
             part = SimulatedPart("rigid", quantity, unit, *_span(time, values), blow, known)
             yield sensed(part) if quantity == "acceleration" else part
-        for variable, sensor in _sensors(arrays):
-            values, begin = variable.values[row], float(arrays[f"{sensor.key}_start"].values[row])
+        for variable, key, sensor in _sensors(arrays):
+            values, begin = variable.values[row], float(arrays[f"{key}_start"].values[row])
             clock = begin + float(variable.attrs["step"]) * np.arange(values.size)
-            peak = _peak_band(bands if first else {}, f"sensor.{sensor.name}.peak")
+            peak = _peak_band(bands if first else {}, f"sensor.{sensor}.peak")
             if np.any(np.isfinite(values)):
-                yield sensed(SimulatedPart(sensor.name, "acceleration", "m/s^2", *_span(clock, values), blow, peak))
+                yield sensed(SimulatedPart(sensor, "acceleration", "m/s^2", *_span(clock, values), blow, peak))
         for k, tap in enumerate(arrays["tap"].values if "tap" in arrays else ()):
             for quantity, unit in (("acceleration", "m/s^2"), ("force", "N"), ("velocity", "m/s")):
                 values = arrays[f"tap_{'speed' if quantity == 'velocity' else quantity}"].values[row, k]
@@ -267,27 +253,22 @@ def _peak_band(bands: Mapping[str, Band], name: str) -> dict[str, Band]:
     return {"peak": bands[name]} if name in bands else {}
 
 
-class _Sensor(NamedTuple):
-    key: str
-    name: str
-
-
-def _sensors(arrays: LabelledArrays) -> Iterator[tuple[Any, _Sensor]]:
-    """Yield the readings of sensors with the names of both."""
+def _sensors(arrays: LabelledArrays) -> Iterator[tuple[Any, str, str]]:
+    """Yield the readings of sensors, with their keys and the names of the sensors."""
     for key, variable in arrays.data_vars.items():
         found = _READING.fullmatch(str(variable.attrs.get("long_name", "")))
         if re.fullmatch(r"reading_\d+", key) and found:
-            yield variable, _Sensor(key, found[1])
+            yield variable, key, found[1]
 
 
 def _wave_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:
     """Yield sensors, then taps with all their quantities, the stack as one body, and the force on its face."""
     time = arrays["time"].values
-    for variable, sensor in _sensors(arrays):
-        band = _peak_band(bands, f"sensor.{sensor.name}.peak")
-        clock = arrays[f"{sensor.key}_time"].values
-        yield SimulatedPart(sensor.name, "acceleration", "m/s^2", *_span(clock, variable.values), 0, band)
-    sensors = {sensor.name for _, sensor in _sensors(arrays)}
+    for variable, key, sensor in _sensors(arrays):
+        band = _peak_band(bands, f"sensor.{sensor}.peak")
+        clock = arrays[f"{key}_time"].values
+        yield SimulatedPart(sensor, "acceleration", "m/s^2", *_span(clock, variable.values), 0, band)
+    sensors = {sensor for _, _, sensor in _sensors(arrays)}
     for k, tap in enumerate(map(str, arrays["tap"].values)):
         for quantity, unit in (("acceleration", "m/s^2"), ("force", "N"), ("velocity", "m/s"), ("stress", "Pa")):
             values = arrays[f"tap_{quantity}"].values[:, k]

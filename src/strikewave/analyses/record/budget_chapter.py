@@ -56,7 +56,7 @@ def uncertainty_table(result: RecordResult, names: Names) -> Table:
     rows: list[list[Cell]] = []
     total = 0
     for file, reading in rows_of_files:
-        for number, one in enumerate(reading.uncertainties, 1):
+        for number, blow in enumerate(reading.uncertainties, 1):
             total += 1
             if len(rows) < MOST_ROWS:
                 rows.append(
@@ -64,7 +64,7 @@ def uncertainty_table(result: RecordResult, names: Names) -> Table:
                         names[file.path],
                         *([reading.channel.name] if several else []),
                         str(number),
-                        *(_figure_words(one.figures[name], name, reading.channel.unit) for name in BUDGETED),
+                        *(_figure_words(blow.figures[name], name, reading.channel.unit) for name in BUDGETED),
                     ]
                 )
     heads = ["file", *(["channel"] if several else []), "#", *(called(name, unit) for name in BUDGETED)]
@@ -98,14 +98,15 @@ def budget_lines(result: RecordResult) -> list[str]:
     budget = result.budget
     assert budget is not None
     lines = [f"± U is the expanded uncertainty, about 95 %. {held_words(budget.names, budget.not_stated)}"]
-    if any(math.isnan(one.figures["width"].expanded) for one in _all(result)):
+    blows = [blow for _, reading in rows_of(result.readings) for blow in reading.uncertainties]
+    if any(math.isnan(blow.figures["width"].expanded) for blow in blows):
         lines.append(
             "?: too little lies before the blow to know noise and baseline; state offset or noise in the budget."
         )
-    checked = [one for one in _all(result) if one.trials]
-    wrong = sorted({name.replace("_", " ") for one in checked for name in one.figures if not one.validated[name]})
+    checked = [blow for blow in blows if blow.trials]
+    wrong = sorted({name.replace("_", " ") for blow in checked for name in blow.figures if not blow.validated[name]})
     if checked:
-        trials = f"{max(one.trials for one in checked)} trials on the largest blow"
+        trials = f"{max(blow.trials for blow in checked)} trials on the largest blow"
         words = (
             f"Monte Carlo (JCGM 101, {trials}) validates the law of propagation"
             if not wrong
@@ -114,10 +115,6 @@ def budget_lines(result: RecordResult) -> list[str]:
         )
         lines.append(f"{words}.")
     return lines
-
-
-def _all(result: RecordResult) -> list[BlowUncertainty]:
-    return [one for _, reading in rows_of(result.readings) for one in reading.uncertainties]
 
 
 def budget_section(result: RecordResult, names: Names) -> Section:

@@ -47,7 +47,6 @@ from strikewave.records.health_notice import RESPONSE_FIGURES, STATUSES, worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.thresholds import OfTwoSensors
-from strikewave.reporting import faces
 from strikewave.reporting.faces import amount
 from strikewave.reporting.numbers import axis_unit, doubted, listed, spelled
 from strikewave.reporting.parts import NONE, Cell, Part, Picture, Section, Table, written
@@ -150,6 +149,10 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
         for k, pulse in enumerate(reading.pulses[: MOST_ROWS - len(cells)], 1):
             values = {name: getattr(pulse, name) for name in columns.names}
             fitted = {"peak": pulse.smooth.peak, "width": pulse.smooth.width()}
+            rebounds = [
+                f"{percents(one.peak / pulse.peak, 2)}, {amount(MILLISECONDS, one.time - pulse.time, digits=3)}"
+                for one in pulse.rebounds
+            ]
             cells.append(
                 [
                     names[file.path],
@@ -160,7 +163,7 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
                     pulse.method,
                     *smooth.cells(fitted, unit),
                     *rigid.cells({"peak": pulse.rigid_peak, "width": pulse.rigid_width}, unit),
-                    *([_rebounds(pulse)] if rebounding else []),
+                    *(["; ".join(rebounds) or NONE] if rebounding else []),
                 ]
             )
     text = (
@@ -179,15 +182,6 @@ def blow_section(files: Sequence[FileReading], names: Names) -> Section:
     heads += [f"without ringing: {head}" for head in rigid.heads]
     heads += ["rebounds (share of the peak, after)"] if rebounding else []
     return Section("Blows", text if cells else "", [Table("Blows", heads, cells, "No blow was found.")])
-
-
-def _rebounds(pulse: RecordedPulse) -> str:
-    """Write the rebounds of a blow."""
-    words = [
-        f"{percents(rebound.peak / pulse.peak, 2)}, {faces.amount(MILLISECONDS, rebound.time - pulse.time, digits=3)}"
-        for rebound in pulse.rebounds
-    ]
-    return "; ".join(words) or NONE
 
 
 def mean_sections(campaigns: Sequence[Campaign], files: Sequence[FileReading], names: Names) -> list[Section]:
@@ -224,10 +218,10 @@ def _mean_section(campaign: Campaign, files: Sequence[FileReading], names: Names
             significant = "yes" if line.significant else "no"
             values = [number(name, unit, value, 3) for value in (line.slope, line.low, line.high)]
             trends.append([f"{what} ({shown})", *values, percents(line.change), significant])
-    gone: list[list[Cell]] = [
-        [names.get(path, path), "all" if set(SUMMED) <= set(harmed) else _words(harmed), why]
-        for path, harmed, why in campaign.left_out
-    ]
+    gone: list[list[Cell]] = []
+    for path, figures, why in campaign.left_out:
+        what = "all" if set(SUMMED) <= set(figures) else listed([name.replace("_", " ") for name in figures])
+        gone.append([names.get(path, path), what, why])
     heads = ["figure", "values", "mean", "from", "to", "median", "CV", "CV from", "CV to", "robust scatter"]
     parts: list[Part] = [
         Table("Means and scatter, with bounds at 95 %", heads, table, "No record gave a figure that can be trusted."),
@@ -278,10 +272,6 @@ def _odd_table(campaign: Campaign, unit: str, names: Names) -> Table:
     return Table("What disagrees with the other files, and what it would do", heads, rows)
 
 
-def _words(harmed: Sequence[str]) -> str:
-    return listed([name.replace("_", " ") for name in harmed])
-
-
 def same_channel(files: Sequence[FileReading], campaign: Campaign) -> list[tuple[str, ChannelReading]]:
     """Return the readings of a campaign's channel: those with the place that the channel has in the first file."""
     sound = ((file.path, file.numbered(campaign.number)) for file in files if worst(file.findings) != "bad")
@@ -313,22 +303,17 @@ def filter_section(files: Sequence[FileReading], names: Names, filter_: Filter |
     advised = advised_filter(files) if filter_ is None else None
     filters = filters if advised is None else [("advised: ", advised), *filters]
     duration = median(widths) / HALF_SINE_WIDTH
-    rows: list[list[Cell]] = [
-        [f"{name}{one}", f"{one.half_power(1e-3 / one.cutoff) / 1e3:.4g}", *_left(one, duration)]
-        for name, one in filters
-    ]
-    long = faces.amount(MICROSECONDS, duration)
+    rows: list[list[Cell]] = []
+    for name, one in filters:
+        left = ["below 2 %", NONE]
+        if one.cutoff * duration >= LEFT_LEAST:
+            effect = effect_on_half_sine(one, duration)
+            left = [percents(effect.peak), percents(effect.width)]
+        rows.append([f"{name}{one}", f"{one.half_power(1e-3 / one.cutoff) / 1e3:.4g}", *left])
+    long = amount(MICROSECONDS, duration)
     caption = f"What filters leave of a half-sine of {long}, which is as wide as the median blow"
     heads = ["filter", "−3 dB in all (kHz)", "peak left", "width left"]
     return Section("Filter", text, [*parts, Table(caption, heads, rows)])
-
-
-def _left(one: Filter, duration: float) -> list[str]:
-    """Return what a filter leaves of peak and width of a half-sine."""
-    if one.cutoff * duration < LEFT_LEAST:
-        return ["below 2 %", NONE]
-    effect = effect_on_half_sine(one, duration)
-    return [percents(effect.peak), percents(effect.width)]
 
 
 def _filtered_table(files: Sequence[FileReading], names: Names) -> Table:
@@ -339,7 +324,9 @@ def _filtered_table(files: Sequence[FileReading], names: Names) -> Table:
     total = sum(len(reading.unfiltered) for _, reading in rows)
     for file, reading in rows:
         for k, before in enumerate(reading.unfiltered[: MOST_ROWS - len(cells)], 1):
-            after = _nearest(before, reading.pulses)
+            after = min(reading.pulses, key=lambda pulse: abs(pulse.time - before.time), default=None)
+            if after is not None and abs(after.time - before.time) > before.end - before.begin:
+                after = None  # another blow
             pairs = [{"peak": p.peak, "width": p.width} if p else {} for p in (before, after)]
             old, new = (columns.cells(pair, reading.channel.unit) for pair in pairs)
             left = [percents(pairs[1][n] / pairs[0][n]) if after and pairs[0][n] else NONE for n in ("peak", "width")]
@@ -349,12 +336,6 @@ def _filtered_table(files: Sequence[FileReading], names: Names) -> Table:
     heads += [words for head in columns.heads for words in (f"{head} before", "after", "left")]
     some = f"; the first {len(cells)} of {total}" if total > len(cells) else ""
     return Table(f"Blows before and after the filter{some}", heads, cells, "No blow was found before the filter.")
-
-
-def _nearest(pulse: RecordedPulse, others: Sequence[RecordedPulse]) -> RecordedPulse | None:
-    """Return the blow that lies where a blow lay before the filter."""
-    best = min(others, key=lambda other: abs(other.time - pulse.time), default=None)
-    return best if best is not None and abs(best.time - pulse.time) <= pulse.end - pulse.begin else None
 
 
 def calibration_section(files: Sequence[FileReading], names: Names, stated: Sequence[tuple[str, str]]) -> Section:
@@ -445,7 +426,7 @@ def pair_table(pairs: Sequence[RecordPair], why: bool = False) -> Table:
                 if math.isnan(found.rigid_peak)
                 else plus_minus("peak", unit, found.rigid_peak, found.common_uncertainty),
                 figure_text("peak", unit, found.differential_peak),
-                faces.amount(BANDWIDTH, alike) if math.isfinite(alike) else NONE,
+                amount(BANDWIDTH, alike) if math.isfinite(alike) else NONE,
                 *([one.why] if why else []),
             ]
         )
@@ -512,7 +493,7 @@ def pair_section(pairs: Sequence[RecordPair]) -> Section:
         parts.append(Picture(pair_figure(drawn), words))
         words = f"{name}: transfer function, mean of {transfer.averages} spectra, {transfer.resolution:.3g}\xa0Hz wide"
         if math.isfinite(transfer.trusted[0]):
-            low, high = (faces.amount(BANDWIDTH, f) for f in transfer.trusted)
+            low, high = (amount(BANDWIDTH, f) for f in transfer.trusted)
             words += f"; shaded from {low} to {high}, where it is known within 10 % and stands above the noise."
         else:
             words += "; nowhere known within 10 %."
@@ -698,7 +679,7 @@ def sensor_table(found: SensorTrials, names: Names) -> Table:
     for blow in found.blows[:MOST_LISTED]:
         trial = blow.trial
         used = percents(trial.range_used) if trial.range_used > 0.0 else NONE
-        clipped = faces.amount(MICROSECONDS, trial.time_clipped, digits=3)
+        clipped = amount(MICROSECONDS, trial.time_clipped, digits=3)
         rows.append(
             [
                 *(names[blow.file], blow.channel, str(blow.blow)),
@@ -718,18 +699,18 @@ MORE_COLUMNS = ("channel", "beyond it", "ringing")  # heads that a narrow screen
 def sensor_section(found: SensorTrials, names: Names) -> Section:
     """Return the chapter: the sensor, how it was tried, and what is left of each blow."""
     sensor, recorder, model = found.stated.sensor, found.stated.recorder, found.stated.model
-    facts = [f"range {faces.amount(ACCELERATION, sensor.range)}"] if math.isfinite(sensor.range) else []
-    facts += [
-        f"resonance {faces.amount(KILOHERTZ, sensor.resonance)}, magnified {sensor.quality:.3g} times"
-    ] * math.isfinite(sensor.resonance)
-    lowest = f"lowest resonance {faces.amount(BANDWIDTH, found.resonance)} on its mounting"
+    facts = [f"range {amount(ACCELERATION, sensor.range)}"] if math.isfinite(sensor.range) else []
+    facts += [f"resonance {amount(KILOHERTZ, sensor.resonance)}, magnified {sensor.quality:.3g} times"] * math.isfinite(
+        sensor.resonance
+    )
+    lowest = f"lowest resonance {amount(BANDWIDTH, found.resonance)} on its mounting"
     facts += [f"no {key} stated" for key in lacking(found.stated)]
     facts.append("directly mounted" if sensor.mounting.direct else lowest)
     if math.isfinite(recorder.sampling_rate):
-        facts.append(f"recorded at {faces.amount(KILOHERTZ, recorder.sampling_rate)}")
+        facts.append(f"recorded at {amount(KILOHERTZ, recorder.sampling_rate)}")
     if math.isfinite(recorder.cutoff):
-        facts.append(f"low-pass of {recorder.order} poles at {faces.amount(KILOHERTZ, recorder.cutoff)}")
-    band = faces.amount(BANDWIDTH, found.band)
+        facts.append(f"low-pass of {recorder.order} poles at {amount(KILOHERTZ, recorder.cutoff)}")
+    band = amount(BANDWIDTH, found.band)
     origin = "" if model is None else f" {model.name}: {model.status}; {model.source}. {model.note}"
     text = (
         f"{found.sentence()} Sensor: {listed(facts)}.{origin} Each blow is taken as the motion of "

@@ -39,7 +39,7 @@ from strikewave.reporting.measured_files import Calibration, Filtering, Judging,
 from strikewave.reporting.options import Typed
 from strikewave.reporting.terminal import say
 from strikewave.signal.filters import Filter
-from strikewave.signal.srs import Scope, Spectrum, octaves, resultant_srs, rolling_srs
+from strikewave.signal.srs import Scope, octaves, resultant_srs, rolling_srs
 
 # Highest natural frequency by default, Hz. Chosen: ten times that of usual spectra of pyroshock (10 kHz in Irvine, An
 # Introduction to the Shock Response Spectrum, 2012, figure 2), so that blows of 10 us are shown
@@ -77,7 +77,12 @@ def spectra_of(asked: SpectraAsked, origin: Source) -> SpectrumResult:
         axes = [reading for _, reading in readings] if asked.spectra.resultant else []
         _check_axes(asked, axes)
         found = _several(asked, readings, store)
-        sums = _sums(asked.spectra, axes, found.spectra[0].frequency)
+        values = [reading.channel.values - reading.baseline for reading in axes]
+        more = (found.spectra[0].frequency, asked.spectra.q)
+        sums = {
+            kind: resultant_srs(values, axes[0].channel.step, *more, kind, asked.spectra.initial)
+            for kind in (asked.spectra.each_kind if axes else ())
+        }
     return dataclasses.replace(found, resultant=sums, origin=origin, notices=(*found.notices, *unread))
 
 
@@ -188,21 +193,17 @@ def _shock(
     if budget is not None:
         check_amounts(budget, reading)
     known = () if budget is None else uncertainties_of(reading, spectra, wanted.side, scope, budget)
-    common = [_lowest(one, len(frequencies)) for one in spectra]
+    first = slice(len(frequencies))  # what all have in common: the steps are the same from the lowest one on
+    common = [
+        dataclasses.replace(
+            one, frequency=one.frequency[first], positive=one.positive[first], negative=one.negative[first]
+        )
+        for one in spectra
+    ]
     rms = {kind: rms_of(reading, kind, frequencies, wanted.q, wanted.initial) for kind in kinds if wanted.rms}
     found = ChannelSpectra(common, wanted.side, rms or None, response, rolling, known)
     record = (file, channel.name, status_of(reading), left_out, reading.baseline, found)
     return ShockSpectra(*record, spectra[0] if asked.own_range else None, harm_of(reading))
-
-
-def _lowest(one: Spectrum, count: int) -> Spectrum:
-    """Return a spectrum of the lowest natural frequencies alone: its steps are the same from the lowest one on."""
-    if len(one.frequency) == count:
-        return one
-    first = slice(count)
-    return dataclasses.replace(
-        one, frequency=one.frequency[first], positive=one.positive[first], negative=one.negative[first]
-    )
 
 
 def _check_axes(asked: SpectraAsked, axes: Sequence[ChannelReading]) -> None:
@@ -229,13 +230,6 @@ def _check_axes(asked: SpectraAsked, axes: Sequence[ChannelReading]) -> None:
         if other.unit != first.unit:
             got = f"{other.name} in {other.unit}"
             raise InputError("--resultant", got, f"channels in the unit of {first.name}, {first.unit or 'unknown'}")
-
-
-def _sums(wanted: Spectra, axes: Sequence[ChannelReading], frequencies: Any) -> dict[str, Any]:
-    """Return the vector sums of axes by kind; nothing without axes."""
-    values, initial = [reading.channel.values - reading.baseline for reading in axes], wanted.initial
-    kinds = wanted.each_kind if axes else ()
-    return {kind: resultant_srs(values, axes[0].channel.step, frequencies, wanted.q, kind, initial) for kind in kinds}
 
 
 def _rolling(reading: ChannelReading, wanted: Spectra, frequencies: Any, most: int, file: str) -> ChannelRolling:

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from statistics import fmean, stdev
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -59,16 +59,8 @@ if TYPE_CHECKING:
 NORM = "ISO/IEC 17025:2017"
 
 
-class Asked17025(NamedTuple):
-    """One thing that is asked for: the clause, what, and where a test file states it."""
-
-    clause: str
-    what: str
-    key: str
-
-
-def missing(stated: StatedTest, uncertainty: bool) -> list[Asked17025]:
-    """Return what is asked for and not stated; ``uncertainty`` tells whether that of the measurement is."""
+def missing(stated: StatedTest, uncertainty: bool) -> list[tuple[str, str, str]]:
+    """Return clause, what it asks for, and its key in the test file, of all that is not stated."""
     test, tables = stated.test, stated.tables
     report, customer, items = tables.report, tables.customer, tables.specimen
     named = bool(test.item or (items and all(one.name for one in items)))
@@ -96,7 +88,7 @@ def missing(stated: StatedTest, uncertainty: bool) -> list[Asked17025]:
          "option --uncertainty"),
         (calibrated, "6.5, not 7.8", "equipment, with dates and certificates of calibration", "equipment"),
     ]  # fmt: skip
-    return [Asked17025(*row) for given, *row in rows if not given]
+    return [(clause, what, key) for stated, clause, what, key in rows if not stated]
 
 
 # Pulses that are drawn one by one, those that do not pass first; beyond them the range of all is filled
@@ -256,7 +248,7 @@ def _listed(
             ]
         )
     heads = ["#", "direction", "record", *(["channel"] if several else []), "blow", "time"]
-    heads += [*(clause_name(clause.clause) for clause in _model(found)), "band", "verdict", WHY_HEAD]
+    heads += [*(clause_name(clause.clause) for clause in figures_of(found.shocks[0])), "band", "verdict", WHY_HEAD]
     empty = [place for place, head in enumerate(heads) if head == "band" and all(row[place] == NONE for row in rows)]
     kept = [place for place in range(len(heads)) if place not in empty]
     return Table(caption, *_units_in_heads([heads[k] for k in kept], [[row[k] for k in kept] for row in rows]), "None.")
@@ -279,10 +271,6 @@ def _units_in_heads(heads: Sequence[str], rows: Sequence[Sequence[Cell]]) -> tup
             named[place] = f"{heads[place]} ({units.pop()})"
             columns[place] = [cell if cell == NONE else _VALUE.sub(r"\g<value>", str(cell)) for cell in column]
     return named, [list(row) for row in zip(*columns, strict=True)]
-
-
-def _model(found: RecordsVerdict) -> list[Clause]:
-    return figures_of(found.shocks[0])
 
 
 def _summary(found: RecordsVerdict) -> Table:
@@ -329,9 +317,11 @@ def report_of_test(result: RecordResult) -> str:
     found, stated = result.verdict, result.performed or NO_TEST
     if found is None:
         raise ValueError("a test report needs a verdict")
-    result = _hashed(result)
+    if not result.origin.digests:  # Python does not take them before they are shown
+        digests = digests_of([Path(file.path) for file in result.readings])
+        result = replace(result, origin=replace(result.origin, digests=digests))
     names = short_names([file.path for file in result.readings])
-    number = _number(result, stated)
+    number = stated.tables.report.number or f"of records {result.source.digest[:12]}".rstrip()
     head = Head(
         title=f"Test report {number}",
         kicker=stated.test.laboratory or "Shock test",
@@ -344,6 +334,7 @@ def report_of_test(result: RecordResult) -> str:
         foot=f"test report {number}",
         test=_cover(stated),
     )
+    signatures = [(one.role or "signed by", one.name) for one in stated.tables.signature]
     sections = [
         _items(stated),
         _specification(found),
@@ -353,25 +344,12 @@ def report_of_test(result: RecordResult) -> str:
         _pulses(found),
         _deviations(result, found, stated, names),
         _conclusions(found, stated, names),
-        _signatures(stated),
+        Section("Signatures", "", [SignatureLines(signatures or list(UNSIGNED))], alone=True),
         _annex(result, found, stated),
         _not_stated(stated, found),
         Section(f"End of test report {number}", ""),
     ]
     return whole_page(head, sections)
-
-
-def _hashed(result: RecordResult) -> RecordResult:
-    """Return the result with the SHA-256 of its files, which Python does not take before they are shown."""
-    if result.origin.digests:
-        return result
-    digests = digests_of([Path(file.path) for file in result.readings])
-    return replace(result, origin=replace(result.origin, digests=digests))
-
-
-def _number(result: RecordResult, stated: StatedTest) -> str:
-    """Return the number of the report; where none is stated, what tells the records from others."""
-    return stated.tables.report.number or (f"of records {result.source.digest[:12]}").rstrip()
 
 
 def _cover(stated: StatedTest) -> dict[str, str]:
@@ -511,12 +489,9 @@ def _setup(stated: StatedTest) -> Section:
 
 
 def _shocks(found: RecordsVerdict, names: dict[str, str]) -> Section:
-    many = len(found.shocks) > MOST_LISTED
-    words = (
-        f"{len(found.shocks)} shocks are summed up here; the file shocks.csv lists each with its verdict."
-        if many
-        else ""
-    )
+    count = len(found.shocks)
+    words = f"{count} shocks are summed up here; the file shocks.csv lists each with its verdict."
+    words *= count > MOST_LISTED
     return Section("Shocks", words, shock_tables(found, names) if found.shocks else [])
 
 
@@ -584,11 +559,6 @@ def _conclusions(found: RecordsVerdict, stated: StatedTest, names: dict[str, str
     return Section("Conclusions", "\n\n".join(word for word in words if word))
 
 
-def _signatures(stated: StatedTest) -> Section:
-    rows = [(one.role or "signed by", one.name) for one in stated.tables.signature] or list(UNSIGNED)
-    return Section("Signatures", "", [SignatureLines(rows)], alone=True)
-
-
 def _judged_by(result: RecordResult, found: RecordsVerdict, stated: StatedTest) -> list[Part]:
     """Return the files by which the records were judged, with their SHA-256, and the uncertainty budget."""
     budget = result.budget
@@ -626,7 +596,7 @@ def _annex(result: RecordResult, found: RecordsVerdict, stated: StatedTest) -> S
 
 
 def _not_stated(stated: StatedTest, found: RecordsVerdict) -> Section:
-    rows: list[list[Cell]] = [list(one) for one in missing(stated, found.asked.budget is not None)]
+    rows: list[list[Cell]] = [list(row) for row in missing(stated, found.asked.budget is not None)]
     title = f"Annex: asked for by {NORM}, and not stated"
     text = (
         f"Clause 7.8 of {NORM}, as other texts quote it, asks for what follows as far as it applies; the test file "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -118,40 +118,33 @@ def integral_text(value: float, unit: str) -> str:
     return with_unit(value, integral, integral) if known else f"{significant(value, 4)} {integral}".strip()
 
 
-def print_budget(result: RecordResult) -> None:
-    """Print the uncertainty of each blow, of a single one what it is made of, and what the budget holds."""
-    names = short_names([file.path for file in result.readings])
-    blows = [one for _, reading in rows_of(result.readings) for one in reading.uncertainties]
-    report_table(share_table(blows[0]) if len(blows) == 1 else uncertainty_table(result, names), keys=2)
-    for line in budget_lines(result):
-        tell(line, "  ")
-
-
-def print_campaigns(campaigns: Sequence[Campaign], readings: Sequence[FileReading], names: Mapping[str, str]) -> None:
-    """Print the first campaigns, and how many more there are."""
-    for campaign in campaigns[:MOST_LINES]:
-        _print_campaign(campaign, readings, names)
-    more = sum(campaign.sums_up and bool(campaign.statistics) for campaign in campaigns[MOST_LINES:])
-    if more:
-        tell(f"{more} more channels are summed up: see report and JSON")
-
-
-def _print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: Mapping[str, str]) -> None:
+def print_campaign(campaign: Campaign, readings: Sequence[FileReading], names: Mapping[str, str]) -> None:
     """Print the figures of a channel over all blows, and which of them were left out."""
-    rows = _campaign_rows(campaign)
-    if not rows:
-        if len(readings) > 1:
-            tell(f"{campaign.channel}: nothing is left to sum up")
-        return
-    if not campaign.sums_up:
+    writers = _writers(campaign.unit)
+    rows = _campaign_rows(campaign, writers)
+    if not rows and len(readings) > 1:
+        tell(f"{campaign.channel}: nothing is left to sum up")
+    if not rows or not campaign.sums_up:
         return
     columns = [*keys("figure"), *numerals("mean", "scatter (CV)"), *numerals("mean, 95 % bounds")]
     columns += numerals("blows", "median", "robust scatter", "trend over the files", priority=MORE)
     table(f"All blows together: {campaign.channel}", columns, rows)
     if any(" *" in row[-1] for row in rows):
         tell("* a trend that scatter alone gives in less than 5 % of campaigns")
-    _print_left_out(campaign, names)
-    _print_outliers(campaign, names)
+    gone: dict[str, list[str]] = {}
+    for path, figures, _ in campaign.left_out:
+        what = "all figures" if len(figures) == len(SUMMED) else ", ".join(figures).replace("_", " ")
+        gone.setdefault(what, []).append(names[path])
+    for what, where in gone.items():
+        tell(f"left out: {what} of {named(where)}")
+    for outlier in campaign.outliers:
+        if outlier.figure in ("peak", "width", "interval"):  # the velocity change goes with the peak
+            write, statistic = writers[outlier.figure], campaign.statistics[outlier.figure]
+            with_it = f"{write(outlier.mean_with)}, scatter {percent(outlier.cv_with, 2)}"
+            tell(
+                f"with the {outlier.figure} of {names[outlier.path]}, {write(outlier.value)}, the mean would be "
+                f"{with_it}, instead of {write(statistic.mean)}, {percent(statistic.cv, 2)}"
+            )
 
 
 def _writers(unit: str) -> dict[str, Any]:
@@ -165,43 +158,18 @@ def _writers(unit: str) -> dict[str, Any]:
     }
 
 
-def _campaign_rows(campaign: Campaign) -> list[list[str]]:
+def _campaign_rows(campaign: Campaign, writers: Mapping[str, Any]) -> list[list[str]]:
     """Return a row a figure: mean, scatter, bounds, blows, median, robust scatter, trend."""
-    rows, writers = [], _writers(campaign.unit)
+    rows = []
     for name, statistic in campaign.statistics.items():
-        write = writers[name]
-        line = campaign.trends.get(name)
+        write, line, several = writers[name], campaign.trends.get(name), statistic.n > 1
         trend = "-" if line is None else percent(line.change, 1, "+") + (" *" if line.significant else "")
-        bounds = "-" if statistic.n < 2 else f"{write(statistic.low)} to {write(statistic.high)}"
-        cv = "-" if statistic.n < 2 else percent(statistic.cv, 2)
-        robust = ["-", "-"] if statistic.n < 2 else [write(statistic.median), percent(statistic.robust_cv, 2)]
+        bounds = f"{write(statistic.low)} to {write(statistic.high)}" if several else "-"
+        cv = percent(statistic.cv, 2) if several else "-"
+        robust = [write(statistic.median), percent(statistic.robust_cv, 2)] if several else ["-", "-"]
         called = f"{name.removeprefix('rigid_')} without ringing" if name in WITHOUT_RINGING else name.replace("_", " ")
         rows.append([called, write(statistic.mean), cv, bounds, str(statistic.n), *robust, trend])
     return rows
-
-
-def _print_left_out(campaign: Campaign, names: Mapping[str, str]) -> None:
-    """Say which figures of which files were left out."""
-    gone: dict[str, list[str]] = {}
-    for path, figures, _ in campaign.left_out:
-        what = "all figures" if len(figures) == len(SUMMED) else ", ".join(figures).replace("_", " ")
-        gone.setdefault(what, []).append(names[path])
-    for what, where in gone.items():
-        tell(f"left out: {what} of {named(where)}")
-
-
-def _print_outliers(campaign: Campaign, names: Mapping[str, str]) -> None:
-    """Say what the mean would be with each file that disagrees with the others."""
-    writers = _writers(campaign.unit)
-    for one in campaign.outliers:
-        if one.figure in ("peak", "width", "interval"):  # the velocity change goes with the peak
-            write = writers[one.figure]
-            statistic = campaign.statistics[one.figure]
-            with_it = f"{write(one.mean_with)}, scatter {percent(one.cv_with, 2)}"
-            tell(
-                f"with the {one.figure} of {names[one.path]}, {write(one.value)}, the mean would be {with_it}, instead "
-                f"of {write(statistic.mean)}, {percent(statistic.cv, 2)}"
-            )
 
 
 MOST_REASONS = 3  # reasons of pairs, and of a file that is not good, that are listed; the others are counted
@@ -220,7 +188,10 @@ def print_files(readings: Sequence[FileReading], names: Mapping[str, str]) -> No
     alike: dict[tuple[str, str], list[str]] = {}
     for file in readings:
         if file.status != "good":
-            alike.setdefault((file.status, _reasons(file)), []).append(names[file.path])
+            more = len(file.reasons) - MOST_REASONS
+            counted = [f"{more} more reasons: see report and JSON"] * (more > 0)
+            reasons = "; ".join([*file.reasons[:MOST_REASONS], *counted])
+            alike.setdefault((file.status, reasons), []).append(names[file.path])
     lines = [f"{named(where)}, {status}: {reasons}" for (status, reasons), where in alike.items()]
     copies: dict[str, list[str]] = {}
     for file, reading in rows_of(readings):
@@ -230,13 +201,6 @@ def print_files(readings: Sequence[FileReading], names: Mapping[str, str]) -> No
                 copies.setdefault(finding.message, []).append(of + names[file.path])
     lines += [f"{named(where)}: {message}" for message, where in copies.items()]
     tell_first(lines, MOST_LINES, "reasons why files are not good, or are copies", "  ")
-
-
-def _reasons(file: FileReading) -> str:
-    """Return why a file is not good, or the worst of many reasons and how many more there are."""
-    more = len(file.reasons) - MOST_REASONS
-    counted = [f"{more} more reasons: see report and JSON"] if more > 0 else []
-    return "; ".join([*file.reasons[:MOST_REASONS], *counted])
 
 
 def print_rebounds(readings: Sequence[FileReading], names: Mapping[str, str]) -> None:
@@ -253,43 +217,33 @@ def print_rebounds(readings: Sequence[FileReading], names: Mapping[str, str]) ->
     shares = [abs(rebound.peak / pulse.peak) for _, pulse in owners for rebound in pulse.rebounds]
     lags = [abs(rebound.time - pulse.time) for _, pulse in owners for rebound in pulse.rebounds]
     where = list(dict.fromkeys(name for name, _ in owners))
+    of_peak = " to ".join(dict.fromkeys(percent(share, 0) for share in (min(shares), max(shares))))
+    after = " to ".join(dict.fromkeys(amount(MILLISECONDS, lag, digits=3) for lag in (min(lags), max(lags))))
     tell(
         f"{len(shares)} rebound{'s' if len(shares) > 1 else ''}, counted with their blows, in {named(where)}: "
-        f"{_span(min(shares), max(shares), percent, 0)} of the peak, "
-        f"{_span(min(lags), max(lags), lambda lag, digits: amount(MILLISECONDS, lag, digits=digits), 3)} after it"
+        f"{of_peak} of the peak, {after} after it"
     )
-
-
-def _span(low: float, high: float, write: Callable[[float, int], str], digits: int) -> str:
-    """Write two bounds, or one where both read the same."""
-    ends = list(dict.fromkeys([write(low, digits), write(high, digits)]))
-    return " to ".join(ends)
 
 
 def _file_rows(file: FileReading, name: str) -> list[list[str]]:
-    """Return a row a channel; one for a file that has none."""
-    if not file.channels:
-        return [[name, "-", file.status, "-", "-", "-", "-", "-"]]
-    return [
-        [name, reading.channel.name, worst((*file.findings, *reading.findings)), *_means(reading)]
-        for reading in file.channels
-    ]
-
-
-def _means(reading: ChannelReading) -> list[str]:
-    """Return the number of blows of a channel and the means of their figures."""
-    peak, rise, width, change = (
-        mean_of([getattr(pulse, name) for pulse in reading.pulses])
-        for name in ("peak", "rise", "width", "velocity_change")
-    )
-    unit = reading.channel.unit
-    return [
-        str(len(reading.pulses)),
-        _doubted(reading, "peak", peak, value_text(peak, unit)),
-        number(rise, *RISE_TIME.units),
-        _doubted(reading, "width", width, number(width, *PULSE_WIDTH.units)),
-        _doubted(reading, "velocity_change", change, integral_text(change, unit)),
-    ]
+    """Return a row a channel, with the number of its blows and the means of their figures; one for a file without."""
+    rows = [] if file.channels else [[name, "-", file.status, "-", "-", "-", "-", "-"]]
+    for reading in file.channels:
+        unit = reading.channel.unit
+        peak, rise, width, change = (
+            mean_of([getattr(pulse, figure) for pulse in reading.pulses])
+            for figure in ("peak", "rise", "width", "velocity_change")
+        )
+        rows.append(
+            [
+                *(name, reading.channel.name, worst((*file.findings, *reading.findings)), str(len(reading.pulses))),
+                _doubted(reading, "peak", peak, value_text(peak, unit)),
+                number(rise, *RISE_TIME.units),
+                _doubted(reading, "width", width, number(width, *PULSE_WIDTH.units)),
+                _doubted(reading, "velocity_change", change, integral_text(change, unit)),
+            ]
+        )
+    return rows
 
 
 def _doubted(reading: ChannelReading, name: str, mean: float, text: str) -> str:
@@ -318,17 +272,11 @@ def print_filter(files: Sequence[FileReading], filter_: Filter | None) -> None:
         if finding.code == "high-pass"
     ]
     tell_first(passed, MOST_LINES, "channels are filtered so")
-    if filter_ is None:
-        _print_advice(files)
-    else:
+    advised = advised_filter(files) if filter_ is None else None
+    if filter_ is not None:
         effects = [f"{called}: {_effect(filter_effect(reading, filter_))}" for called, reading in channels]
         tell_first(effects, MOST_LINES, "channels are filtered so")
-
-
-def _print_advice(files: Sequence[FileReading]) -> None:
-    """Say which cutoff leaves blows as steep as these as they are."""
-    advised = advised_filter(files)
-    if advised is not None:
+    elif advised is not None:
         tell(
             f"a low-pass of {amount(BANDWIDTH, advised.cutoff)} or more (--filter) changes peak, pulse width and "
             f"velocity change of a half-sine as steep as these by at most {percent(ADVISED_LOSS, 0)}"
@@ -379,7 +327,13 @@ def print_responses(
                 ]
             )
     only = "" if keyed["channel"] else f": {channels[0][1].channel.name}"
-    print_table(f"Response channels{only}", _columns(keyed), rows)
+    columns = [*(keys("file") if keyed["file"] else []), *(texts("channel") if keyed["channel"] else [])]
+    columns += [*(numerals("blow") if keyed["blow"] else []), *numerals("peak")]
+    columns += numerals("over base", priority=MORE)
+    columns += numerals("delay (ms)", "effective duration (ms)")
+    columns += numerals("RMS", priority=MORE)
+    columns += numerals("strongest mode (Hz)", "damping ratio (%)")
+    print_table(f"Response channels{only}", columns, rows)
     if doubted:
         tell(f"{DOUBTED.strip()} a figure that a finding harms: see the report")
     for together in summaries:
@@ -397,17 +351,6 @@ def _response_figures(one: MeasuredResponse, unit: str) -> dict[str, str]:
         "frequency": next((number(mode.frequency, *FREQUENCY.units) for mode in one.modes), "-"),
         "damping": next((f"{1e2 * mode.damping:.3g}" for mode in one.modes), "-"),
     }
-
-
-def _columns(keyed: Mapping[str, bool]) -> list[Column]:
-    """Return the columns of the table: file, channel and blow where there are several, then `_figures`."""
-    columns = [*(keys("file") if keyed["file"] else []), *(texts("channel") if keyed["channel"] else [])]
-    columns += [*(numerals("blow") if keyed["blow"] else []), *numerals("peak")]
-    columns += numerals("over base", priority=MORE)
-    columns += numerals("delay (ms)", "effective duration (ms)")
-    columns += numerals("RMS", priority=MORE)
-    columns += numerals("strongest mode (Hz)", "damping ratio (%)")
-    return columns
 
 
 def _print_summary(one: ResponseSummary) -> None:
@@ -448,28 +391,6 @@ def print_without_ringing(readings: Sequence[FileReading], names: Mapping[str, s
             priority=MORE,
         )
         print_table("Without ringing", columns, rows)
-    _print_overlapping(readings, names)
-
-
-def _figures(pulses: Sequence[RecordedPulse], unit: str) -> list[str]:
-    """Return the means of pulses without ringing: by fit and by band split, and how far these lie apart."""
-    raw = mean_of([pulse.peak for pulse in pulses])
-    joint = [pulse.rigid for pulse in pulses if pulse.rigid is not None]
-    split = [pulse.split for pulse in pulses if pulse.split is not None and pulse.split.separable]
-    best = mean_of([one.peak for one in joint or split])
-    return [
-        *_peak_of(joint, unit),
-        *(_peak_of(split, unit) if split else ("not separable", "-")),
-        percent(raw / best - 1.0, 1, "+"),
-        number(mean_of([one.width for one in joint or split]), *PULSE_WIDTH.units),
-        number(mean_of([one.frequency for one in joint]), *FREQUENCY.units),
-        number(mean_of([one.cutoff for one in split]), *FREQUENCY.units),
-        _times(mean_of([pulse.methods_apart for pulse in pulses])),
-    ]
-
-
-def _print_overlapping(readings: Sequence[FileReading], names: Mapping[str, str]) -> None:
-    """Say of how many blows the rigid part can be separated neither way, and why of the first."""
     overlapping = [
         (names[file.path], reading.channel.name, pulse.split.reason)
         for file, reading in rows_of(readings)
@@ -484,14 +405,28 @@ def _print_overlapping(readings: Sequence[FileReading], names: Mapping[str, str]
         tell(f"the rigid part of {blows} cannot be separated: {reason}{first}")
 
 
+def _figures(pulses: Sequence[RecordedPulse], unit: str) -> list[str]:
+    """Return the means of pulses without ringing: by fit and by band split, and how far these lie apart."""
+    raw = mean_of([pulse.peak for pulse in pulses])
+    joint = [pulse.rigid for pulse in pulses if pulse.rigid is not None]
+    split = [pulse.split for pulse in pulses if pulse.split is not None and pulse.split.separable]
+    best = mean_of([one.peak for one in joint or split])
+    apart = mean_of([pulse.methods_apart for pulse in pulses])
+    return [
+        *_peak_of(joint, unit),
+        *(_peak_of(split, unit) if split else ("not separable", "-")),
+        percent(raw / best - 1.0, 1, "+"),
+        number(mean_of([one.width for one in joint or split]), *PULSE_WIDTH.units),
+        number(mean_of([one.frequency for one in joint]), *FREQUENCY.units),
+        number(mean_of([one.cutoff for one in split]), *FREQUENCY.units),
+        "-" if math.isnan(apart) else f"{apart:.2g}",
+    ]
+
+
 def _peak_of(found: Sequence[RigidPulse | BandSplit], unit: str) -> tuple[str, str]:
     """Return the mean peak without ringing, and its standard uncertainty over it."""
     peak, doubt = mean_of([one.peak for one in found]), mean_of([one.peak_uncertainty for one in found])
     return value_text(peak, unit), "-" if math.isnan(peak) else percent(doubt / abs(peak))
-
-
-def _times(value: float) -> str:
-    return "-" if math.isnan(value) else f"{value:.2g}"
 
 
 MOST_SHOCKS = 20  # shocks of the table on the screen, the failed ones first; report and JSON have all
@@ -568,15 +503,18 @@ class RecordCommand(Command[RecordResult]):
 
     def show(self, result: RecordResult) -> None:
         """Print the verdict, files, campaigns, and what the filter did."""
+        names = short_names([file.path for file in result.readings])
         if result.verdict is not None:
-            print_verdict(result.verdict, short_names([file.path for file in result.readings]))
+            print_verdict(result.verdict, names)
         print_records(result)
         if result.budget is not None:
-            print_budget(result)
+            blows = [blow for _, reading in rows_of(result.readings) for blow in reading.uncertainties]
+            report_table(share_table(blows[0]) if len(blows) == 1 else uncertainty_table(result, names), keys=2)
+            for line in budget_lines(result):
+                tell(line, "  ")
         if result.motion:
             report_table(motion_table(result.motions))
         if result.sensor is not None:
-            names = short_names([file.path for file in result.readings])
             report_table(sensor_table(result.sensor, names), more=MORE_COLUMNS)
         if result.pair:
             report_table(pair_table(result.pairs), more=LEFT_OUT_FIRST)
@@ -597,5 +535,9 @@ def print_records(result: RecordResult) -> None:
     print_without_ringing(readings, names)
     print_responses(readings, result.response_summaries, names)
     print_rebounds(readings, names)
-    print_campaigns(result.campaigns, readings, names)
+    for campaign in result.campaigns[:MOST_LINES]:
+        print_campaign(campaign, readings, names)
+    more = sum(campaign.sums_up and bool(campaign.statistics) for campaign in result.campaigns[MOST_LINES:])
+    if more:
+        tell(f"{more} more channels are summed up: see report and JSON")
     print_filter(readings, result.filter)

@@ -20,7 +20,7 @@ from strikewave.analyses.record.rows import counted
 from strikewave.analyses.record.tables import between, called, figure_text, percents, plus_minus, rows_of, short_names
 from strikewave.base.texts import are_many, first_few
 from strikewave.cases.stated_test import StatedTest
-from strikewave.records.campaign import COPY, Campaign, Outlier
+from strikewave.records.campaign import COPY, Campaign
 from strikewave.records.health_notice import worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
@@ -109,10 +109,6 @@ def named(files: Sequence[str]) -> str:
     return first_few(files, MOST_NAMED) if are_many(files, MOST_NAMED) else listed(list(files))
 
 
-def _of_blows(count: int) -> str:
-    return f"the mean peak of {count} blows is" if count > 1 else "the peak is"
-
-
 def doubted_peaks(campaign: Campaign, files: Sequence[FileReading]) -> list[RecordedPulse]:
     """Return the blows of a channel whose peaks go into no mean, for a finding that harms them, bad records apart."""
     if "peak" in campaign.statistics:
@@ -142,19 +138,12 @@ def _doubted_words(campaign: Campaign, files: Sequence[FileReading]) -> str:
     return f"{text}: see the findings."
 
 
-def _odd_words(one: Outlier, names: Mapping[str, str], unit: str) -> str:
-    """Say which file disagrees with the others, and by which figure."""
-    ratio = f"{one.ratio:.3g} times the median of the others" if math.isfinite(one.ratio) else "unlike the others"
-    return f"{called(one.figure, unit)} of {names[one.path]} left out ({ratio})"
-
-
 def _campaign_words(campaign: Campaign, names: Mapping[str, str], several: bool) -> str:
     where = f"{campaign.channel}: " if several else ""
     statistics, unit = campaign.statistics, campaign.unit
     rigid = statistics.get("rigid_peak")
-    without = (
-        "" if rigid is None else f" Without ringing {_of_blows(rigid.n)} {figure_text('rigid_peak', unit, rigid.mean)}."
-    )
+    of_blows = f"the mean peak of {rigid.n} blows is" if rigid is not None and rigid.n > 1 else "the peak is"
+    without = "" if rigid is None else f" Without ringing {of_blows} {figure_text('rigid_peak', unit, rigid.mean)}."
     if "peak" not in statistics:
         return f"{where}{NO_PEAK}{without}"
     one = statistics["peak"]
@@ -168,7 +157,12 @@ def _campaign_words(campaign: Campaign, names: Mapping[str, str], several: bool)
     line = campaign.trends.get("peak")
     odd = {one.path: one for one in reversed(campaign.outliers)}  # the first of each file
     if odd:
-        text += "; " + named([_odd_words(one, names, unit) for one in reversed(odd.values())])
+        words = []
+        for outlier in reversed(odd.values()):
+            ratio = f"{outlier.ratio:.3g} times the median of the others"
+            ratio = ratio if math.isfinite(outlier.ratio) else "unlike the others"
+            words.append(f"{called(outlier.figure, unit)} of {names[outlier.path]} left out ({ratio})")
+        text += f"; {named(words)}"
     if line is None or not math.isfinite(line.low):
         return f"{text}.{without}"
     if not line.significant:

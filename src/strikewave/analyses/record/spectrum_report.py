@@ -50,14 +50,23 @@ def spectrum_report(result: SpectrumResult) -> str:
             "ones those of one acceleration.",
         )
     )
+    reading, count = result.reading, len(result.frequency)
+    record = Section("Record", "The record holds nothing that could be drawn.")
+    if records.drawable(reading):
+        blows = len(reading.pulses)
+        caption = f"The record: {blows} blow{'' if blows == 1 else 's'}, {status_of(reading)}."
+        record = Section("Record", "", [Picture(records.history(reading), caption)])
+    step = max(math.ceil(count / MOST_ROWS), 1)
+    some = f"{one_in(step).capitalize()} of {count} frequencies; " if step > 1 else ""
+    table = Table(f"Spectra, {result.side}", *result.shown_every(step, result.columns()))
     sections = [
         *_verdict(result),
         Section(
             "Spectra", "" if result.budget is None else held_words(result.budget.names, result.budget.not_stated), parts
         ),
         *_over_time(result),
-        _record_section(result),
-        _table_section(result),
+        record,
+        Section("Values", f"{some}spectrum.csv has them all.", [table]),
         chapters.warnings(result.notices),
         _calibration_section(result),
     ]
@@ -179,25 +188,6 @@ def _key_numbers(result: SpectrumResult) -> list[tuple[str, str]]:
         label = f"largest peak of the record, {len(peaks)} blow{'s' * (len(peaks) > 1)}"
         pairs.append((label, amount(ACCELERATION, max(peaks))))
     return pairs
-
-
-def _record_section(result: SpectrumResult) -> Section:
-    """Draw the record."""
-    reading = result.reading
-    if not records.drawable(reading):
-        return Section("Record", "The record holds nothing that could be drawn.")
-    count = len(reading.pulses)
-    caption = f"The record: {count} blow{'' if count == 1 else 's'}, {status_of(reading)}."
-    return Section("Record", "", [Picture(records.history(reading), caption)])
-
-
-def _table_section(result: SpectrumResult) -> Section:
-    """List the spectra at some of their frequencies."""
-    count = len(result.frequency)
-    step = max(math.ceil(count / MOST_ROWS), 1)
-    some = f"{one_in(step).capitalize()} of {count} frequencies; " if step > 1 else ""
-    table = Table(f"Spectra, {result.side}", *result.shown_every(step, result.columns()))
-    return Section("Values", f"{some}spectrum.csv has them all.", [table])
 
 
 def _calibration_section(result: SpectrumResult) -> Section:

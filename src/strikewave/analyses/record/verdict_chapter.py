@@ -22,8 +22,15 @@ def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
     if many:
         tables.append(_shock_table(found, names, several))
     drawn = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))[:MOST_DRAWN]
-    pictures = [_picture(shock, found, names, several) for shock in drawn]
-    text = _how(found)
+    place = "within the band" if found.limits.band is not None else "about the ideal pulse"
+    pictures = []
+    for shock in drawn:
+        name, verdict = name_of_shock(shock, names, several), SHOWN[shock.found.verdict]
+        figure = shock_figure(shock, found.limits, name)
+        pictures.append(Picture(figure, f"{name}: {verdict}.", f"Shock {name} {place}: {verdict}."))
+    text = decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated)
+    by = " (ISO 14253-1, JCGM 106)" if found.asked.rule == "guarded" else ""
+    text += f" U is the expanded uncertainty{by}. {limit_words_of(found)}"
     if len(found.shocks) > len(drawn):
         text += f" {len(drawn)} of {len(found.shocks)} shocks are drawn, those that fail first."
     return Section("Verdict by the specification", text, [*pictures[:DRAWN_FIRST], *tables, *pictures[DRAWN_FIRST:]])
@@ -45,14 +52,6 @@ def clause_table(found: RecordsVerdict, names: dict[str, str]) -> Table:
 def several_channels(found: RecordsVerdict) -> bool:
     """Tell whether shocks of several channels were judged."""
     return len({shock.reading.channel.name for shock in found.shocks}) > 1
-
-
-def _how(found: RecordsVerdict) -> str:
-    """Say how it was judged, and where the numbers of the specification come from."""
-    asked = found.asked
-    words = decision_words(asked.rule, asked.holds, asked.not_stated)
-    by = " (ISO 14253-1, JCGM 106)" if asked.rule == "guarded" else ""
-    return f"{words} U is the expanded uncertainty{by}. {limit_words_of(found)}"
 
 
 def limit_words_of(found: RecordsVerdict) -> str:
@@ -90,10 +89,3 @@ def _shock_table(found: RecordsVerdict, names: dict[str, str], several: bool) ->
     heads = ["shock", "verdict", *(["direction"] if directed else []), *map(clause_name, by_name), WHY_HEAD]
     left = f", the first {MOST_ROWS} of {len(found.shocks)}" if len(found.shocks) > MOST_ROWS else ""
     return Table(f"Shocks{left}", heads, rows)
-
-
-def _picture(shock: JudgedShock, found: RecordsVerdict, names: dict[str, str], several: bool) -> Picture:
-    name = name_of_shock(shock, names, several)
-    verdict = SHOWN[shock.found.verdict]
-    place = "within the band" if found.limits.band is not None else "about the ideal pulse"
-    return Picture(shock_figure(shock, found.limits, name), f"{name}: {verdict}.", f"Shock {name} {place}: {verdict}.")

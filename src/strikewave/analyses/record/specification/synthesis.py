@@ -155,7 +155,12 @@ def synthesize(
     limits = specification.spectrum_limits()
     frequency = limits.grid()
     rate = SMOOTH * float(frequency[-1]) if rate is None else si_value(rate, "Hz", "rate")
-    _check_rate(rate, limits)
+    highest, most = limits.frequency[-1], MOST_SAMPLES * limits.frequency[0] / 15.0
+    if rate < LEAST_RATE * highest:
+        allowed = f"at least {LEAST_RATE * highest:g} Hz: 8 samples a period of {highest:g} Hz"
+        raise InputError("--rate", f"{rate:g} Hz", allowed)
+    if rate > most:
+        raise InputError("--rate", f"{rate:g} Hz", f"at most {most:g} Hz: {MOST_SAMPLES} samples of this motion")
     half_sine = None
     if by == HALF_SINE:
         half_sine = best_half_sine(limits, frequency)
@@ -189,17 +194,6 @@ def aim(limits: SpectrumLimits, frequency: Array) -> Array:
     low, high = (20.0 * np.log10(curve / nominal) for curve in limits.curves(frequency))
     above = np.minimum(np.maximum(0.5 * (low + high), UPPER_SHARE * high), high)
     return np.asarray(nominal * 10.0 ** (np.where(np.isfinite(above), above, 0.0) / 20.0), dtype=np.float64)
-
-
-def _check_rate(rate: float, limits: SpectrumLimits) -> None:
-    """Refuse a sampling rate that cannot carry the spectrum, or makes the motion too long."""
-    highest, lowest = limits.frequency[-1], limits.frequency[0]
-    if rate < LEAST_RATE * highest:
-        allowed = f"at least {LEAST_RATE * highest:g} Hz: 8 samples a period of {highest:g} Hz"
-        raise InputError("--rate", f"{rate:g} Hz", allowed)
-    most = MOST_SAMPLES * lowest / 15.0
-    if rate > most:
-        raise InputError("--rate", f"{rate:g} Hz", f"at most {most:g} Hz: {MOST_SAMPLES} samples of this motion")
 
 
 def best_half_sine(limits: SpectrumLimits, frequency: Array) -> HalfSine:
