@@ -20,7 +20,7 @@ FIRST = 4000
 """Seed of the first draw."""
 OF = {
     "OfBeginning": "zero", "OfZero": "zero", "OfRange": "limits", "OfTops": "limits", "OfSwings": "limits",
-    "OfSampling": "sampling", "OfNoise": "noise", "OfRinging": "ringing", "OfBlows": "blows", "OfResponses": "blows",
+    "OfSampling": "limits", "OfNoise": "disturbances", "OfRinging": "disturbances", "OfBlows": "blows", "OfResponses": "blows",
 }  # fmt: skip
 """Module of the checks that a section of thresholds decides."""
 

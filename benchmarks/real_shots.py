@@ -14,7 +14,7 @@ from strikewave.hopkinson import Bar, Bridge, GaugeTrace, Pulses, Reduction, Spe
 from strikewave.hopkinson.alignment import Method
 from strikewave.hopkinson.pulses import quieten
 from strikewave.records import read_record
-from strikewave.records.clock import even
+from strikewave.records.calibration import even
 
 ROD_SPEED, REFLECTED_SPEED = 4974.964141, 4865.900383
 """Of the titanium bars, m/s: from ultrasound, and from the time of the reflected pulse; both from the record's head."""

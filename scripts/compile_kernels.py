@@ -55,7 +55,7 @@ def impacts_and_spectra() -> None:
     import numpy as np
 
     from strikewave.contact import Chain, ChainContact, Contact, Spring, exact, simulate, solve_impact
-    from strikewave.records.pulses import robust_line
+    from strikewave.records.contacts import robust_line
     from strikewave.signal.srs import srs
 
     contact = Contact(4.7e9, 1.1, float(exact(0.5)))

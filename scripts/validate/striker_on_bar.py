@@ -22,7 +22,7 @@ from kit import DATA, IMAGES, PAGE, Comparison, cells_of, keep, table, unpacked,
 from strikewave import FitStudy, fit, read_record
 from strikewave.cases.case import parse_case
 from strikewave.hopkinson import Bridge
-from strikewave.records.clock import even
+from strikewave.records.calibration import even
 from strikewave.reporting.style import BLUE, GREEN, RED, legend_below, new_figure, quiet, save
 
 CASE = Path(__file__).parent / "cases" / "striker-on-bar.toml"

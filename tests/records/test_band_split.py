@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from strikewave.records import find_pulses
-from strikewave.records.band_split import (
+from strikewave.records.pulse_shape import SmoothPulse
+from strikewave.records.ringing import (
     FAMILY,
     BandSplit,
+    Stretch,
     _best_cutoff,
     _family_as_wide,
     _lowest_mode,
@@ -19,8 +21,6 @@ from strikewave.records.band_split import (
     _width_through,
     split_bands,
 )
-from strikewave.records.ringing import Stretch
-from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.signal.filters import Filter
 from strikewave.signal.pulse import measure_pulse
 from strikewave.waves import Layer, LoadPulse, Stack, Tap, run_bar

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.records.readers import Options, common, hdf, mat, recorders, tables
+from strikewave.records.readers import Options, common, containers, recorders, tables
 from strikewave.records.readers.common import ArrayColumn
 from strikewave.records.readers.headings import PICO
 
@@ -174,7 +174,7 @@ def matrix(name, numbers, kind=9, flags=6, shape=None, order="<"):
 
 
 def numbers_of(numbers, kind, order):
-    return np.asarray(numbers).astype(order + mat._TYPES[kind]).tobytes()
+    return np.asarray(numbers).astype(order + containers._TYPES[kind]).tobytes()
 
 
 HEAD = {"<": b"MATLAB".ljust(124) + b"\x00\x01IM", ">": b"MATLAB".ljust(124) + b"\x01\x00MI"}
@@ -183,7 +183,7 @@ HEAD = {"<": b"MATLAB".ljust(124) + b"\x00\x01IM", ">": b"MATLAB".ljust(124) + b
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize("kind", [1, 2, 3, 4, 5, 6, 7, 9, 12, 13])
 def test_every_type_of_numbers_of_matlab(written, order, kind):
-    record = mat.read_mat(written(HEAD[order] + matrix("abc", [3, 5, 100], kind, order=order)), Options())
+    record = containers.read_mat(written(HEAD[order] + matrix("abc", [3, 5, 100], kind, order=order)), Options())
     assert shown(record)[0][:3] == ("abc", "", [3.0, 5.0, 100.0])
 
 
@@ -191,7 +191,7 @@ def test_classes_that_are_no_numbers_are_passed_over(written):
     """Classes from 6 to 15 hold numbers; 0x0800 marks complex ones, other flags nothing of the kind."""
     parts = [matrix(f"class{k}", [3, 5], flags=k) for k in (1, 4, 5, 6, 15, 16)]
     parts += [matrix("complex", [3, 5], flags=0x0806), matrix("global", [3, 5], flags=0x0406)]
-    record = mat.read_mat(written(HEAD["<"] + b"".join(parts)), Options())
+    record = containers.read_mat(written(HEAD["<"] + b"".join(parts)), Options())
     assert [c.name for c in record.channels] == ["class6", "class15", "global"]
     assert record.findings[0].value == 5
     assert "class1, class4, class5, class16, complex" in record.findings[0].message
@@ -201,12 +201,12 @@ def test_small_elements_hold_up_to_four_bytes(written):
     """Kind and size in one word, the bytes in the next."""
     body = element(6, struct.pack("<II", 6, 0)) + element(5, struct.pack("<2i", 3, 1))
     small = struct.pack("<I", 3 << 16 | 1) + b"abc\0" + struct.pack("<I", 3 << 16 | 2) + b"\x07\x08\x09\0"
-    assert shown(mat.read_mat(written(HEAD["<"] + element(14, body + small)), Options()))[0][:3] == (
+    assert shown(containers.read_mat(written(HEAD["<"] + element(14, body + small)), Options()))[0][:3] == (
         "abc",
         "",
         [7.0, 8.0, 9.0],
     )
-    found = list(mat._elements(memoryview(small + element(9, b"12345") + element(5, b"z")), "<"))
+    found = list(containers._elements(memoryview(small + element(9, b"12345") + element(5, b"z")), "<"))
     assert [(kind, bytes(part)) for kind, part in found] == [
         (1, b"abc"),
         (2, b"\x07\x08\x09"),
@@ -214,9 +214,9 @@ def test_small_elements_hold_up_to_four_bytes(written):
         (5, b"z"),
     ]
     assert [
-        bytes(part) for _, part in mat._elements(memoryview(struct.pack("<I", 9 << 16 | 1) + b"abcdefgh"), "<")
+        bytes(part) for _, part in containers._elements(memoryview(struct.pack("<I", 9 << 16 | 1) + b"abcdefgh"), "<")
     ] == [b"abcd"]
-    assert list(mat._elements(memoryview(b"1234567"), "<")) == []
+    assert list(containers._elements(memoryview(b"1234567"), "<")) == []
 
 
 def struct_of(name, fields, length=5):
@@ -229,33 +229,35 @@ def struct_of(name, fields, length=5):
 
 def test_fields_of_structs_have_the_name_of_their_place(written):
     inner = struct_of("", [("bar", matrix("", [1, 2])), ("dt", matrix("", [4])), ("", matrix("", [7, 7]))])
-    record = mat.read_mat(
+    record = containers.read_mat(
         written(HEAD["<"] + struct_of("run", [("in", inner), ("top", matrix("", [3, 5]))])), Options()
     )
     assert shown(record)[0] == ("run/in/bar", "", [1.0, 2.0], 4.0, 0.0)
     assert [c.name for c in record.channels] == ["run/in/bar"]  # the other one has no step
     two = struct_of("run", [("top", matrix("", [3, 5]))]).replace(struct.pack("<2i", 1, 1), struct.pack("<2i", 2, 1))
-    assert "run" in mat.read_mat(written(HEAD["<"] + two + matrix("a", [1, 2])), Options()).findings[0].message
+    assert "run" in containers.read_mat(written(HEAD["<"] + two + matrix("a", [1, 2])), Options()).findings[0].message
 
 
 def test_structs_nest_up_to_eight_deep(written):
     part = matrix("", [1, 2])
     for _ in range(7):
         part = struct_of("", [("a", part)])
-    assert [c.name for c in mat.read_mat(written(HEAD["<"] + struct_of("s", [("a", part)])), Options()).channels] == [
-        "s/" + "a/" * 7 + "a"
-    ]
+    assert [
+        c.name for c in containers.read_mat(written(HEAD["<"] + struct_of("s", [("a", part)])), Options()).channels
+    ] == ["s/" + "a/" * 7 + "a"]
     part = struct_of("", [("a", part)])
     with pytest.raises(InputError, match="no arrays"):
-        mat.read_mat(written(HEAD["<"] + struct_of("s", [("a", part)])), Options())
+        containers.read_mat(written(HEAD["<"] + struct_of("s", [("a", part)])), Options())
 
 
 def test_tables_of_matlab_lie_column_by_column(written):
-    record = mat.read_mat(written(HEAD["<"] + matrix("ab", range(6), shape=(3, 2)) + matrix("dt", [2])), Options())
+    record = containers.read_mat(
+        written(HEAD["<"] + matrix("ab", range(6), shape=(3, 2)) + matrix("dt", [2])), Options()
+    )
     assert shown(record) == [("ab 1", "", [0.0, 1.0, 2.0], 2.0, 0.0), ("ab 2", "", [3.0, 4.0, 5.0], 2.0, 0.0)]
     with pytest.raises(InputError, match=r"6 numbers for a shape of \(3, 3\)"):
-        mat.read_mat(written(HEAD["<"] + matrix("ab", range(6), shape=(3, 3))), Options())
-    record = mat.read_mat(
+        containers.read_mat(written(HEAD["<"] + matrix("ab", range(6), shape=(3, 3))), Options())
+    record = containers.read_mat(
         written(HEAD["<"] + matrix("cube", range(8), shape=(2, 2, 2)) + matrix("a", [1, 2])), Options()
     )
     assert record.findings[0].message == "1 arrays are no channels: cube"
@@ -266,23 +268,28 @@ def test_compressed_arrays_are_unpacked_no_further_than_they_claim(written):
 
     packed = zlib.compress(matrix("abc", [3, 5]))
     assert (
-        mat.read_mat(written(HEAD["<"] + struct.pack("<II", 15, len(packed)) + packed), Options()).channels[0].name
+        containers.read_mat(written(HEAD["<"] + struct.pack("<II", 15, len(packed)) + packed), Options())
+        .channels[0]
+        .name
         == "abc"
     )
     empty = zlib.compress(struct.pack("<II", 14, 0) + b"xyz")
-    assert mat._unpacked(written(b"file"), memoryview(empty), "<") == (14, b"x")  # zlib takes a bound of zero for none
+    assert containers._unpacked(written(b"file"), memoryview(empty), "<") == (
+        14,
+        b"x",
+    )  # zlib takes a bound of zero for none
     three = zlib.compress(struct.pack("<II", 14, 3) + b"abcdef")
-    assert mat._unpacked(written(b"file"), memoryview(three), "<") == (14, b"abc")
+    assert containers._unpacked(written(b"file"), memoryview(three), "<") == (14, b"abc")
     packed = zlib.compress(b"1234567")
     with pytest.raises(InputError, match="compressed array is empty"):
-        mat.read_mat(written(HEAD["<"] + struct.pack("<II", 15, len(packed)) + packed), Options())
+        containers.read_mat(written(HEAD["<"] + struct.pack("<II", 15, len(packed)) + packed), Options())
     with pytest.raises(InputError, match="ends within an array"):
-        mat.read_mat(written(HEAD["<"] + struct.pack("<II", 15, len(packed) + 1) + packed), Options())
+        containers.read_mat(written(HEAD["<"] + struct.pack("<II", 15, len(packed) + 1) + packed), Options())
 
 
 def old_matrix(name, numbers, form=0, shape=None, imaginary=0, order="<"):
     shape = (len(numbers), 1) if shape is None else shape
-    kind = mat._OLD_TYPES[form // 10 % 10]
+    kind = containers._OLD_TYPES[form // 10 % 10]
     head = struct.pack(order + "5i", form + 1000 * (order == ">"), *shape, imaginary, len(name) + 1)
     return head + name.encode() + b"\0" + np.asarray(numbers).astype(order + kind).tobytes()
 
@@ -292,8 +299,8 @@ def old_matrix(name, numbers, form=0, shape=None, imaginary=0, order="<"):
 def test_every_type_of_numbers_of_version_4(written, order, form):
     parts = [("abc", [3, 5, 100]), ("de", [7, 8, 9])]
     content = b"".join(old_matrix(*part, form, order=order) for part in parts)
-    assert mat.sniff_mat(content)
-    assert [one[:3] for one in shown(mat.read_mat(written(content), Options()))] == [
+    assert containers.sniff_mat(content)
+    assert [one[:3] for one in shown(containers.read_mat(written(content), Options()))] == [
         ("abc", "", [3.0, 5.0, 100.0]),
         ("de", "", [7.0, 8.0, 9.0]),
     ]
@@ -308,12 +315,12 @@ def test_every_type_of_numbers_of_version_4(written, order, form):
     ],
 )  # fmt: skip
 def test_what_is_no_head_of_version_4(head):
-    assert not mat.sniff_mat(head + bytes(8))
+    assert not containers.sniff_mat(head + bytes(8))
 
 
 def test_heads_of_version_4_up_to_their_limits():
-    assert mat._old_head(old_matrix("ab", [3], shape=(0, 7)), 0) == ("<f8", (0, 7), 20, False, 3)
-    assert mat._old_head(b"xyz" + old_matrix("a" * 254, [3], 30, imaginary=1, order=">"), 3) == (
+    assert containers._old_head(old_matrix("ab", [3], shape=(0, 7)), 0) == ("<f8", (0, 7), 20, False, 3)
+    assert containers._old_head(b"xyz" + old_matrix("a" * 254, [3], 30, imaginary=1, order=">"), 3) == (
         ">i2",
         (1, 1),
         23,
@@ -321,30 +328,30 @@ def test_heads_of_version_4_up_to_their_limits():
         255,
     )
     whole = old_matrix("ab", [3])
-    assert mat._old_head(whole[:24], 0) is not None
-    assert mat._old_head(whole[:23], 0) is None
+    assert containers._old_head(whole[:24], 0) is not None
+    assert containers._old_head(whole[:23], 0) is None
 
 
 def test_complex_arrays_of_version_4_are_passed_over(written):
     both = old_matrix("ab", [3, 5, 0, 0], shape=(2, 1), imaginary=1) + old_matrix("cd", [7, 8])
-    assert [c.name for c in mat.read_mat(written(both), Options()).channels] == ["cd"]
+    assert [c.name for c in containers.read_mat(written(both), Options()).channels] == ["cd"]
     with pytest.raises(InputError, match="no array begins at byte 39"):
-        mat.read_mat(written(old_matrix("ab", [3, 5]) + b"rest"), Options())
+        containers.read_mat(written(old_matrix("ab", [3, 5]) + b"rest"), Options())
     with pytest.raises(InputError, match="ends within an array"):
-        mat.read_mat(written(old_matrix("ab", [3, 5])[:-1]), Options())
+        containers.read_mat(written(old_matrix("ab", [3, 5])[:-1]), Options())
 
 
 def test_more_arrays_than_the_most_are_refused(written, monkeypatch):
-    monkeypatch.setattr(mat.common, "MOST_ARRAYS", 2)
-    assert len(mat.read_mat(written(old_matrix("ab", [3, 5]) * 2), Options()).channels) == 2
+    monkeypatch.setattr(containers.common, "MOST_ARRAYS", 2)
+    assert len(containers.read_mat(written(old_matrix("ab", [3, 5]) * 2), Options()).channels) == 2
     with pytest.raises(InputError, match="at most 2 arrays"):
-        mat.read_mat(written(old_matrix("ab", [3, 5]) * 3), Options())
+        containers.read_mat(written(old_matrix("ab", [3, 5]) * 3), Options())
     passed_over = matrix("class4", [3, 5], flags=4)
-    assert len(mat.read_mat(written(HEAD["<"] + matrix("a", [3, 5]) + passed_over), Options()).channels) == 1
+    assert len(containers.read_mat(written(HEAD["<"] + matrix("a", [3, 5]) + passed_over), Options()).channels) == 1
     with pytest.raises(InputError, match="at most 2 arrays"):
-        mat.read_mat(written(HEAD["<"] + matrix("a", [3, 5]) + passed_over + matrix("b", [3, 5])), Options())
-    assert not mat.sniff_mat(HEAD["<"][:127])
-    assert mat.sniff_mat(HEAD[">"])
+        containers.read_mat(written(HEAD["<"] + matrix("a", [3, 5]) + passed_over + matrix("b", [3, 5])), Options())
+    assert not containers.sniff_mat(HEAD["<"][:127])
+    assert containers.sniff_mat(HEAD[">"])
 
 
 # Rigol
@@ -711,8 +718,8 @@ def test_axes_of_ide_lie_over_microseconds(written, monkeypatch):
 @pytest.mark.parametrize("at", [0, 512, 1024, 2048, 4096])
 def test_hdf_may_begin_behind_a_block_of_the_user(at):
     signature = b"\x89HDF\r\n\x1a\n"
-    assert hdf.sniff_hdf(bytes(at) + signature)
-    assert not hdf.sniff_hdf(bytes(at + 1) + signature)
+    assert containers.sniff_hdf(bytes(at) + signature)
+    assert not containers.sniff_hdf(bytes(at + 1) + signature)
 
 
 @pytest.fixture
@@ -728,7 +735,7 @@ def hdf_read(file):
     file.flush()
     copy = Path(file.filename).with_suffix(".copy")
     shutil.copy(file.filename, copy)
-    return hdf.parse_hdf(copy, Options())
+    return containers.parse_hdf(copy, Options())
 
 
 def test_grids_and_units_of_hdf_are_attributes_of_array_group_or_file(hdf_file):
@@ -752,7 +759,7 @@ def test_groups_of_hdf_nest_up_to_sixteen_deep(hdf_file):
     hdf_file["a/" * 16 + "x"] = [1.0, 2.0]
     hdf_file["a/" * 17 + "y"] = [1.0, 2.0]
     hdf_file["#refs#/z"] = [1.0, 2.0]
-    assert [(folder.count("/"), name) for folder, name, _ in hdf._datasets(hdf_file, h5py)] == [(16, "x")]
+    assert [(folder.count("/"), name) for folder, name, _ in containers._datasets(hdf_file, h5py)] == [(16, "x")]
 
 
 def test_names_of_blocks_of_pandas_and_fields_of_tables(hdf_file, monkeypatch):
@@ -765,8 +772,12 @@ def test_names_of_blocks_of_pandas_and_fields_of_tables(hdf_file, monkeypatch):
     table = np.zeros(3, [("index", "f8"), ("v", "f8", (2,)), ("word", "S3"), ("n", "i4"), ("deep", "f8", (2, 2))])
     table["index"], table["v"], table["n"] = [5.0, 7.0, 9.0], [[1, 4], [2, 5], [3, 6]], [7, 8, 9]
     hdf_file["run/table"] = table
-    assert hdf._block_names(hdf_file["df/block0_values"]) == ["bar", "top"]
-    assert hdf._block_names(hdf_file["df/block1_values"]) == hdf._block_names(hdf_file["df/block0_items"]) == []
+    assert containers._block_names(hdf_file["df/block0_values"]) == ["bar", "top"]
+    assert (
+        containers._block_names(hdf_file["df/block1_values"])
+        == containers._block_names(hdf_file["df/block0_items"])
+        == []
+    )
     record = hdf_read(hdf_file)
     assert [one[0] for one in shown(record)] == [
         "df/bar", "df/top", "df/block1_values 1", "df/block1_values 2", "df/block2_values 1", "df/block2_values 2", "run/table/v 1", "run/table/v 2",
@@ -776,14 +787,14 @@ def test_names_of_blocks_of_pandas_and_fields_of_tables(hdf_file, monkeypatch):
         ("run/table/v 2", "", [4.0, 5.0, 6.0], 2.0, 5.0),
         ("run/table/n", "", [7.0, 8.0, 9.0], 2.0, 5.0),
     ]
-    monkeypatch.setattr(hdf.common, "MOST_COLUMNS", 1)
-    assert hdf._block_names(hdf_file["df/block0_values"]) == []
-    assert [c.name for c in hdf._fields("run/", "table", hdf_file["run/table"])] == ["run/table/index"]
-    monkeypatch.setattr(hdf.common, "MOST_COLUMNS", 2)
-    assert hdf._block_names(hdf_file["df/block0_values"]) == ["bar", "top"]
+    monkeypatch.setattr(containers.common, "MOST_COLUMNS", 1)
+    assert containers._block_names(hdf_file["df/block0_values"]) == []
+    assert [c.name for c in containers._fields("run/", "table", hdf_file["run/table"])] == ["run/table/index"]
+    monkeypatch.setattr(containers.common, "MOST_COLUMNS", 2)
+    assert containers._block_names(hdf_file["df/block0_values"]) == ["bar", "top"]
     hdf_file["df/block3_values"] = np.zeros((3, 2))
     hdf_file.create_group("df/block3_items")
-    assert hdf._block_names(hdf_file["df/block3_values"]) == []  # no data set
+    assert containers._block_names(hdf_file["df/block3_values"]) == []  # no data set
 
 
 def test_what_is_no_channel_of_hdf(hdf_file, monkeypatch):
@@ -799,15 +810,15 @@ def test_what_is_no_channel_of_hdf(hdf_file, monkeypatch):
     record = hdf_read(hdf_file)
     assert [(c.name, c.step, c.start) for c in record.channels] == [("bar", 1.0, 1.0), ("df/v", 2.0, 3.0)]
     assert "empty, node, text" in record.findings[0].message
-    monkeypatch.setattr(hdf.common, "MOST_ARRAYS", 6)
+    monkeypatch.setattr(containers.common, "MOST_ARRAYS", 6)
     with pytest.raises(InputError, match="at most 6 arrays"):
         hdf_read(hdf_file)
-    monkeypatch.setattr(hdf.common, "MOST_ARRAYS", 7)
+    monkeypatch.setattr(containers.common, "MOST_ARRAYS", 7)
     assert len(hdf_read(hdf_file).channels) == 2
-    monkeypatch.setattr(hdf, "MOST_ATTRIBUTES", 1)
+    monkeypatch.setattr(containers, "MOST_ATTRIBUTES", 1)
     for k in range(3):
         hdf_file["bar"].attrs[f"a{k}"] = k
-    assert [name for name, _ in hdf._attributes(hdf_file["bar"])] == ["a0"]
+    assert [name for name, _ in containers._attributes(hdf_file["bar"])] == ["a0"]
 
 
 @pytest.mark.parametrize("own", [False, True])
@@ -827,9 +838,9 @@ def test_classic_netcdf_has_scales_grids_and_scalars(tmp_path, own):
         file.t0 = 7.0
     top = ("top", "N", [4.0, 5.0, 6.0], 0.25 if own else 0.125, 7.0)
     expected = [top] if own else [("bar", "g", [0.5, 1.0, 1.5], 0.125, 7.0), top]
-    assert shown(hdf.read_netcdf(tmp_path / "a.nc", Options())) == expected
-    assert hdf.sniff_netcdf(b"CDF\x02")
-    assert not hdf.sniff_netcdf(b"CDF\x05")
+    assert shown(containers.read_netcdf(tmp_path / "a.nc", Options())) == expected
+    assert containers.sniff_netcdf(b"CDF\x02")
+    assert not containers.sniff_netcdf(b"CDF\x05")
 
 
 # What a file claims
@@ -847,7 +858,7 @@ def test_readers_claim_the_bytes_that_a_file_promises(tmp_path, monkeypatch, hdf
     assert claimed[:2] == [(72, False), (14, False)]  # then what all channels take in memory
     claimed.clear()
     hdf_file.create_dataset("a", data=np.zeros((5, 6), "f4"), chunks=(2, 3))
-    hdf._columns(tmp_path, "", "a", hdf_file["a"])
+    containers._columns(tmp_path, "", "a", hdf_file["a"])
     assert claimed == [(24.0, True)]
 
 

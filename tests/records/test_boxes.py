@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.stats import norm, siegelslopes
 
-from strikewave.records import pulses
+from strikewave.records import contacts
 from strikewave.records._pulse_kernels import strongest_boxes
-from strikewave.records.pulses import Baseline, Box, BoxGrid, find_boxes, robust_line, sample_noise
+from strikewave.records.contacts import Baseline, Box, BoxGrid, find_boxes, robust_line, sample_noise
 
 FLAT = Baseline(0.0, 0.0)
 
@@ -32,11 +32,11 @@ def test_the_robust_line_is_that_of_siegel_over_medians_of_blocks(rng):
 def test_long_blocks_are_thinned_and_two_blocks_give_a_level(monkeypatch):
     assert robust_line(np.array([1.0, 1.0, 2.0, 2.0]), 2) == (1.5, 0.0)
     assert robust_line(np.array([1.0, 2.0, 3.0]), 3) == pytest.approx((1.0, 1.0))
-    monkeypatch.setattr(pulses, "LINE_SAMPLES", 4)
+    monkeypatch.setattr(contacts, "LINE_SAMPLES", 4)
     values = np.zeros(24)
     values[1::2] = 9.0  # no median of every second sample sees them
     assert robust_line(values, 3) == (0.0, 0.0)
-    monkeypatch.setattr(pulses, "LINE_SAMPLES", 8)
+    monkeypatch.setattr(contacts, "LINE_SAMPLES", 8)
     assert robust_line(values, 3) == (4.5, 0.0)
 
 
@@ -44,7 +44,7 @@ def test_noise_is_that_of_normal_jumps_or_of_a_rounding_step(monkeypatch):
     assert sample_noise(np.tile([0.0, 2.0], 20)) == pytest.approx(2.0 / norm.ppf(0.75) / math.sqrt(2.0), rel=1e-4)
     assert sample_noise(np.repeat([0.0, 0.5, 2.0, 1.0], 5)) == pytest.approx(0.5 / math.sqrt(12.0))
     assert sample_noise(np.zeros(9)) == 0.0
-    monkeypatch.setattr(pulses, "NOISE_SAMPLES", 8)
+    monkeypatch.setattr(contacts, "NOISE_SAMPLES", 8)
     values = np.repeat(np.arange(8.0), 3)
     values[0::3] += 2.0  # jumps of 2 within each three, of which the first is taken
     values[2::3] += 50.0
@@ -74,35 +74,35 @@ def test_maxima_closer_than_a_box_are_one(apart, count):
 
 
 def test_widths_are_half_an_octave_apart_up_to_a_third():
-    assert pulses._widths(30) == [3, 4, 6, 8]
-    assert pulses._widths(36) == [3, 4, 6, 8, 12]
-    assert pulses._widths(4) == [3]
+    assert contacts._widths(30) == [3, 4, 6, 8]
+    assert contacts._widths(36) == [3, 4, 6, 8, 12]
+    assert contacts._widths(4) == [3]
     for size in (100, 1000, 8901, 8911, 50_001):
-        widths = pulses._widths(size)
+        widths = contacts._widths(size)
         assert widths[-1] <= size // 3 < math.sqrt(2.0) * widths[-1] + 1.0
         assert all(abs(wide / narrow - math.sqrt(2.0)) < 0.7 / narrow for narrow, wide in itertools.pairwise(widths))
 
 
 def test_noise_passes_the_threshold_in_one_record_of_a_hundred():
-    assert norm.sf(pulses._threshold(500.0)) * 40 * 500 == pytest.approx(0.01, rel=1e-9)
-    assert pulses._threshold(0.2) == pulses._threshold(1.0)
+    assert norm.sf(contacts._threshold(500.0)) * 40 * 500 == pytest.approx(0.01, rel=1e-9)
+    assert contacts._threshold(0.2) == contacts._threshold(1.0)
 
 
 def test_means_over_boxes_lose_the_line(monkeypatch):
     values = 3.0 + 0.5 * np.arange(23) + np.repeat([1.0, 2.0, 3.0, 4.0, 9.0], 5)[:23]
-    assert pulses._box_means(values, Baseline(3.0, 0.5), 5).tolist() == [1.0, 2.0, 3.0, 4.0]
-    monkeypatch.setattr(pulses, "MEAN_SAMPLES", 10)
-    assert pulses._box_means(values, Baseline(3.0, 0.5), 5).tolist() == [1.0, 3.0]
+    assert contacts._box_means(values, Baseline(3.0, 0.5), 5).tolist() == [1.0, 2.0, 3.0, 4.0]
+    monkeypatch.setattr(contacts, "MEAN_SAMPLES", 10)
+    assert contacts._box_means(values, Baseline(3.0, 0.5), 5).tolist() == [1.0, 3.0]
 
 
 def test_the_deepest_box_below_a_line():
     line = Baseline(3.0, 0.5)
     values = with_values(40, (12, 16, -4.0), (30, 31, 6.0)) + line.at(np.arange(40))
-    assert pulses._deepest(values, line, 1, 10, 20, 2) == 4.0
-    assert pulses._deepest(values, line, 1, 14, 20, 4) == 2.0
-    assert pulses._deepest(values, line, -1, 20, 40, 2) == 3.0
-    assert pulses._deepest(values, line, 1, 12, 14, 2) == 4.0
-    assert pulses._deepest(values, line, 1, 12, 14, 3) == 0.0
+    assert contacts._deepest(values, line, 1, 10, 20, 2) == 4.0
+    assert contacts._deepest(values, line, 1, 14, 20, 4) == 2.0
+    assert contacts._deepest(values, line, -1, 20, 40, 2) == 3.0
+    assert contacts._deepest(values, line, 1, 12, 14, 2) == 4.0
+    assert contacts._deepest(values, line, 1, 12, 14, 3) == 0.0
 
 
 def test_boxes_touch_within_three_tenths_of_a_width():
@@ -110,7 +110,7 @@ def test_boxes_touch_within_three_tenths_of_a_width():
     grid.add(Box(10, 10, 1.0))
     beside = {22: True, 23: False}, {3: True, 2: False}  # last of these are 8 and 7
     for first, touches in (*beside[0].items(), *beside[1].items()):
-        assert pulses._touches(Box(first, 5, 1.0), grid) is touches, first
+        assert contacts._touches(Box(first, 5, 1.0), grid) is touches, first
 
 
 def test_all_boxes_within_reach_are_near_and_few_others(rng):
@@ -129,18 +129,18 @@ def test_all_boxes_within_reach_are_near_and_few_others(rng):
 
 def test_the_second_hump_stands_highest_over_the_valley_between():
     part = np.array([9.0, 0.0, 5.0, 1.0, 3.0, 2.0, 4.5, 0.0, 9.0])
-    assert pulses._second_hump(part, slice(1, 8), 2, 1) == (6, 3)
-    assert pulses._second_hump(part[::-1], slice(1, 8), 6, -1) == (2, 5)
+    assert contacts._second_hump(part, slice(1, 8), 2, 1) == (6, 3)
+    assert contacts._second_hump(part[::-1], slice(1, 8), 6, -1) == (2, 5)
 
 
 def test_a_hump_ends_at_half_its_height_or_in_the_valley():
     part = np.array([0.0, 1.0, 2.0, 4.0, 2.0, 1.0, 0.0, 3.0, 6.0, 3.0, 0.0])
-    assert pulses._hump_box(part, part, 3, 6) == (2, 3, pytest.approx(8.0 / 3.0))
-    assert pulses._hump_box(part, 2.0 * part, 8, 6) == (7, 3, 8.0)
+    assert contacts._hump_box(part, part, 3, 6) == (2, 3, pytest.approx(8.0 / 3.0))
+    assert contacts._hump_box(part, 2.0 * part, 8, 6) == (7, 3, 8.0)
     even = np.array([4.0, 3.0, 3.0, 4.0])
-    assert pulses._hump_box(even, even, 0, 2) == (0, 2, 3.5)
-    assert pulses._hump_box(even, even, 3, 1) == (2, 2, 3.5)
-    assert pulses._hump_box(with_values(9, (4, 5, 6.0)), np.arange(9.0), 4, 7) == (4, 1, 4.0)
+    assert contacts._hump_box(even, even, 0, 2) == (0, 2, 3.5)
+    assert contacts._hump_box(even, even, 3, 1) == (2, 2, 3.5)
+    assert contacts._hump_box(with_values(9, (4, 5, 6.0)), np.arange(9.0), 4, 7) == (4, 1, 4.0)
 
 
 @pytest.mark.parametrize(
@@ -165,8 +165,8 @@ def test_a_hump_ends_at_half_its_height_or_in_the_valley():
 def test_a_ringing_goes_on_beside_two_humps(place, value, goes_on):
     """Humps of 10 at 20 and 30: 45 % of it as far apart, or 20 % to the other side, within one and two distances."""
     part = with_values(80, (20, 21, 10.0), (30, 31, 10.0), (place, place + 1, value))
-    assert pulses._goes_on(part, 20, 30, 10.0, 0.0) is goes_on
-    assert not pulses._goes_on(part, 20, 30, 10.0, 0.2)
+    assert contacts._goes_on(part, 20, 30, 10.0, 0.0) is goes_on
+    assert not contacts._goes_on(part, 20, 30, 10.0, 0.2)
 
 
 @pytest.mark.parametrize(
@@ -194,9 +194,9 @@ def test_of_two_lobes_the_higher_is_left(place, value, left):
     line = Baseline(5.0, 0.25)
     values = with_values(300, (100, 110, 10.0), (130, 140, 8.0), (place, place + 1, value))
     for sign in (1, -1):
-        found = pulses._without_lobes(sign * values + line.at(np.arange(300)), line, sign, boxes, 0.0)
+        found = contacts._without_lobes(sign * values + line.at(np.arange(300)), line, sign, boxes, 0.0)
         assert found == boxes[:left]
-    assert pulses._without_lobes(values, FLAT, 1, boxes, 0.2) == boxes  # three of it in both bounds
+    assert contacts._without_lobes(values, FLAT, 1, boxes, 0.2) == boxes  # three of it in both bounds
 
 
 def test_lobes_near_the_ends_of_a_record():
@@ -212,16 +212,16 @@ def test_lobes_near_the_ends_of_a_record():
             values = with_values(
                 later + 200, (later, later + 10, 10.0), (later + 30, later + 40, 8.0), (place, place + 1, value)
             )
-            assert len(pulses._without_lobes(values, FLAT, 1, boxes, 0.0)) == left
+            assert len(contacts._without_lobes(values, FLAT, 1, boxes, 0.0)) == left
             if place < later + 80:
-                assert len(pulses._without_lobes(values[: place + 1], FLAT, 1, boxes, 0.0)) == left
+                assert len(contacts._without_lobes(values[: place + 1], FLAT, 1, boxes, 0.0)) == left
 
 
 def test_boxes_four_widths_apart_are_no_lobes_of_one_another():
     values = np.where(np.arange(400) % 2, -9.0, 9.0)
     for first, left in ((149, 1), (150, 2)):
-        assert len(pulses._without_lobes(values, FLAT, 1, [Box(100, 10, 8.0), Box(first, 10, 9.0)], 0.0)) == left
-    assert pulses._without_lobes(values, FLAT, 1, [Box(100, 10, 8.0), Box(130, 10, 9.0)], 0.0) == [Box(130, 10, 9.0)]
+        assert len(contacts._without_lobes(values, FLAT, 1, [Box(100, 10, 8.0), Box(first, 10, 9.0)], 0.0)) == left
+    assert contacts._without_lobes(values, FLAT, 1, [Box(100, 10, 8.0), Box(130, 10, 9.0)], 0.0) == [Box(130, 10, 9.0)]
 
 
 def test_a_small_box_rises_again_where_half_of_it_falls_between():
@@ -231,10 +231,10 @@ def test_a_small_box_rises_again_where_half_of_it_falls_between():
     for small, between in ((Box(130, 4, 2.0), (110, 130)), (Box(76, 4, 2.0), (80, 100))):
         for height, rises in ((1.004, False), (0.996, True)):
             values = with_values(200, (*between, height)) + line.at(np.arange(200))
-            assert pulses._rises_again(values, line, 1, small, other) is rises
+            assert contacts._rises_again(values, line, 1, small, other) is rises
     for first, rises in ((139, False), (140, True)):  # three widths of the hit
         values = with_values(200, (100, 150, 5.0))
-        assert pulses._rises_again(values, FLAT, 1, Box(first, 4, 2.0), other) is rises
+        assert contacts._rises_again(values, FLAT, 1, Box(first, 4, 2.0), other) is rises
 
 
 @pytest.mark.parametrize(
@@ -255,17 +255,17 @@ def test_a_small_box_rises_again_where_half_of_it_falls_between():
 def test_a_box_swings_with_half_of_it_before_or_all_of_it_after(first, value, swings):
     line = Baseline(2.0, -0.5)
     values = with_values(200, (first, first + 5, value), (100, 110, 6.0)) + line.at(np.arange(200))
-    assert pulses._swings(values, line, 1, Box(100, 10, 6.0), BoxGrid(30), 0.0) is swings
-    assert not pulses._swings(values, line, 1, Box(100, 10, 6.0), BoxGrid(30), 0.2)  # 0.27 is what noise may be
+    assert contacts._swings(values, line, 1, Box(100, 10, 6.0), BoxGrid(30), 0.0) is swings
+    assert not contacts._swings(values, line, 1, Box(100, 10, 6.0), BoxGrid(30), 0.2)  # 0.27 is what noise may be
 
 
 def test_a_box_near_either_end_is_held_against_what_there_is():
     """Up to the first sample and the last."""
     for dip, swings in ((0, True), (1, True)):
         values = with_values(100, (dip, dip + 5, -3.1), (20, 30, 6.0))
-        assert pulses._swings(values, FLAT, 1, Box(20, 10, 6.0), BoxGrid(30), 0.0) is swings
+        assert contacts._swings(values, FLAT, 1, Box(20, 10, 6.0), BoxGrid(30), 0.0) is swings
         values = with_values(50, (50 - 5 - dip, 50 - dip, -6.1), (20, 30, 6.0))
-        assert pulses._swings(values, FLAT, 1, Box(20, 10, 6.0), BoxGrid(30), 0.0) is swings
+        assert contacts._swings(values, FLAT, 1, Box(20, 10, 6.0), BoxGrid(30), 0.0) is swings
 
 
 def test_what_swings_behind_another_box_is_not_looked_at():
@@ -273,14 +273,14 @@ def test_what_swings_behind_another_box_is_not_looked_at():
         one = BoxGrid(30)
         one.add(Box(other, 5, 9.0))
         values = with_values(200, (dip, dip + 5, -9.0), (100, 110, 6.0))
-        assert pulses._swings(values, FLAT, 1, Box(100, 10, 6.0), one, 0.0) is not hidden
+        assert contacts._swings(values, FLAT, 1, Box(100, 10, 6.0), one, 0.0) is not hidden
     near = BoxGrid(30)
     near.add(Box(85, 5, 9.0))
     near.add(Box(120, 5, 9.0))
     for first in (80, 125):
         values = with_values(200, (first, first + 5, -9.0), (100, 110, 6.0))
-        assert pulses._swings(values, FLAT, 1, Box(100, 10, 6.0), BoxGrid(30), 0.0)
-        assert not pulses._swings(values, FLAT, 1, Box(100, 10, 6.0), near, 0.0)
+        assert contacts._swings(values, FLAT, 1, Box(100, 10, 6.0), BoxGrid(30), 0.0)
+        assert not contacts._swings(values, FLAT, 1, Box(100, 10, 6.0), near, 0.0)
 
 
 @pytest.mark.parametrize(("share", "counts"), [(0.22, (2, 0)), (0.17, (1, 1)), (0.06, (1, 1)), (0.04, (1, 0))])
@@ -312,7 +312,7 @@ def half_sines(apart, length=64, size=1200):
 def test_two_hits_foot_to_foot_are_mark_responses(apart, hits):
     """At foot to foot each box lies between the halves of its half-sine, 500 + 64 / 6 and 500 + 64 5 / 6."""
     values = half_sines(apart)
-    found = pulses._hits_of(values, FLAT, 1, Box(495, 140, 60.0), 0.01)
+    found = contacts._hits_of(values, FLAT, 1, Box(495, 140, 60.0), 0.01)
     assert len(found) == hits
     if hits == 2:
         for k, hit in enumerate(found):
@@ -321,11 +321,11 @@ def test_two_hits_foot_to_foot_are_mark_responses(apart, hits):
             )  # means over eight, to a quarter of it
             assert hit.width == pytest.approx(64.0 * 2.0 / 3.0, abs=4.0)
             assert hit.mean == pytest.approx(100.0 * 3.0 * math.sqrt(3.0) / (2.0 * math.pi), rel=0.03)
-        assert pulses._hits_of(-values, FLAT, -1, Box(495, 140, 60.0), 0.01) == found
-        near = pulses._hits_of(values[400:], FLAT, 1, Box(95, 140, 60.0), 0.01)
+        assert contacts._hits_of(-values, FLAT, -1, Box(495, 140, 60.0), 0.01) == found
+        near = contacts._hits_of(values[400:], FLAT, 1, Box(95, 140, 60.0), 0.01)
         assert near == [hit._replace(first=hit.first - 400) for hit in found]
         line = Baseline(7.0, 0.5)
-        tilted = pulses._hits_of(values + line.at(np.arange(1200)), line, 1, Box(495, 140, 60.0), 0.01)
+        tilted = contacts._hits_of(values + line.at(np.arange(1200)), line, 1, Box(495, 140, 60.0), 0.01)
         assert np.array(tilted) == pytest.approx(np.array(found), rel=1e-9)
 
 
@@ -333,7 +333,7 @@ def hits_of(first, second, valley, single=0.0, width=24, at=100, size=200):
     """Search a box for hits of which each is given by its begin, length and height, over a level between them."""
     (a, m, low), (b, n, high) = first, second
     values = with_values(size, (a + m, b, valley), (a, a + m, low), (b, b + n, high))
-    found = pulses._hits_of(values, FLAT, 1, Box(at, width, 7.0), single)
+    found = contacts._hits_of(values, FLAT, 1, Box(at, width, 7.0), single)
     return None if found == [Box(at, width, 7.0)] else found
 
 
@@ -388,4 +388,4 @@ def test_hits_with_a_swing_beside_them_are_one():
         (90, 3.7, True),
     ):
         values = with_values(200, (102, 106, 10.0), (114, 120, 8.0), (place, place + 2, value))
-        assert (len(pulses._hits_of(values, FLAT, 1, Box(100, 24, 7.0), 0.0)) == 1) is one, place
+        assert (len(contacts._hits_of(values, FLAT, 1, Box(100, 24, 7.0), 0.0)) == 1) is one, place

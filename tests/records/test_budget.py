@@ -20,8 +20,8 @@ from strikewave.records.budget import (
 )
 from strikewave.records.measured_uncertainty import ReadOff, blow_uncertainty, read_off
 from strikewave.records.measuring import find_pulses
+from strikewave.records.pulse_shape import SmoothPulse
 from strikewave.records.record import Channel
-from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.signal.pulse import measure_pulse
 
 

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.records.health import blows, examine, limits, noise, sampled_record, sampling, zero
+from strikewave.records.contacts import MAD_TO_SIGMA, sample_noise
+from strikewave.records.health import blows, disturbances, examine, limits, sampled_record, zero
 from strikewave.records.health.sampled_record import ResponseRecord
 from strikewave.records.health_notice import OF_RESPONSES, RESPONSE_FIGURES, Check, Fault
-from strikewave.records.pulses import MAD_TO_SIGMA, sample_noise
 from strikewave.records.response import FEWEST, BaseBlow, FreeDecay, MeasuredResponse, Mode, measure_responses
 from strikewave.records.thresholds import OfNoise
 
@@ -165,7 +165,7 @@ def test_the_top_of_a_sine_that_a_parabola_misses(count):
     shift = 0.5 * (left - right) / (left - 2.0 * middle + right)
     tip = middle - 0.25 * (left - right) * shift
     round_ = left >= 0.5 * middle or count >= 6.0
-    assert sampling._missed(count) == pytest.approx(1.0 - (tip if round_ else middle), abs=1e-12)
+    assert limits._missed(count) == pytest.approx(1.0 - (tip if round_ else middle), abs=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -174,11 +174,11 @@ def test_the_top_of_a_sine_that_a_parabola_misses(count):
 def test_a_swing_of_fewer_than_eight_samples_is_told(count, amplitude, found):
     said = examine(
         record(FLAT, response(modes=(mode(1.0 / (count * STEP), amplitude=amplitude), mode(5.0)))),
-        sampling.few_samples_of_swing,
+        limits.few_samples_of_swing,
     )
     assert [(one.code, one.value) for one in said] == [("few-samples", pytest.approx(count))] * found
     if found:
-        assert dict(said[0].effects)["peak"] == pytest.approx(-sampling._missed(count))
+        assert dict(said[0].effects)["peak"] == pytest.approx(-limits._missed(count))
         assert f"a swing of {1.0 / (count * STEP):.4g} Hz has {count:.1f} samples" in said[0].message
 
 
@@ -189,41 +189,42 @@ def test_a_spectrum_is_sought_about_the_onset(monkeypatch):
         seen.append(values.tolist())
         return 0.25 if len(seen) < 3 else None
 
-    monkeypatch.setattr(sampling, "folded_level", level)
+    monkeypatch.setattr(limits, "folded_level", level)
     values = np.arange(500.0)
-    (said,) = examine(record(values), sampling.aliased_response)
+    (said,) = examine(record(values), limits.aliased_response)
     assert seen[0] == [float(k) for k in range(300)]  # a window of 200, of its own length before it: only 100 there
     assert (said.value, said.harms) == (0.25, RESPONSE_FIGURES)
     examine(
-        record(values, response(decay=FreeDecay(START, START + 100 * STEP)), places=(300,)), sampling.aliased_response
+        record(values, response(decay=FreeDecay(START, START + 100 * STEP)), places=(300,)), limits.aliased_response
     )
     assert seen[1] == [float(k) for k in range(300 - 2 * FEWEST, 300 + 2 * FEWEST)]
-    assert examine(record(values), sampling.aliased_response) == []
+    assert examine(record(values), limits.aliased_response) == []
 
 
 def test_hum_and_noise_are_told_from_a_share_of_the_peak_on(monkeypatch):
     spans = []
     for share, said in ((1.01, True), (0.99, False)):
         monkeypatch.setattr(
-            noise, "hum_beside", lambda *a, s=share: spans.append(a[3]) or (50.0, s * OfNoise.NOTED_HUM * 10.0)
+            disturbances, "hum_beside", lambda *a, s=share: spans.append(a[3]) or (50.0, s * OfNoise.NOTED_HUM * 10.0)
         )
-        assert [one.value for one in examine(record(FLAT), noise.hum_of_response)] == [
+        assert [one.value for one in examine(record(FLAT), disturbances.hum_of_response)] == [
             pytest.approx(share * OfNoise.NOTED_HUM * 10.0)
         ] * said
         scatter = share * OfNoise.NOTED * 10.0 / 2.0  # k = 2
         values = np.r_[np.tile([scatter, -scatter], 50) / MAD_TO_SIGMA, np.zeros(400)]
         values[150] = 10.0
         assert [
-            one.value for one in examine(record(values, response(duration=0.0, rms=1e6)), noise.noise_of_response)
+            one.value
+            for one in examine(record(values, response(duration=0.0, rms=1e6)), disturbances.noise_of_response)
         ] == [pytest.approx(scatter)] * said
     assert spans[0] == [(START + 100 * STEP, START + 200 * STEP)]
-    monkeypatch.setattr(noise, "hum_beside", lambda *a: None)
-    assert examine(record(FLAT), noise.hum_of_response) == []
+    monkeypatch.setattr(disturbances, "hum_beside", lambda *a: None)
+    assert examine(record(FLAT), disturbances.hum_of_response) == []
 
 
 def test_too_little_before_a_blow_is_told():
-    assert examine(record(FLAT, places=(FEWEST,)), noise.short_before_response) == []
-    (said,) = examine(record(FLAT, places=(FEWEST - 1,)), noise.short_before_response)
+    assert examine(record(FLAT, places=(FEWEST,)), disturbances.short_before_response) == []
+    (said,) = examine(record(FLAT, places=(FEWEST - 1,)), disturbances.short_before_response)
     assert (said.value, said.severity, said.end) == (FEWEST - 1, "good", START + (FEWEST - 1) * STEP)
 
 
@@ -558,7 +559,7 @@ def test_noise_that_only_makes_a_timing_uncertain_is_told(monkeypatch):
             "moved_by",
             lambda self, reach, e=effects: dict.fromkeys(("peak", "rms", "delay", "duration"), 0.0) | e,
         )
-        assert bool(examine(record(FLAT), noise.noise_of_response)) is said
+        assert bool(examine(record(FLAT), disturbances.noise_of_response)) is said
 
 
 def test_hum_is_sought_beside_what_each_blow_does(monkeypatch):
@@ -570,13 +571,13 @@ def test_hum_is_sought_beside_what_each_blow_does(monkeypatch):
         spans.append((step, start, blows))
         return 50.0, heard["amplitude"]
 
-    monkeypatch.setattr(noise, "hum_beside", beside)
+    monkeypatch.setattr(disturbances, "hum_beside", beside)
     answers = [response(blow=1), response(blow=3, begin=START + 350 * STEP, duration=30 * STEP)]
     one = record(FLAT, *answers, places=(100, 200, 320))
-    [found] = examine(one, noise.hum_of_response)
+    [found] = examine(one, disturbances.hum_of_response)
     assert (found.code, found.value) == ("hum", 0.11)
     assert spans == [
         (STEP, START, [(START + 100 * STEP, START + 200 * STEP), (START + 320 * STEP, START + 380 * STEP)])
     ]
     heard["amplitude"] = 0.09
-    assert examine(one, noise.hum_of_response) == []
+    assert examine(one, disturbances.hum_of_response) == []

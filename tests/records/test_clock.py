@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
-from strikewave.records import clock as clocks
-from strikewave.records.clock import even
+from strikewave.records import calibration as clocks
+from strikewave.records.calibration import even
 from strikewave.records.health_notice import FIGURES
 from strikewave.records.record import Channel
 

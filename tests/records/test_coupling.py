@@ -7,7 +7,7 @@ import pytest
 
 from strikewave.records.baseline import LocalBaseline
 from strikewave.records.measuring import RecordedPulse
-from strikewave.records.smooth_pulse import SmoothPulse
+from strikewave.records.pulse_shape import SmoothPulse
 from strikewave.records.tail import resting, uncoupled
 from strikewave.signal.filters import ac_coupled
 

@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 from strikewave.base.errors import InputError
-from strikewave.records import clock, noisy_pulse, reading, response, ringing, sample_store, tail
-from strikewave.records.calibration import ChannelCalibration
-from strikewave.records.clock import even
+from strikewave.records import calibration, pulse_shape, reading, response, ringing, sample_store, tail
+from strikewave.records.calibration import ChannelCalibration, even
 from strikewave.records.health_notice import FIGURES, HealthNotice
 from strikewave.records.reading import (
     ChannelReading,
@@ -153,26 +152,26 @@ def test_samples_that_are_no_numbers_are_bridged():
 
 
 def test_the_last_digit_of_stamps_is_that_of_the_largest_ones():
-    assert clock._last_digit(np.round(np.arange(0.0, 50.0, 0.07), 2)) == pytest.approx(0.01)
-    assert clock._last_digit(np.round(1000.0 + np.arange(0.0, 50.0, 0.7), 1)) == pytest.approx(0.1)
-    assert clock._last_digit(np.zeros(5)) == 0.0
-    assert clock._last_digit(np.full(3, 1e-201)) == 0.0
-    assert clock._last_digit(np.array([123000.0])) == 1000.0  # three digits at least
+    assert calibration._last_digit(np.round(np.arange(0.0, 50.0, 0.07), 2)) == pytest.approx(0.01)
+    assert calibration._last_digit(np.round(1000.0 + np.arange(0.0, 50.0, 0.7), 1)) == pytest.approx(0.1)
+    assert calibration._last_digit(np.zeros(5)) == 0.0
+    assert calibration._last_digit(np.full(3, 1e-201)) == 0.0
+    assert calibration._last_digit(np.array([123000.0])) == 1000.0  # three digits at least
     third = np.array([1.0 / 3.0])
-    assert clock._last_digit(third) == np.spacing(1.0 / 3.0)
+    assert calibration._last_digit(third) == np.spacing(1.0 / 3.0)
     late = np.r_[np.full(500, 0.1234), np.full(60, 0.25)]
     for place, digit in ((503, 1e-3), (504, 1e-4)):  # of 560 the last 56 count
         late[500:504], late[place] = 0.25, 0.1234
-        assert clock._last_digit(late) == digit
-    assert clock._last_digit(np.r_[np.full(60, 0.1234), np.full(49, 0.25)]) == 1e-4  # fifty at least
-    assert clock._last_digit(np.r_[np.full(60, 0.1234), np.full(50, 0.25)]) == 1e-3
+        assert calibration._last_digit(late) == digit
+    assert calibration._last_digit(np.r_[np.full(60, 0.1234), np.full(49, 0.25)]) == 1e-4  # fifty at least
+    assert calibration._last_digit(np.r_[np.full(60, 0.1234), np.full(50, 0.25)]) == 1e-3
 
 
 @pytest.mark.parametrize(("odd", "rounded"), [(4, False), (6, True), (9, True)])
 def test_stamps_are_rounded_where_more_than_one_step_in_two_hundred_is_odd(odd, rounded):
     """Whole numbers of which so many of a thousand steps are two: fewer are lost samples of an even clock."""
     stamps = np.round((1.0 + odd / 1000.0) * np.arange(1001.0))
-    found = clock._rounded(stamps, np.diff(stamps))
+    found = calibration._rounded(stamps, np.diff(stamps))
     assert (found is not None) is rounded
     if rounded:
         assert found == (pytest.approx(0.0, abs=0.5), pytest.approx(1.0 + odd / 1000.0, rel=1e-4))
@@ -182,22 +181,22 @@ def test_rounded_stamps_give_the_line_through_them():
     """2 ms apart, printed to whole ms or to 5: neighbours become equal, and the line is that of all of them."""
     true = 7.0 + 2e-3 * np.arange(201.0) / 3.0
     stamps = np.round(true, 3)
-    start, step = clock._rounded(stamps, np.diff(stamps))
+    start, step = calibration._rounded(stamps, np.diff(stamps))
     assert step == pytest.approx(2e-3 / 3.0, rel=1e-4)
     assert start == pytest.approx(7.0, abs=1e-4)
     by_hand = np.polyfit(np.arange(201.0), stamps, 1)
     assert (step, start) == (pytest.approx(by_hand[0], rel=1e-9), pytest.approx(by_hand[1], rel=1e-12))
-    assert clock._rounded(stamps[:2], np.diff(stamps[:2])) is None
-    assert clock._rounded(stamps[::-1], np.diff(stamps[::-1])) is None
-    assert clock._rounded(np.arange(9.0), np.ones(8)) is None  # even as they are
+    assert calibration._rounded(stamps[:2], np.diff(stamps[:2])) is None
+    assert calibration._rounded(stamps[::-1], np.diff(stamps[::-1])) is None
+    assert calibration._rounded(np.arange(9.0), np.ones(8)) is None  # even as they are
     twice = np.round(1.0 + np.repeat(np.arange(60.0) * 1e-3, 2), 3)
-    assert clock._rounded(twice, np.diff(twice)) is not None  # half of its digit a step
+    assert calibration._rounded(twice, np.diff(twice)) is not None  # half of its digit a step
     three = np.round(np.sort(np.r_[np.arange(60.0), np.arange(0.0, 60.0, 12.0)]) * 1e-2, 3)
-    assert clock._rounded(three, np.diff(three)) is None
+    assert calibration._rounded(three, np.diff(three)) is None
 
 
 def test_steps_are_odd_beyond_a_hundredth():
-    assert clock._share_odd(np.array([1.0, 1.0099, 1.0101, 0.5]), 1.0) == 0.5
+    assert calibration._share_odd(np.array([1.0, 1.0099, 1.0101, 0.5]), 1.0) == 0.5
 
 
 # Correlation, smoothing, ringing, coupling
@@ -216,28 +215,28 @@ def test_neighbours_that_are_alike_count_as_one():
 @pytest.mark.parametrize("half", [2, 5])
 def test_a_local_parabola_is_that_of_least_squares(monkeypatch, direct, half):
     """Within the record; and what a single one becomes is the weight of the middle of such a parabola."""
-    monkeypatch.setattr(noisy_pulse, "DIRECT", direct)
+    monkeypatch.setattr(pulse_shape, "DIRECT", direct)
     rng = np.random.default_rng(4)
     rows = rng.normal(size=(2, 31))
-    found = noisy_pulse.SmoothingWindow(half).over(rows)
+    found = pulse_shape.SmoothingWindow(half).over(rows)
     k = np.arange(-half, half + 1.0)
     for row, smooth in zip(rows, found, strict=True):
         for place in range(half, 31 - half):
             assert smooth[place] == pytest.approx(np.polyfit(k, row[place - half : place + half + 1], 2)[2], abs=1e-12)
-    ends = noisy_pulse.SmoothingWindow(half).over(np.pad(rows[0], half, mode="edge"))[half:-half]
+    ends = pulse_shape.SmoothingWindow(half).over(np.pad(rows[0], half, mode="edge"))[half:-half]
     assert found[0] == pytest.approx(ends, abs=1e-12)
-    assert noisy_pulse.SmoothingWindow(0).over(rows) is rows
-    assert noisy_pulse.SmoothingWindow(0).gain == 1.0
-    assert noisy_pulse.SmoothingWindow(2).gain == pytest.approx(
+    assert pulse_shape.SmoothingWindow(0).over(rows) is rows
+    assert pulse_shape.SmoothingWindow(0).gain == 1.0
+    assert pulse_shape.SmoothingWindow(2).gain == pytest.approx(
         math.sqrt(17.0 / 35.0)
     )  # Savitzky-Golay: its middle weight
 
 
 def test_windows_grow_by_half_an_octave():
-    assert [one.half for one in noisy_pulse.windows_up_to(1)] == [0]
-    assert [one.half for one in noisy_pulse.windows_up_to(2)] == [0, 2]
-    assert [one.half for one in noisy_pulse.windows_up_to(20)] == [0, 2, 3, 5, 7, 10, 14, 20]
-    assert [one.half for one in noisy_pulse.windows_up_to(19)] == [0, 2, 3, 5, 7, 10, 14]
+    assert [one.half for one in pulse_shape.windows_up_to(1)] == [0]
+    assert [one.half for one in pulse_shape.windows_up_to(2)] == [0, 2]
+    assert [one.half for one in pulse_shape.windows_up_to(20)] == [0, 2, 3, 5, 7, 10, 14, 20]
+    assert [one.half for one in pulse_shape.windows_up_to(19)] == [0, 2, 3, 5, 7, 10, 14]
 
 
 def stretch(after, peak=10.0, noise=0.0, width=20.0, misfit=0.0, inside=None):

@@ -13,7 +13,7 @@ from strikewave.base.constants import STANDARD_GRAVITY
 from strikewave.base.texts import percent
 from strikewave.records import Channel, Record, Request, read_file, thresholds
 from strikewave.records.health import CHECKS, examine
-from strikewave.records.health.noise import mains_hum
+from strikewave.records.health.disturbances import mains_hum
 from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.health_notice import (
     BLOW,

@@ -5,7 +5,7 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.records import Channel
-from strikewave.records.clock import even
+from strikewave.records.calibration import even
 from strikewave.records.readers import Options, read_measurements, read_record
 
 SIZE, STEP = 40, 2e-5

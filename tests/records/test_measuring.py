@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from strikewave.records import find_pulses, measuring
-from strikewave.records.band_split import BandSplit
 from strikewave.records.baseline import LocalBaseline
+from strikewave.records.contacts import Box
 from strikewave.records.measuring import BlowWindow, Rebound, RecordedPulse
-from strikewave.records.noisy_pulse import ReadPulse
-from strikewave.records.pulses import Box
-from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
+from strikewave.records.pulse_shape import PulseUncertainty, ReadPulse, SmoothPulse
+from strikewave.records.ringing import BandSplit
 
 RATE, STEP = 1e6, 1e-6
 T, HEIGHT, BEGIN = 200e-6, 5000.0, 10e-3

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.signal import savgol_coeffs, savgol_filter
 
-from strikewave.records import noisy_pulse
-from strikewave.records.noisy_pulse import (
+from strikewave.records import pulse_shape
+from strikewave.records.pulse_shape import (
     SmoothingWindow,
+    SmoothPulse,
     Surroundings,
     figures_of,
     least_error,
@@ -18,14 +19,13 @@ from strikewave.records.noisy_pulse import (
     windows_up_to,
     without_noise,
 )
-from strikewave.records.smooth_pulse import SmoothPulse
 
 
 @pytest.fixture(autouse=True)
 def nothing_kept():
     """Let each test compute what is kept for the next blow."""
     parabola.cache_clear()
-    noisy_pulse._kept_phases.cache_clear()
+    pulse_shape._kept_phases.cache_clear()
 
 
 @pytest.mark.parametrize("half", [2, 3, 7])
@@ -36,7 +36,7 @@ def test_a_window_is_that_of_savitzky_and_golay(half, rng, monkeypatch):
     expected = savgol_filter(rows, 2 * half + 1, 2, mode="nearest")
     assert window.over(rows) == pytest.approx(expected, abs=1e-13)
     assert window.over(rows[0]) == pytest.approx(expected[0], abs=1e-13)
-    monkeypatch.setattr("strikewave.records.noisy_pulse.DIRECT", 1)
+    monkeypatch.setattr("strikewave.records.pulse_shape.DIRECT", 1)
     assert window.over(rows) == pytest.approx(expected, abs=1e-13)
     assert window.gain == pytest.approx(math.sqrt(np.sum(savgol_coeffs(2 * half + 1, 2) ** 2)))
 
@@ -79,16 +79,16 @@ def test_the_spread_of_columns_that_are_known_in_most_rows(rng):
     rows = rng.normal(size=(9, 4))
     rows[:5, 1] = math.nan
     rows[:3, 2] = math.nan
-    middle, scatter = noisy_pulse._spread(rows)
+    middle, scatter = pulse_shape._spread(rows)
     assert middle[[0, 3]] == pytest.approx(np.median(rows[:, [0, 3]], axis=0))
     assert scatter[[0, 3]] == pytest.approx(np.std(rows[:, [0, 3]], axis=0))
     assert scatter[2] == pytest.approx(np.nanstd(rows[:, 2]))
     assert middle[2] == pytest.approx(np.median(np.where(np.isnan(rows[:, 2]), np.nanmean(rows[:, 2]), rows[:, 2])))
     assert middle[1] == 0.0
     assert math.isnan(scatter[1])
-    assert noisy_pulse._spread(rows[:8])[0][0] == pytest.approx(np.median(rows[:8, 0]))
+    assert pulse_shape._spread(rows[:8])[0][0] == pytest.approx(np.median(rows[:8, 0]))
     even = np.array([[1.0], [math.nan]])
-    assert math.isnan(noisy_pulse._spread(even)[1][0])
+    assert math.isnan(pulse_shape._spread(even)[1][0])
 
 
 def test_rows_of_noise_have_its_spectrum(rng):
@@ -110,7 +110,7 @@ def test_rows_of_noise_have_its_spectrum(rng):
 
 
 def test_random_phases_have_variance_one():
-    drawn = noisy_pulse._random_phases(40, 50)
+    drawn = pulse_shape._random_phases(40, 50)
     assert drawn.shape == (40, 50)
     assert np.mean(np.abs(drawn) ** 2) == pytest.approx(1.0, abs=0.07)  # three times 1 / sqrt(2000)
     assert np.mean(drawn.real * drawn.imag) == pytest.approx(0.0, abs=0.04)
@@ -149,12 +149,12 @@ def test_what_lies_between_samples():
     """Worked by hand: at the level 1 second differences of 1 on slopes of 2 and 1.5, third ones of 14 at the tip."""
     values = np.array([0.0, 0.0, 1.0, 3.0, 6.0, 10.0, 4.0, 2.0, 0.5, 0.0])
     for one, place in ((values, 5.3), (values[::-1], 4.3)):
-        tip, run = noisy_pulse._by_sampling(one, place, 10.0)
+        tip, run = pulse_shape._by_sampling(one, place, 10.0)
         assert tip == pytest.approx(14.0 / (16.0 * math.sqrt(3.0)))
         assert run == pytest.approx(math.hypot(1.0 / 2.0, 1.0 / 1.5) / (8.0 * math.sqrt(3.0)))
-    assert noisy_pulse._by_sampling(values, 5.0, -1.0).tolist() == [0.0, 0.0]
+    assert pulse_shape._by_sampling(values, 5.0, -1.0).tolist() == [0.0, 0.0]
     open_ = np.array([5.0, 6.0, 5.0, 2.0, 0.0])
-    assert noisy_pulse._by_sampling(open_, 1.0, 6.0)[1] == pytest.approx(1.0 / 2.0 / (8.0 * math.sqrt(3.0)))
+    assert pulse_shape._by_sampling(open_, 1.0, 6.0)[1] == pytest.approx(1.0 / 2.0 / (8.0 * math.sqrt(3.0)))
 
 
 def bowl(middle=20.3, cubic=0.0, size=41):
@@ -167,34 +167,34 @@ def bowl(middle=20.3, cubic=0.0, size=41):
 def test_what_lies_between_samples_is_a_chord_and_a_parabola(scale):
     """An eighth of the second difference over the slope on each side, a sixteenth of the third at the tip, each anywhere
     up to it: over sqrt 3."""
-    tip, width = noisy_pulse._by_sampling(scale * bowl(), 20.3, scale * 10.0)
+    tip, width = pulse_shape._by_sampling(scale * bowl(), 20.3, scale * 10.0)
     sides = 0.1 * (10.3**2 - 9.3**2), 0.1 * (9.7**2 - 8.7**2)
     assert tip == pytest.approx(0.0, abs=1e-12 * scale)
     assert width == pytest.approx(0.2 / 8.0 / math.sqrt(3.0) * math.hypot(1.0 / sides[0], 1.0 / sides[1]))
-    tip, _ = noisy_pulse._by_sampling(scale * bowl(cubic=1e-4), 20.3, scale * 10.0)
+    tip, _ = pulse_shape._by_sampling(scale * bowl(cubic=1e-4), 20.3, scale * 10.0)
     assert tip == pytest.approx(scale * 6e-4 / 16.0 / math.sqrt(3.0))
-    assert noisy_pulse._by_sampling(-bowl(), 20.3, -10.0).tolist() == [0.0, 0.0]
+    assert pulse_shape._by_sampling(-bowl(), 20.3, -10.0).tolist() == [0.0, 0.0]
 
 
 def test_of_a_stretch_that_ends_above_one_side_is_known():
-    _, left = noisy_pulse._by_sampling(bowl()[:28], 20.3, 10.0)
+    _, left = pulse_shape._by_sampling(bowl()[:28], 20.3, 10.0)
     assert left == pytest.approx(0.2 / 8.0 / math.sqrt(3.0) / (0.1 * (10.3**2 - 9.3**2)))
-    _, right = noisy_pulse._by_sampling(bowl()[13:], 7.3, 10.0)
+    _, right = pulse_shape._by_sampling(bowl()[13:], 7.3, 10.0)
     assert right == pytest.approx(0.2 / 8.0 / math.sqrt(3.0) / (0.1 * (9.7**2 - 8.7**2)))
-    assert noisy_pulse._by_sampling(bowl()[13:28], 7.3, 10.0)[1] == 0.0
-    assert noisy_pulse._by_sampling(bowl()[10:28], 10.3, 10.0)[1] == pytest.approx(
+    assert pulse_shape._by_sampling(bowl()[13:28], 7.3, 10.0)[1] == 0.0
+    assert pulse_shape._by_sampling(bowl()[10:28], 10.3, 10.0)[1] == pytest.approx(
         left
     )  # between its first two samples
-    assert noisy_pulse._by_sampling(bowl()[11:28], 9.3, 10.0)[1] == 0.0
-    assert noisy_pulse._by_sampling(bowl()[13:31], 7.3, 10.0)[1] == pytest.approx(right)  # and between its last two
-    assert noisy_pulse._by_sampling(bowl()[13:30], 7.3, 10.0)[1] == 0.0
+    assert pulse_shape._by_sampling(bowl()[11:28], 9.3, 10.0)[1] == 0.0
+    assert pulse_shape._by_sampling(bowl()[13:31], 7.3, 10.0)[1] == pytest.approx(right)  # and between its last two
+    assert pulse_shape._by_sampling(bowl()[13:30], 7.3, 10.0)[1] == 0.0
 
 
 @pytest.mark.parametrize(("place", "seen"), [(16, False), (17, True), (24, True), (25, False)])
 def test_third_differences_near_the_tip_count(place, seen):
     values = bowl()
     values[place] += 0.01
-    tip, _ = noisy_pulse._by_sampling(values, 20.3, 10.0)
+    tip, _ = pulse_shape._by_sampling(values, 20.3, 10.0)
     assert bool(tip > 1e-4) is seen
     if place == 17:
         assert tip == pytest.approx(0.01 / 16.0 / math.sqrt(3.0))
@@ -210,8 +210,8 @@ def test_second_differences_beside_a_crossing_count(place, seen):
     """The left one lies between samples 10 and 11, the right one between 29 and 30."""
     values = bowl()
     values[place] -= 1e-4
-    _, plain = noisy_pulse._by_sampling(bowl(), 20.3, 10.0)
-    _, width = noisy_pulse._by_sampling(values, 20.3, 10.0)
+    _, plain = pulse_shape._by_sampling(bowl(), 20.3, 10.0)
+    _, width = pulse_shape._by_sampling(values, 20.3, 10.0)
     assert (width != pytest.approx(plain, rel=1e-9)) is seen
 
 
@@ -234,7 +234,7 @@ def test_a_clean_record_is_read_as_it_is():
     assert (read.place, read.peak, read.rise, read.width) == pytest.approx((place, peak, rise, width), rel=1e-12)
     assert read.place == pytest.approx(190.3, abs=1e-9)
     assert np.array_equal(read.values, raw)
-    assert [read.peak_scatter, read.width_scatter] == pytest.approx(noisy_pulse._by_sampling(raw[110:280], 80.3, 10.0))
+    assert [read.peak_scatter, read.width_scatter] == pytest.approx(pulse_shape._by_sampling(raw[110:280], 80.3, 10.0))
 
 
 def by_hand(raw, smooth, noise):
@@ -273,7 +273,7 @@ def by_hand(raw, smooth, noise):
     other = figures_of((pulse + over(rest, halves_taken[1]))[None, near], box)[0] - off_finer
     found = found - [0.0, *off[1:]]
     apart = other - found
-    tip, side = noisy_pulse._by_sampling(clean[near], *figures_of(clean[None, near], box)[0][:2])
+    tip, side = pulse_shape._by_sampling(clean[near], *figures_of(clean[None, near], box)[0][:2])
     peak_scatter = math.sqrt(tip**2 + scatter[1] ** 2 + apart[1] ** 2)
     return [
         110.0 + found[0],

@@ -10,18 +10,18 @@ from scipy.optimize import brentq
 
 from strikewave.base.texts import percent
 from strikewave.records.baseline import LocalBaseline
+from strikewave.records.contacts import Baseline
 from strikewave.records.health import blows as blow_checks
-from strikewave.records.health import examine, limits, noise, sampled_record, sampling, zero
-from strikewave.records.health import ringing as ringing_checks
+from strikewave.records.health import disturbances, examine, limits, sampled_record, zero
+from strikewave.records.health import disturbances as ringing_checks
+from strikewave.records.health.disturbances import _doubt_of_smooth, _swing_after, goes_back, larger_elsewhere
 from strikewave.records.health.limits import BlowShape
-from strikewave.records.health.ringing import _doubt_of_smooth, _swing_after, goes_back, larger_elsewhere
 from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.health_notice import BLOW, FIGURES
 from strikewave.records.measuring import Rebound, RecordedPulse
-from strikewave.records.pulses import Baseline
+from strikewave.records.pulse_shape import PulseUncertainty, SmoothPulse
 from strikewave.records.ringing import RigidPulse
 from strikewave.records.robust import alike_as_one
-from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 from strikewave.records.tail import TailModel
 
 STEP, START = 1e-3, 2.0
@@ -312,16 +312,16 @@ def test_what_stands_at_half_the_rate():
     """A spectrum that is flat, of a spike, stands there as high as anywhere; noise of a fourth of it hides it."""
     spike = np.zeros(256)
     spike[128] = 1.0
-    assert sampling.folded_level(spike, 0.0) == pytest.approx(1.0)
+    assert limits.folded_level(spike, 0.0) == pytest.approx(1.0)
     heard = np.hanning(256)[128] / math.sqrt(0.375 * 256)
-    assert sampling.folded_level(spike, 0.24 * heard) is not None
-    assert sampling.folded_level(spike, 0.26 * heard) is None
-    assert sampling.folded_level(np.zeros(9), 0.0) is None
+    assert limits.folded_level(spike, 0.24 * heard) is not None
+    assert limits.folded_level(spike, 0.26 * heard) is None
+    assert limits.folded_level(np.zeros(9), 0.0) is None
     t = np.arange(256)
     for share, seen in ((0.05, True), (0.03, False)):  # a line is spread over 20 of 129: rms of 0.25 of it
         values = np.cos(2.0 * np.pi * 20 / 256 * t) + share * np.cos(2.0 * np.pi * 120 / 256 * t)
         level = share * math.sqrt((1.0 + 0.25 + 0.25) / 20.0)
-        found = sampling.folded_level(values, 0.0)
+        found = limits.folded_level(values, 0.0)
         assert (found is not None) is (level > 0.02)
         assert not seen or found is None or found == pytest.approx(level, rel=0.05)
 
@@ -446,8 +446,8 @@ def test_effects_are_those_of_the_median_blow_on_the_smallest():
         blow(300 * k, 300 * k + 50, peak, uncertainty=PulseUncertainty(doubt, 0.0, 0.0))
         for k, (peak, doubt) in enumerate(((4.0, 0.1), (-2.0, 0.2), (8.0, 0.4)), start=1)
     ]
-    found = noise.worst_effects(record(np.zeros(2000), *pulses))
-    single = [noise.worst_effects(record(np.zeros(2000), one))["peak"] * abs(one.peak) for one in pulses]
+    found = disturbances.worst_effects(record(np.zeros(2000), *pulses))
+    single = [disturbances.worst_effects(record(np.zeros(2000), one))["peak"] * abs(one.peak) for one in pulses]
     assert found["peak"] == pytest.approx(np.median(single) / 2.0)
     assert single[1] / single[0] == pytest.approx(2.0)
     assert single[2] / single[0] == pytest.approx(4.0)
@@ -456,12 +456,12 @@ def test_effects_are_those_of_the_median_blow_on_the_smallest():
 @pytest.mark.parametrize(("peak", "severity"), [(5.7, "good"), (5.5, "suspect")])
 def test_a_noisy_blow_is_suspect_below_15_db(peak, severity):
     one = blow(300, 500, -peak, method="fit", noise=1.0)
-    [notice] = examine(record(np.zeros(900), one), noise.noisy)
+    [notice] = examine(record(np.zeros(900), one), disturbances.noisy)
     assert notice.value == pytest.approx(20.0 * math.log10(peak))
     assert notice.severity == severity
     small = dataclasses.replace(one, peak=1e-3 * one.peak, noise=1e-3)
-    assert examine(record(np.zeros(900), small), noise.noisy)[0].value == pytest.approx(notice.value)
-    assert examine(record(np.zeros(900), dataclasses.replace(one, method="record")), noise.noisy) == []
+    assert examine(record(np.zeros(900), small), disturbances.noisy)[0].value == pytest.approx(notice.value)
+    assert examine(record(np.zeros(900), dataclasses.replace(one, method="record")), disturbances.noisy) == []
 
 
 # a zero without blows
@@ -478,7 +478,7 @@ def beginning(first=4.0, second=0.0, end=0.0, size=2000):
 
 def unsettled(values, noise=0.1, level=0.0, slope=0.0):
     seen = record(values)
-    vars(seen).update(noise=noise, line=Baseline(level, slope))
+    vars(seen).update(noise=disturbances, line=Baseline(level, slope))
     return [(one.code, one.value, one.severity, one.harms) for one in examine(seen, *OF_THE_ZERO)]
 
 
@@ -496,7 +496,7 @@ def unsettled(values, noise=0.1, level=0.0, slope=0.0):
 )
 def test_a_record_begins_in_a_blow_that_falls_off_on_one_side(more, noise, found):
     """It spans 4 in its first twentieth: 20 noises of 0.2, five ends of 0.8, ten times what the next twentieth does."""
-    [*notices] = unsettled(beginning(**more), noise)
+    [*notices] = unsettled(beginning(**more), disturbances)
     first = more.get("first", 4.0)
     expected = {"cut": ("cut", START, "bad", FIGURES), "not-settled": ("not-settled", abs(first), "bad", FIGURES)}
     assert notices == ([expected[found]] if found else [])
@@ -682,7 +682,7 @@ def hum(frequency, amplitude, size, third=0.0, rate=RATE):
 
 
 def hum_of(values, spans=(), step=1.0 / RATE, start=0.0):
-    return noise.hum_beside(np.asarray(values, dtype=float), step, start, spans)
+    return disturbances.hum_beside(np.asarray(values, dtype=float), step, start, spans)
 
 
 @pytest.mark.parametrize("frequency", [50.0, 60.0])
@@ -800,22 +800,23 @@ def test_noise_is_told_by_the_largest_wander_or_by_that_of_a_sample():
             dataclasses.replace(one, uncertainty=doubt, baseline=one.baseline._replace(wander=wander))
             for one, wander in ((blow(100, 150), 0.03), (blow(400, 450), 0.01), (blow(700, 750), math.nan))
         ]
-        found = examine(record(np.zeros(900), *pulses), noise.hum, noise.noise)
+        found = examine(record(np.zeros(900), *pulses), disturbances.hum, disturbances.noise)
         assert [(one.code, one.value) for one in found] == ([("noise", 0.03)] if told else [])
     lone = dataclasses.replace(blow(400, 450), uncertainty=doubts[0], baseline=LocalBaseline(0.0))
     seen = record(np.zeros(900), lone)
     vars(seen).update(noise=0.017)
-    [found] = examine(seen, noise.hum, noise.noise)
+    [found] = examine(seen, disturbances.hum, disturbances.noise)
     assert (found.value, found.effects[0]) == (0.017, ("peak", pytest.approx(0.0202)))
     assert "a sample" in found.message
     [short] = examine(
-        record(np.zeros(900), dataclasses.replace(lone, baseline=LocalBaseline(0.0, widths=5))), noise.short_before
+        record(np.zeros(900), dataclasses.replace(lone, baseline=LocalBaseline(0.0, widths=5))),
+        disturbances.short_before,
     )
     assert (short.value, short.end, short.severity) == (5, lone.begin, "good")
-    assert examine(record(np.zeros(900), blow(400, 450), lone), noise.short_before) == []
+    assert examine(record(np.zeros(900), blow(400, 450), lone), disturbances.short_before) == []
     assert (
-        examine(record(np.zeros(900)), noise.short_before)
-        == examine(record(np.zeros(900)), noise.hum, noise.noise)
+        examine(record(np.zeros(900)), disturbances.short_before)
+        == examine(record(np.zeros(900)), disturbances.hum, disturbances.noise)
         == []
     )
 
@@ -826,7 +827,7 @@ def test_hum_is_noted_from_a_hundredth_of_the_smallest_peak_on(amplitude, code):
     pulses = [
         dataclasses.replace(blow(450, 455, peak), uncertainty=PulseUncertainty(0.0, 0.0, 0.0)) for peak in (-4.0, 9.0)
     ]
-    found = examine(record(values, *pulses), noise.hum, noise.noise)
+    found = examine(record(values, *pulses), disturbances.hum, disturbances.noise)
     assert [one.code for one in found] == code
     assert not found or found[0].value == pytest.approx(amplitude, rel=0.02)
     assert not found or f"{percent(found[0].value / 4.0)} of the peak" in found[0].message
@@ -834,13 +835,13 @@ def test_hum_is_noted_from_a_hundredth_of_the_smallest_peak_on(amplitude, code):
 
 def test_where_no_noise_is_known_that_of_samples_does_it():
     one = blow(300, 500, -4.0, noise=0.2)
-    found = noise._effects(record(np.zeros(900)), one)
+    found = disturbances._effects(record(np.zeros(900)), one)
     white = one.smooth.uncertainty(STEP, 0.2)
     for name in ("peak", "width", "velocity_change"):
         assert found[name] == pytest.approx(2.0 * getattr(white, name) / abs(getattr(one, name)))
-    assert noise._effects(record(np.zeros(900)), dataclasses.replace(one, width=math.nan)) == {}
+    assert disturbances._effects(record(np.zeros(900)), dataclasses.replace(one, width=math.nan)) == {}
     known = dataclasses.replace(one, uncertainty=PulseUncertainty(0.1, math.nan, 0.002))
-    assert noise._effects(record(np.zeros(900)), known) == {
+    assert disturbances._effects(record(np.zeros(900)), known) == {
         "peak": pytest.approx(0.05),
         "velocity_change": pytest.approx(0.004 / abs(one.velocity_change)),
     }
@@ -848,7 +849,7 @@ def test_where_no_noise_is_known_that_of_samples_does_it():
 
 def test_noise_is_the_least_ratio_of_the_blows_that_are_fitted():
     pulses = [blow(100 * k, 100 * k + 50, peak, method="fit", noise=0.1) for k, peak in ((1, 3.0), (3, -2.0), (5, 4.0))]
-    [found] = examine(record(np.zeros(900), *pulses, blow(700, 750, 0.5)), noise.noisy)
+    [found] = examine(record(np.zeros(900), *pulses, blow(700, 750, 0.5)), disturbances.noisy)
     assert found.value == pytest.approx(20.0 * math.log10(20.0))
     assert found.harms == ("rise",)
 
@@ -870,10 +871,10 @@ def test_noise_is_the_least_ratio_of_the_blows_that_are_fitted():
 def test_samples_of_the_narrowest_half_sine(count, severity, harms):
     wide = blow(300, 500)
     one = dataclasses.replace(wide, width=count * STEP * (1.0 - 2.0 * math.asin(0.1) / math.pi))
-    found = examine(record(np.zeros(900), wide, one, dataclasses.replace(wide, width=math.nan)), sampling.few_samples)
+    found = examine(record(np.zeros(900), wide, one, dataclasses.replace(wide, width=math.nan)), limits.few_samples)
     assert [(each.severity, each.harms) for each in found] == ([(severity, harms)] if severity else [])
     assert not found or found[0].value == pytest.approx(count, rel=1e-6)
-    assert examine(record(np.zeros(900)), sampling.few_samples) == []
+    assert examine(record(np.zeros(900)), limits.few_samples) == []
 
 
 @pytest.mark.parametrize(("length", "reach"), [(40, 150), (10, 64)])
@@ -885,15 +886,15 @@ def test_a_spectrum_is_that_of_four_widths_around_the_largest_blow(length, reach
     for place, seen in ((-reach + 8, True), (-reach - 1, False), (reach - 9, True), (reach, False)):
         values = 7.0 + one.smooth.at(START + STEP * np.arange(3000))
         values[middle + place] += 4e3
-        assert bool(examine(record(values, blow(200, 240, 1.0), one), sampling.aliased)) is seen
-    found = examine(record(values, dataclasses.replace(one, width=math.nan)), sampling.aliased)
-    assert found == examine(record(values), sampling.aliased) == []
+        assert bool(examine(record(values, blow(200, 240, 1.0), one), limits.aliased)) is seen
+    found = examine(record(values, dataclasses.replace(one, width=math.nan)), limits.aliased)
+    assert found == examine(record(values), limits.aliased) == []
 
 
 @pytest.mark.parametrize(("level", "area"), [(0.0245, False), (0.0255, True)])
 def test_what_is_folded_harms_areas_twice_as_much(level, area, monkeypatch):
-    monkeypatch.setattr(sampling, "folded_level", lambda part, noise: level)
-    [found] = examine(record(np.zeros(3000), blow(1000, 1040)), sampling.aliased)
+    monkeypatch.setattr(limits, "folded_level", lambda part, noise: level)
+    [found] = examine(record(np.zeros(3000), blow(1000, 1040)), limits.aliased)
     assert found.value == level
     assert found.harms == ("peak", "rise", *(("width", "velocity_change") if area else ()), "spectrum")
 

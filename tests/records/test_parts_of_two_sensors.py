@@ -10,7 +10,7 @@ import pytest
 from strikewave.records import measuring, two_sensors
 from strikewave.records.baseline import LocalBaseline
 from strikewave.records.measuring import Rebound, RecordedPulse, find_pulses
-from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
+from strikewave.records.pulse_shape import PulseUncertainty, SmoothPulse
 from strikewave.records.two_sensors import PairedMotion, Window, paired_motion
 
 NAN = math.nan

@@ -14,9 +14,9 @@ from strikewave.records.baseline import LocalBaseline
 from strikewave.records.calibration import ChannelCalibration
 from strikewave.records.health.sampled_record import BlowRecord
 from strikewave.records.measuring import RecordedPulse
+from strikewave.records.pulse_shape import SmoothPulse
 from strikewave.records.reading import ChannelReading, FileReading, Request, read_file
 from strikewave.records.record import Channel, Record
-from strikewave.records.smooth_pulse import SmoothPulse
 from strikewave.records.tail import TailModel
 from strikewave.signal.filters import ac_coupled
 

@@ -7,6 +7,7 @@ import pytest
 from planted import classes
 
 from strikewave.records import find_pulses, ringing
+from strikewave.records.pulse_shape import SmoothPulse
 from strikewave.records.ringing import (
     MODELS,
     Fit,
@@ -22,7 +23,6 @@ from strikewave.records.ringing import (
     least_beside_one_mode,
 )
 from strikewave.records.robust import alike_as_one
-from strikewave.records.smooth_pulse import SmoothPulse
 
 STEP, PEAK, LENGTH, BEGIN = 1e-6, 1000.0, 200e-6, 1000e-6
 TIME = STEP * np.arange(6000)

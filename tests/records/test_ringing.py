@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from strikewave.records.pulse_shape import SmoothPulse
 from strikewave.records.ringing import Stretch, ringing_of, spectrum_after, strongest_frequency, swings_after
-from strikewave.records.smooth_pulse import SmoothPulse
 
 STEP, WIDTH, BEGIN, END = 1e-4, 40.0, 100, 142
 SMOOTH = SmoothPulse(10.0, BEGIN * STEP, 42.0 * STEP, 0.5, 1.0)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.optimize import least_squares
 
 from strikewave.records import _pulse_kernels as kernels
-from strikewave.records import smooth_pulse
-from strikewave.records.smooth_pulse import SmoothPulse, fit_smooth_pulse
+from strikewave.records import pulse_shape
+from strikewave.records.pulse_shape import SmoothPulse, fit_smooth_pulse
 
 TIME = np.linspace(0.0, 2.0, 121)
 pulses = st.builds(
@@ -35,7 +35,7 @@ def test_no_pulse_near_that_of_the_fit_has_fewer_squares(true, seed):
     """An independent solver that begins there gains nothing: the fit ends at a minimum within the bounds."""
     values = true.at(TIME) + 0.05 * np.random.default_rng(seed).normal(size=TIME.size)
     fitted = fit_smooth_pulse(TIME, values, 0.5, 1.0)
-    low, high = smooth_pulse.LOWEST.copy(), smooth_pulse.HIGHEST.copy()
+    low, high = pulse_shape.LOWEST.copy(), pulse_shape.HIGHEST.copy()
     scale = np.max(values)
     low[0], high[0] = low[0] * scale, high[0] * scale
     low[1], high[1] = TIME[0] - 0.5, TIME[-1]
@@ -69,9 +69,9 @@ def test_a_step_keeps_to_the_bounds():
     """Of a spike the length goes to its lowest, of a step the pulse never ends."""
     for values in ((np.abs(TIME - 1.0) < 0.01) * 1.0, (TIME > 1.0) * 1.0):
         fitted = fit_smooth_pulse(TIME, values, 0.9, 0.2)
-        assert smooth_pulse.LOWEST[2] * 0.2 <= fitted.length <= smooth_pulse.HIGHEST[2] * 0.2
-        assert smooth_pulse.LOWEST[3] <= fitted.rise_share <= smooth_pulse.HIGHEST[3]
-        assert smooth_pulse.LOWEST[4] <= fitted.power <= smooth_pulse.HIGHEST[4]
+        assert pulse_shape.LOWEST[2] * 0.2 <= fitted.length <= pulse_shape.HIGHEST[2] * 0.2
+        assert pulse_shape.LOWEST[3] <= fitted.rise_share <= pulse_shape.HIGHEST[3]
+        assert pulse_shape.LOWEST[4] <= fitted.power <= pulse_shape.HIGHEST[4]
 
 
 @settings(max_examples=30)
@@ -190,12 +190,12 @@ SPIKE, RISING, RINGING = (
 def test_each_step_of_the_fit_is_that_of_marquardt_and_nielsen(values, power):
     """Where the fit may take two to fifty evaluations, within bounds that some of the parameters come to."""
     time = (TIME - 0.5) / 0.8
-    low, high = smooth_pulse.LOWEST.copy(), smooth_pulse.HIGHEST.copy()
+    low, high = pulse_shape.LOWEST.copy(), pulse_shape.HIGHEST.copy()
     low[1], high[1] = time[0] - 0.5, time[-1]
     start = np.array([1.0, -0.1, 1.2, 0.5, power])
     for rounds, converged in ((2, 1e-6), (3, 1e-6), (5, 1e-6), (9, 1e-6), (16, 1e-6), (50, 1e-2), (50, 1e-6)):
-        found = kernels.fit_pulse(time, values, start, low, high, smooth_pulse.SPREADS, rounds, converged)
-        expected = marquardt(time, values, start, low, high, smooth_pulse.SPREADS, rounds, converged)
+        found = kernels.fit_pulse(time, values, start, low, high, pulse_shape.SPREADS, rounds, converged)
+        expected = marquardt(time, values, start, low, high, pulse_shape.SPREADS, rounds, converged)
         # rounding grows with the condition of the matrix
         assert found[0] == pytest.approx(expected[0], rel=1e-6, abs=1e-8)
         assert found[1] == pytest.approx(expected[1], rel=1e-8, abs=1e-15)
@@ -210,11 +210,11 @@ def test_a_pulse_may_begin_half_its_guessed_length_before_its_samples_and_is_the
     assert far.begin == pytest.approx(-0.4)
     for values in (SPIKE, RINGING):
         fitted = fit_smooth_pulse(TIME, values, 0.5, 0.8)
-        time, low, high = (TIME - 0.5) / 0.8, smooth_pulse.LOWEST.copy(), smooth_pulse.HIGHEST.copy()
+        time, low, high = (TIME - 0.5) / 0.8, pulse_shape.LOWEST.copy(), pulse_shape.HIGHEST.copy()
         low[1], high[1] = time[0] - 0.5, time[-1]
         scale = np.max(values)
         squares = [
-            marquardt(time, values / scale, start, low, high, smooth_pulse.SPREADS, 50, 1e-6)[1]
-            for start in np.clip(smooth_pulse.STARTS, low, high)
+            marquardt(time, values / scale, start, low, high, pulse_shape.SPREADS, 50, 1e-6)[1]
+            for start in np.clip(pulse_shape.STARTS, low, high)
         ]
         assert (fitted.misfit * fitted.peak) ** 2 * TIME.size == pytest.approx(min(squares) * scale**2, rel=1e-6)

@@ -8,7 +8,7 @@ import pytest
 from strikewave.records import tail
 from strikewave.records.baseline import LocalBaseline
 from strikewave.records.measuring import RecordedPulse
-from strikewave.records.smooth_pulse import SmoothPulse
+from strikewave.records.pulse_shape import SmoothPulse
 from strikewave.records.tail import Tail, TailModel, comes_to_rest, model_of, tail_of
 
 STEP, START = 1e-3, 7.0

@@ -8,9 +8,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from strikewave.records import Channel, Record, Request, find_pulses, read_file, trains
+from strikewave.records import Channel, Record, Request, contacts, find_pulses, read_file
 from strikewave.records._pulse_kernels import best_chains
-from strikewave.records.trains import BlowTrain, Contacts, find_train, gaps_of, mains_period, missing_of, sort_contacts
+from strikewave.records.contacts import (
+    BlowTrain,
+    Contacts,
+    find_train,
+    gaps_of,
+    mains_period,
+    missing_of,
+    sort_contacts,
+)
 
 RATE, DURATION, PEAK = 100e3, 300e-6, 1000.0
 WIDTH = 0.936 * DURATION
@@ -241,7 +249,7 @@ def test_the_best_chain_is_the_best_of_all(times, seed):
 def test_a_chain_is_told_in_the_order_of_time():
     times = np.array([0.0, 0.4, 1.0, 2.0, 2.3, 4.0])
     weights = np.array([5.0, 1.0, 4.0, 6.0, 0.5, 3.0])
-    assert trains._chain(times, weights, 1.0, 0.7) == (pytest.approx(5.0 + 4.0 + 6.0 + 3.0 - 0.7), [0, 2, 3, 5])
+    assert contacts._chain(times, weights, 1.0, 0.7) == (pytest.approx(5.0 + 4.0 + 6.0 + 3.0 - 0.7), [0, 2, 3, 5])
 
 
 @pytest.mark.parametrize(("gap", "more"), [(4.14, True), (4.16, False), (3.86, True), (3.84, False), (5.0, False)])
@@ -286,27 +294,27 @@ def test_jitter_is_the_median_deviation_of_gaps_over_the_period():
     ],
 )
 def test_the_common_period_is_that_of_gaps_near_the_shortest_quarter(gaps, period):
-    assert trains._common_period(np.array(gaps)) == pytest.approx(period)
+    assert contacts._common_period(np.array(gaps)) == pytest.approx(period)
 
 
 def test_gaps_lie_off_a_period_by_their_mean():
-    assert trains._off_period(np.array([0.0, 2.1, 4.0, 10.2]), 2.0) == pytest.approx((0.05 + 0.05 + 0.1) / 3.0)
-    assert trains._off_period(np.array([3.0]), 2.0) == math.inf
+    assert contacts._off_period(np.array([0.0, 2.1, 4.0, 10.2]), 2.0) == pytest.approx((0.05 + 0.05 + 0.1) / 3.0)
+    assert contacts._off_period(np.array([3.0]), 2.0) == math.inf
 
 
 def test_periods_are_tried_up_to_the_sixth_neighbour_and_a_twentieth_apart():
     """Of 1, 2, 4 ... to 256 each gap 2^b - 2^a is one of its own; two that differ by less than a step are one."""
     times = 2.0 ** np.arange(9)
-    found = trains._periods(times)
+    found = contacts._periods(times)
     expected = {2.0**b - 2.0**a for a in range(9) for b in range(a + 1, min(a + 7, 9))}
     assert all(np.min(np.abs(found / gap - 1.0)) < 0.025 for gap in expected)
     assert all(min(abs(one / gap - 1.0) for gap in expected) < 0.025 for one in found)
-    assert trains._periods(np.array([0.0, 0.0, 1.0])).tolist() == [1.0]
-    assert trains._periods(np.array([0.0, 1.0, 2.25])).tolist() == [1.0, 1.25, 2.25]
+    assert contacts._periods(np.array([0.0, 0.0, 1.0])).tolist() == [1.0]
+    assert contacts._periods(np.array([0.0, 1.0, 2.25])).tolist() == [1.0, 1.25, 2.25]
     long = np.arange(406.0)
     long[400:] += 0.5 * np.arange(1.0, 7.0)
-    assert not np.any(np.abs(trains._periods(long) - 1.5) < 0.1)
-    assert trains._periods(np.arange(5.0)).tolist() == [1.0, 2.0, 3.0, 4.0]
+    assert not np.any(np.abs(contacts._periods(long) - 1.5) < 0.1)
+    assert contacts._periods(np.arange(5.0)).tolist() == [1.0, 2.0, 3.0, 4.0]
 
 
 @pytest.mark.parametrize(
@@ -331,13 +339,13 @@ def test_what_lies_beside_a_train_is_rare_or_always_as_late(beside, large, regul
     peaks = np.concatenate([np.full(9, 2.0), np.full(len(beside), 2.0 * large)])
     order = np.argsort(times)
     on = [int(k) for k in np.flatnonzero(order < 9)]
-    assert trains._regular(times[order], peaks[order], on) is regular
+    assert contacts._regular(times[order], peaks[order], on) is regular
 
 
 def test_of_a_short_train_one_is_let_pass_beside_it():
     times, peaks = np.array([0.0, 0.4, 1.0, 2.0]), np.ones(4)
-    assert trains._regular(times, peaks, [0, 2, 3])
-    assert not trains._regular(np.array([0.0, 0.4, 1.0, 1.7, 2.0]), np.ones(5), [0, 2, 4])
+    assert contacts._regular(times, peaks, [0, 2, 3])
+    assert not contacts._regular(np.array([0.0, 0.4, 1.0, 1.7, 2.0]), np.ones(5), [0, 2, 4])
 
 
 def late_of(lags, peaks, blows=None):
@@ -348,7 +356,7 @@ def late_of(lags, peaks, blows=None):
     place = {int(old): new for new, old in enumerate(order)}
     sizes = np.concatenate([np.full(count, 4.0), peaks])[order]
     blow_of = {place[count + k]: place[k] for k in range(count)}
-    found = trains._as_late(times[order], sizes, blow_of, count if blows is None else blows)
+    found = contacts._as_late(times[order], sizes, blow_of, count if blows is None else blows)
     return sorted(k for k in range(count) if place[count + k] in found)
 
 
@@ -368,21 +376,21 @@ def test_contacts_without_a_train_belong_to_the_nearest_that_is_larger():
     """Smaller than 0.6 of one within 20 of its widths; small ones are no blows of their own."""
     peaks, widths = np.array([10.0, 5.9, 6.1]), np.array([0.1, 0.3, 0.3])
     for lag, owner in ((1.99, {1: 0}), (2.01, {})):
-        found = trains._without_train(np.array([0.0, lag, 1e3]), peaks, widths, [False] * 3)
+        found = contacts._without_train(np.array([0.0, lag, 1e3]), peaks, widths, [False] * 3)
         assert found.owner == owner
         assert found.blows == ((0, 2) if owner else (0, 1, 2))
-    assert trains._without_train(np.array([0.0, 1.0]), np.array([10.0, 6.1]), widths, [False] * 2).blows == (0, 1)
-    assert trains._without_train(np.array([0.0, 1.0]), np.array([10.0, 6.1]), widths, [False, True]).blows == (0,)
-    three = trains._without_train(np.array([0.0, 3.0, 4.0]), np.array([9.0, 1.0, 8.0]), np.full(3, 0.5), [False] * 3)
+    assert contacts._without_train(np.array([0.0, 1.0]), np.array([10.0, 6.1]), widths, [False] * 2).blows == (0, 1)
+    assert contacts._without_train(np.array([0.0, 1.0]), np.array([10.0, 6.1]), widths, [False, True]).blows == (0,)
+    three = contacts._without_train(np.array([0.0, 3.0, 4.0]), np.array([9.0, 1.0, 8.0]), np.full(3, 0.5), [False] * 3)
     assert three.owner == {1: 2}
-    three = trains._without_train(np.array([0.0, 1.0, 4.0]), np.array([9.0, 1.0, 8.0]), np.full(3, 0.5), [False] * 3)
+    three = contacts._without_train(np.array([0.0, 1.0, 4.0]), np.array([9.0, 1.0, 8.0]), np.full(3, 0.5), [False] * 3)
     assert three.owner == {1: 0}
 
 
 @pytest.mark.parametrize(("apart", "double"), [(1.99, {1: 0}), (2.01, {})])
 def test_two_as_large_within_five_of_the_wider_width_are_a_double_hit(apart, double):
     for widths in ([0.4, 0.3], [0.3, 0.4]):
-        found = trains._without_train(np.array([0.0, apart]), np.array([9.0, 8.0]), np.array(widths), [False] * 2)
+        found = contacts._without_train(np.array([0.0, apart]), np.array([9.0, 8.0]), np.array(widths), [False] * 2)
         assert (found.blows, found.owner, found.double, found.train) == ((0, 1), {}, double, None)
 
 

@@ -11,10 +11,10 @@ import pytest
 
 from strikewave.base.errors import InputError
 from strikewave.records import Channel, FileReading, Record, Request, compare, find_pulses, read_file, summed
+from strikewave.records.contacts import Baseline, find_boxes
 from strikewave.records.health import examine, limits
 from strikewave.records.health.limits import BlowShape
 from strikewave.records.health.sampled_record import BlowRecord
-from strikewave.records.pulses import Baseline, find_boxes
 from strikewave.records.readers import Options, common, read_record, recorders
 from strikewave.records.readers.common import ArrayColumn, assemble, one_each
 

@@ -14,9 +14,9 @@ from strikewave.records.budget import RECORD, SAMPLING, of_share
 from strikewave.records.calibration import ChannelCalibration
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measured_uncertainty import BlowUncertainty, FigureUncertainty
+from strikewave.records.pulse_shape import PulseUncertainty
 from strikewave.records.reading import ChannelReading, FileReading, Request, read_channel
 from strikewave.records.record import Channel
-from strikewave.records.smooth_pulse import PulseUncertainty
 from strikewave.signal.filters import Filter
 from strikewave.specifications.ideal_pulses import IdealPulse, PulseBand
 from strikewave.specifications.judged_records import (

@@ -1,7 +1,7 @@
 """Kernels of blows: they are found, sorted into trains, freed of noise, read off, and fitted by smooth pulses.
 
-The modules `pulses`, `trains`, `noisy_pulse` and `smooth_pulse` of `strikewave.records` explain them. Parameters of a
-smooth pulse, in this order: peak, begin, length, share of rise, power.
+The modules `contacts` and `pulse_shape` of `strikewave.records` explain them. Parameters of a smooth pulse, in this
+order: peak, begin, length, share of rise, power.
 """
 
 import math
@@ -23,11 +23,11 @@ def strongest_boxes(values, level, slope, width, sign, least, boxes):
     for k in range(width):
         total += values[k] - level - slope * k
     best, place, count = -np.inf, -1, 0
-    for k in range(n - width + 1):
+    for k in range(n - width + 1):  # one sample enters the box and one leaves it: the time does not grow with the width
         mean = sign * total / width
         if mean > best:
             best, place = mean, k
-        elif place >= 0 and k - place >= width:
+        elif place >= 0 and k - place >= width:  # the maximum is a width behind: what comes now is another one
             if best > least and count < boxes.shape[0]:
                 boxes[count, 0], boxes[count, 1] = place, best
                 count += 1
@@ -47,7 +47,7 @@ def best_chains(times, weights, period, penalty, most_periods, jitter):
     first = 0
     for k in range(1, times.size):
         while times[first] < times[k] - (most_periods + jitter) * period:
-            first += 1
+            first += 1  # no later contact looks back so far: each is passed once
         best = 0.0
         for earlier in range(first, k):
             gap = (times[k] - times[earlier]) / period
@@ -76,7 +76,7 @@ def row_figures(rows, first, last, width, low, high):
         if 0 < top < row.size - 1:
             left, right = row[top - 1], row[top + 1]
             curvature = left - 2.0 * peak + right
-            if curvature < 0.0:
+            if curvature < 0.0:  # on a plateau the parabola has no vertex
                 shift = 0.5 * (left - right) / curvature
                 peak -= 0.25 * (left - right) * shift
         figures[r, 0], figures[r, 1] = top + shift, peak
@@ -114,12 +114,10 @@ def smoothed_rows(rows, weights):
 
 
 PARAMETERS = 5
-FOOT = 1e-8
-"""Sine below which a sample counts as lying at a foot: there the slope of a power below one grows without bound."""
+FOOT = 1e-8  # sine of a sample at a foot: there the slope of a power below one grows without bound
+# Damping of the first step, over the largest square of the slopes; where it has grown to the second no step helps
 FIRST_DAMPING, MOST_DAMPING = 0.1, 1e12
-"""Damping of the first step, over the largest square of the slopes; where it has grown to the second no step helps."""
-NO_BETTER = 1e-8
-"""Share of the squares by which a step must lower them, or the fit ends."""
+NO_BETTER = 1e-8  # share of the squares by which a step must lower them, or the fit ends: rounding is 1e-16 of them
 
 
 @kernel
@@ -159,19 +157,20 @@ def fit_pulse(time, values, start, low, high, spreads, rounds, converged):
     squares = normal_equations(time, values, pulse, spreads, slope, normal, gradient)
     damping, growth = FIRST_DAMPING * np.max(np.diag(normal)), 2.0
     for _ in range(rounds - 1):
+        # a parameter on its bound moves no further out, and does not bend the step of the others
         held = ((pulse <= low) & (gradient > 0.0)) | ((pulse >= high) & (gradient < 0.0))
         solve_damped(normal, gradient, damping, held, factor, step)
         expected = 0.0
         for i in range(PARAMETERS):
             trial[i] = min(max(pulse[i] + spreads[i] * step[i], low[i]), high[i])
-            step[i] = (trial[i] - pulse[i]) / spreads[i]
+            step[i] = (trial[i] - pulse[i]) / spreads[i]  # as taken: the gain is that of the clamped step
             expected += step[i] * (damping * step[i] - gradient[i])
         next_squares = normal_equations(time, values, trial, spreads, slope, next_normal, next_gradient)
         gained = squares - next_squares
         short = np.sqrt(np.sum(step**2)) < converged * np.sqrt(np.sum((pulse / spreads) ** 2))
         if gained > 0.0:
             done = short or gained < NO_BETTER * squares
-            gain = gained / expected if expected > gained else 1.0
+            gain = gained / expected if expected > gained else 1.0  # a step that gains more than promised is trusted
             damping *= max(1.0 / 3.0, 1.0 - (2.0 * gain - 1.0) ** 3)
             growth = 2.0
             squares = next_squares
@@ -200,7 +199,7 @@ def normal_equations(time, values, pulse, spreads, slope, normal, gradient):
         if 0.0 < since < 1.0:
             part, side = part_of_side(since, share)
             sine = math.sin(0.5 * math.pi * part)
-        if sine < FOOT:
+        if sine < FOOT:  # outside, or at a foot: the pulse is zero and has no slope that could be used
             squares += values[k] ** 2
             continue
         unit = sine**power
@@ -226,7 +225,7 @@ def solve_damped(normal, gradient, damping, held, factor, step):
     for i in range(PARAMETERS):
         for j in range(i + 1):
             total = damping if i == j else 0.0
-            if not (held[i] or held[j]):
+            if not (held[i] or held[j]):  # a held row is the damping alone: the factor keeps its shape
                 total += normal[i, j]
             for k in range(j):
                 total -= factor[i, k] * factor[j, k]

@@ -21,13 +21,13 @@ from strikewave.base.declare import NOT_MEASURED
 from strikewave.base.errors import show
 from strikewave.base.shock_quantities import RATIO
 from strikewave.base.texts import plain
+from strikewave.records.contacts import mains_period
 from strikewave.records.health.sampled_record import with_unit
 from strikewave.records.health_notice import BLOW, HealthNotice
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.record import Array
 from strikewave.records.robust import FEWEST_FOR_OUTLIERS, median_line, outliers, spread_of
 from strikewave.records.thresholds import OfSiblings
-from strikewave.records.trains import mains_period
 
 SUMMED = ("peak", "rise", "width", "velocity_change", "interval", "ringing_frequency")  # the figures of a campaign
 # Figures in which outliers are sought: rise times of few samples and the highest of several modes jump as they are

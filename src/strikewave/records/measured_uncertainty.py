@@ -36,9 +36,8 @@ from strikewave.records.budget import (
     sampling,
 )
 from strikewave.records.measuring import RecordedPulse
-from strikewave.records.noisy_pulse import figures_of, without_noise
+from strikewave.records.pulse_shape import BUDGETED, figures_of, without_noise
 from strikewave.records.record import Array, Channel
-from strikewave.records.smooth_pulse import BUDGETED
 
 BESIDE = 0.5  # lengths of a blow to either side of it that are changed and measured again
 # Samples of a blow that are: more are averaged, as one of so many loses 1e-4 of its peak between two

@@ -1,7 +1,7 @@
 """Measure the blows that were found in a record.
 
 The baseline is that of the record before the blow (`strikewave.records.baseline`). Noise is smoothed off as
-`strikewave.records.noisy_pulse` says, so that a clean record stays as it is. Where the noise hides a tenth of the peak,
+`strikewave.records.pulse_shape` says, so that a clean record stays as it is. Where the noise hides a tenth of the peak,
 the figures are those of the smooth pulse that fits best, which its ``method`` reports.
 """
 
@@ -24,15 +24,30 @@ from strikewave.base.shock_quantities import (
     RISE_TIME,
     SECONDS,
 )
-from strikewave.records.band_split import BandSplit, split_bands
 from strikewave.records.baseline import LocalBaseline, baseline_before, noise_before
-from strikewave.records.noisy_pulse import LONGEST, ReadPulse, SmoothingWindow, Surroundings, read_pulse
-from strikewave.records.pulses import Box, find_boxes, robust_line, sample_noise
+from strikewave.records.contacts import Box, Contacts, find_boxes, robust_line, sample_noise, sort_contacts
+from strikewave.records.pulse_shape import (
+    BUDGETED,
+    LONGEST,
+    PulseUncertainty,
+    ReadPulse,
+    SmoothingWindow,
+    SmoothPulse,
+    Surroundings,
+    fit_smooth_pulse,
+    read_pulse,
+)
 from strikewave.records.record import Array
-from strikewave.records.ringing import RINGS_WITHIN, RigidPulse, Stretch, rigid_pulse, ringing_of
-from strikewave.records.smooth_pulse import BUDGETED, PulseUncertainty, SmoothPulse, fit_smooth_pulse
+from strikewave.records.ringing import (
+    RINGS_WITHIN,
+    BandSplit,
+    RigidPulse,
+    Stretch,
+    rigid_pulse,
+    ringing_of,
+    split_bands,
+)
 from strikewave.records.thresholds import HARMED
-from strikewave.records.trains import Contacts, sort_contacts
 from strikewave.signal.pulse import FOOT, WIDTH_FRACTION, area_between, crossing
 
 FEWEST = 16  # samples that a record needs: a blow of three, and as much beside it as its noise is estimated from

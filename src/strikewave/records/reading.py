@@ -19,10 +19,10 @@ import numpy as np
 from strikewave.base.errors import InputError, nearest, show
 from strikewave.base.texts import first_few, frequency_text, percent
 from strikewave.records.budget import Budget
-from strikewave.records.calibration import ChannelCalibration, calibrated, calibration_of, laid_over
-from strikewave.records.clock import even
+from strikewave.records.calibration import ChannelCalibration, calibrated, calibration_of, even, laid_over
+from strikewave.records.contacts import gaps_of
 from strikewave.records.health import examine
-from strikewave.records.health.ringing import ringing
+from strikewave.records.health.disturbances import ringing
 from strikewave.records.health.sampled_record import BlowRecord, ResponseRecord, with_unit
 from strikewave.records.health.zero import level_step
 from strikewave.records.health_notice import FIGURES, RESPONSE_FIGURES, STATUSES, HealthNotice, worst, worst_first
@@ -32,7 +32,6 @@ from strikewave.records.record import Array, Channel, Record
 from strikewave.records.response import BaseBlow, MeasuredResponse, measure_responses, swings
 from strikewave.records.tail import resting, uncoupled
 from strikewave.records.thresholds import OfReading
-from strikewave.records.trains import gaps_of
 from strikewave.signal.filters import Filter, HighPass
 
 RIGID = "rigid_"  # with this, a figure is that of the pulse without ringing

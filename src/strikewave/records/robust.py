@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from strikewave.records.pulses import MAD_TO_SIGMA
+from strikewave.records.contacts import MAD_TO_SIGMA
 from strikewave.records.record import Array
 
 # Factors by which the median deviation of 2 to 9 normal values is too small; of more of them, 1 + 0.8 / (n - 0.8).

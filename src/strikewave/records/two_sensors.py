@@ -27,10 +27,10 @@ from scipy.fft import next_fast_len
 from scipy.ndimage import uniform_filter1d
 
 from strikewave.base.texts import beside_doubt, percent, plain
-from strikewave.records.band_split import UNKNOWN
 from strikewave.records.health.sampled_record import with_unit
 from strikewave.records.measuring import RecordedPulse, find_pulses
 from strikewave.records.record import Array
+from strikewave.records.ringing import UNKNOWN
 from strikewave.records.robust import alike_as_one
 from strikewave.records.thresholds import OfTwoSensors
 from strikewave.signal.alignment import EvenHistory, by_correlation

@@ -22,8 +22,8 @@ from strikewave.records.budget import RECORD, SAMPLING, Budget
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measured_uncertainty import BlowUncertainty
 from strikewave.records.measuring import RecordedPulse
+from strikewave.records.pulse_shape import PulseUncertainty, SmoothPulse
 from strikewave.records.reading import ChannelReading, FileReading
-from strikewave.records.smooth_pulse import PulseUncertainty, SmoothPulse
 from strikewave.signal.filters import Filter
 from strikewave.specifications.ideal_pulses import REACH, IdealPulse
 from strikewave.specifications.judging import (

@@ -32,8 +32,7 @@ from strikewave.cases.tables.hopkinson import (
 from strikewave.hopkinson.bars import Bar, BarMaterial, Bridge, Specimen, StrikerBar, elastic
 from strikewave.hopkinson.pulses import GaugeTrace, quieten
 from strikewave.records import Channel, Options, read_record
-from strikewave.records.calibration import ChannelCalibration, known_unit
-from strikewave.records.clock import even
+from strikewave.records.calibration import ChannelCalibration, even, known_unit
 from strikewave.records.health import examine
 from strikewave.records.health.limits import clipped
 from strikewave.records.health.sampled_record import BlowRecord

@@ -13,9 +13,9 @@ from strikewave.base.constants import COVERAGE
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.records.budget import ADDED, NORMAL, RECORD, RECTANGULAR, SAMPLING, Budget, Contribution
 from strikewave.records.measured_uncertainty import BlowUncertainty, BudgetLine, FigureUncertainty
+from strikewave.records.pulse_shape import BUDGETED
 from strikewave.records.reading import ChannelReading
 from strikewave.records.record import Channel
-from strikewave.records.smooth_pulse import BUDGETED
 from strikewave.reporting import faces
 from strikewave.reporting.numbers import doubted, listed
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written

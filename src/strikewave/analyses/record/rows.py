@@ -25,15 +25,15 @@ from strikewave.base.shock_quantities import (
     VELOCITY,
     usual_unit,
 )
-from strikewave.records.band_split import BandSplit
 from strikewave.records.budget import RECORD
 from strikewave.records.campaign import Campaign, Outlier, Statistic, Trend, statistic
 from strikewave.records.health_notice import RESPONSE_FIGURES, STATUSES, HealthNotice, worst
 from strikewave.records.measured_uncertainty import BudgetLine, FigureUncertainty
 from strikewave.records.measuring import RecordedPulse
+from strikewave.records.pulse_shape import BUDGETED
 from strikewave.records.reading import ChannelReading, FileReading
 from strikewave.records.response import MOST_MODES, MeasuredResponse, Mode
-from strikewave.records.smooth_pulse import BUDGETED
+from strikewave.records.ringing import BandSplit
 from strikewave.reporting.columns import Column
 from strikewave.reporting.numbers import shown_unit
 from strikewave.signal.filters import Filter, advised_cutoff, effect_on_half_sine

@@ -55,11 +55,10 @@ from strikewave.base.shock_quantities import (
 from strikewave.base.texts import percent
 from strikewave.base.units import DIMENSIONS
 from strikewave.records import Campaign, ChannelReading, FileReading, worst
-from strikewave.records.band_split import BandSplit
 from strikewave.records.campaign import COPY, SUMMED, WITHOUT_RINGING
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.response import MeasuredResponse
-from strikewave.records.ringing import RigidPulse
+from strikewave.records.ringing import BandSplit, RigidPulse
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import Column
 from strikewave.reporting.faces import amount

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from strikewave.records.health import blows, limits, noise, ringing, sampling, zero
+from strikewave.records.health import blows, disturbances, limits, zero
 from strikewave.records.health.sampled_record import SampledRecord
 from strikewave.records.health_notice import (
     BLOW,
@@ -177,28 +177,28 @@ CHECKS = (
         "{share:%0} of the velocity change until the record ends", ("spectrum",),
     ),
     Check(
-        "hum", "suspect", OF_RESPONSES, noise.hum_of_response,
+        "hum", "suspect", OF_RESPONSES, disturbances.hum_of_response,
         "hum of {frequency:g} Hz, {share:%1} of the peak",
     ),
     Check(
-        "noise", "suspect", OF_RESPONSES, noise.noise_of_response,
+        "noise", "suspect", OF_RESPONSES, disturbances.noise_of_response,
         "before the blow the channel scatters by {value:unit}",
     ),
     Check(
-        "few-samples", "bad", OF_BLOWS, sampling.few_samples,
+        "few-samples", "bad", OF_BLOWS, limits.few_samples,
         "a blow has {value:.1f} samples: its peak may be missed by {loss:%1}; sample faster",
     ),
     Check(
-        "few-samples", "suspect", OF_RESPONSES, sampling.few_samples_of_swing,
+        "few-samples", "suspect", OF_RESPONSES, limits.few_samples_of_swing,
         "a swing of {frequency:.4g} Hz has {value:.1f} samples; sample faster",
     ),
     Check(
-        "alias", "suspect", OF_BLOWS, sampling.aliased,
+        "alias", "suspect", OF_BLOWS, limits.aliased,
         "at half the sampling rate the spectrum still has {value:%1} of its largest value: what lies above was folded "
         "into the record, anywhere, also into the blow; sample faster or filter before", ("peak", "rise", "spectrum"),
     ),
     Check(
-        "alias", "suspect", OF_RESPONSES, sampling.aliased_response,
+        "alias", "suspect", OF_RESPONSES, limits.aliased_response,
         "at half the sampling rate the spectrum still has {value:%1} of its largest value: what lies above was folded "
         "into the record; sample faster or filter before", EVERY,
     ),
@@ -224,31 +224,31 @@ CHECKS = (
         "change is that of the smooth pulse; against the record over its length",
     ),
     Check(
-        "noisy", "suspect", OF_BLOWS, noise.noisy,
+        "noisy", "suspect", OF_BLOWS, disturbances.noisy,
         "the noise is only {value:.0f} dB below the peak: figures are those of a fitted smooth pulse", ("rise",),
     ),
-    Check("hum", "suspect", OF_BLOWS, noise.hum, "hum of {frequency:g}\xa0Hz{share}"),
+    Check("hum", "suspect", OF_BLOWS, disturbances.hum, "hum of {frequency:g}\xa0Hz{share}"),
     Check(
-        "noise", "suspect", OF_BLOWS, noise.noise,
+        "noise", "suspect", OF_BLOWS, disturbances.noise,
         "noise before the blow wanders by {value:unit} over its length",
     ),
     Check(
-        "short-pretrigger", "good", OF_BLOWS, noise.short_before,
+        "short-pretrigger", "good", OF_BLOWS, disturbances.short_before,
         "only {value} widths of the blow lie before it: what drift, hum and slow noise do to its figures cannot be "
         "known",
     ),
     Check(
-        "short-pretrigger", "good", OF_RESPONSES, noise.short_before_response,
+        "short-pretrigger", "good", OF_RESPONSES, disturbances.short_before_response,
         "only {value} samples lie before the first blow: the zero is the median of the whole record, and what drift, "
         "hum and noise do to the figures cannot be known",
     ),
     Check(
-        "ringing", "suspect", OF_BLOWS, ringing.ringing,
+        "ringing", "suspect", OF_BLOWS, disturbances.ringing,
         "the blow at {time:.6g}\xa0s rings at {frequency}; without it the peak is {peak:unit}, the width {width}; with "
         "it",
     ),
     Check(
-        "swings", "suspect", OF_BLOWS, ringing.larger_elsewhere,
+        "swings", "suspect", OF_BLOWS, disturbances.larger_elsewhere,
         "outside the blows the record reaches {value:unit}, more than their peak {peak:unit}: it swings; take the "
         "shock response spectrum rather than the pulse", BLOW,
     ),

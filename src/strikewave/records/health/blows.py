@@ -8,14 +8,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from strikewave.base.constants import STANDARD_GRAVITY
+from strikewave.records.contacts import MAD_TO_SIGMA, mains_period, missing_of
 from strikewave.records.health.sampled_record import Array, BlowRecord, ResponseRecord, SampledRecord
 from strikewave.records.health_notice import Fault
 from strikewave.records.measuring import RecordedPulse
-from strikewave.records.pulses import MAD_TO_SIGMA
 from strikewave.records.response import MeasuredResponse
 from strikewave.records.robust import spread_of
 from strikewave.records.thresholds import OfBlows, OfResponses
-from strikewave.records.trains import mains_period, missing_of
 
 LISTED = 3  # places that a message names; the others are counted
 

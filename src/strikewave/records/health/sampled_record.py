@@ -17,14 +17,13 @@ import numpy as np
 from strikewave.base.constants import COVERAGE
 from strikewave.base.shock_quantities import ACCELERATION
 from strikewave.base.units import in_unit
+from strikewave.records.contacts import MAD_TO_SIGMA, Baseline, Contacts, robust_line, sample_noise
 from strikewave.records.health_notice import FIGURES, OF_BLOWS, OF_RESPONSES, RESPONSE_FIGURES
 from strikewave.records.measuring import RecordedPulse, contacts_of, find_pulses
-from strikewave.records.pulses import MAD_TO_SIGMA, Baseline, robust_line, sample_noise
 from strikewave.records.record import Array
 from strikewave.records.response import EFFECTIVE, FEWEST, BaseBlow, MeasuredResponse, measure_responses, zero_before
 from strikewave.records.tail import TailModel, model_of, tail_of, uncoupled
 from strikewave.records.thresholds import HARMED
-from strikewave.records.trains import Contacts
 from strikewave.signal.oscillators import acceleration, recursion
 
 Made = TypeVar("Made")

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from strikewave.records.baseline import LOOK_BACK
+from strikewave.records.contacts import MAD_TO_SIGMA
 from strikewave.records.health.sampled_record import (
     BEGINNING,
     FEWEST_OF_PART,
@@ -20,7 +21,6 @@ from strikewave.records.health.sampled_record import (
 )
 from strikewave.records.health_notice import Fault
 from strikewave.records.measuring import FOOT
-from strikewave.records.pulses import MAD_TO_SIGMA
 from strikewave.records.response import FEWEST
 from strikewave.records.robust import alike_as_one
 from strikewave.records.tail import TailModel

@@ -13,9 +13,9 @@ from strikewave.analyses.record.rows import RecordMotion
 from strikewave.analyses.record.sensors import RecordPair
 from strikewave.base.shock_quantities import usual_unit
 from strikewave.records.campaign import Campaign
+from strikewave.records.contacts import robust_line
 from strikewave.records.health_notice import HealthNotice
 from strikewave.records.measuring import RecordedPulse
-from strikewave.records.pulses import robust_line
 from strikewave.records.reading import ChannelReading
 from strikewave.records.response import EFFECTIVE, MeasuredResponse
 from strikewave.records.two_sensors import Transfer
