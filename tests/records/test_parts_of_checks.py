@@ -478,7 +478,7 @@ def beginning(first=4.0, second=0.0, end=0.0, size=2000):
 
 def unsettled(values, noise=0.1, level=0.0, slope=0.0):
     seen = record(values)
-    vars(seen).update(noise=disturbances, line=Baseline(level, slope))
+    vars(seen).update(noise=noise, line=Baseline(level, slope))
     return [(one.code, one.value, one.severity, one.harms) for one in examine(seen, *OF_THE_ZERO)]
 
 
@@ -496,7 +496,7 @@ def unsettled(values, noise=0.1, level=0.0, slope=0.0):
 )
 def test_a_record_begins_in_a_blow_that_falls_off_on_one_side(more, noise, found):
     """It spans 4 in its first twentieth: 20 noises of 0.2, five ends of 0.8, ten times what the next twentieth does."""
-    [*notices] = unsettled(beginning(**more), disturbances)
+    [*notices] = unsettled(beginning(**more), noise)
     first = more.get("first", 4.0)
     expected = {"cut": ("cut", START, "bad", FIGURES), "not-settled": ("not-settled", abs(first), "bad", FIGURES)}
     assert notices == ([expected[found]] if found else [])
