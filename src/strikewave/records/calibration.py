@@ -1,4 +1,10 @@
-"""From what a file holds to even samples in SI: sensitivity, gain, polarity, unit, time stamps, missing samples."""
+"""From what a file holds to even samples in SI: sensitivity, gain, polarity, unit, time stamps, missing samples.
+
+    value = polarity x count x file value / (gain x sensitivity x excitation / rated excitation)
+
+Each factor is left out where it is not given. All are texts with units, kept as they were typed, so that a result
+can state what made it.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,16 @@
-"""The contacts of a record, found without thresholds set by hand: blows, their trains, rebounds and double hits."""
+"""The contacts of a record, found without thresholds set by hand: blows, their trains, rebounds and double hits.
+
+A blow is a one-sided excursion. Boxes of all widths slide over the record; the mean r of a box of w
+samples stands out where it exceeds what noise alone would give anywhere in the record once in a hundred
+records; the noise of each width is measured from the record itself. The box that holds the largest energy
+w r^2 gives sign and scale; the others must be of its sign and scale (a third to three times its width), have at
+least a fifth of its area, and stand out from what swings around them, so that ringing is no blow.
+
+A train is known from the record itself: of all chains of contacts whose gaps are one period, or a few, the
+one that holds most of the peaks. A contact on it is a blow, however small. One off it belongs to the blow before it: a
+rebound where it is smaller or comes always as late, the second of a double hit where it is as large. Without a train a
+contact is a rebound where it is smaller and near.
+"""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ from strikewave.signal.motion import integral
 AFTER = 0.15  # widths after a blow from which on its tail is looked at
 # Times that each half of a stretch is as long as the one before, from a width on: both a fast decay and a long one are
 # followed by some dozens of them. Stretches overlap by half, and are weighted as Hann's window does: what swings once
-# In a width, or faster, has no mean.
+# in a width, or faster, has no mean.
 GROWS = 1.15
 WINDOW = 5.0  # time constants over which a decay is looked at: it has died out by then
 ROUNDS = 6  # rounds of narrowing the window to the time constant found

@@ -85,7 +85,7 @@ class OfTops:
     # By how much a top is more pointed than a smooth one before it is a corner: the tip of x exp(-x) is by 0.015
     CORNER: Final = 0.02
     # Slope of one side over that of the other from which on one limit may have made both, and no saw-tooth is meant. Of
-    # A saw-tooth that rises over 0.7 of its length and falls as a cosine does it is 0.29.
+    # a saw-tooth that rises over 0.7 of its length and falls as a cosine does it is 0.29.
     ONE_SLOPE: Final = 0.35
     # By how much a straight side goes on above the peak before its tip counts as bent: as `FLATTER`
     GOES_ON: Final = 0.02
@@ -102,7 +102,7 @@ class OfTops:
     NOISE_SPANS: Final = 4.0  # standard deviations that noise alone swings there, in some thousand samples
     OVER: Final = 0.75  # share of the peak of a side that is looked at: a slope limit that costs 5 % holds over 0.77
     # Bend of such a side below which it is straight. The straightest that a smooth pulse has is that of a haversine,
-    # Whose cubic is 0.02: of sin x, x within asin(0.75), half the coefficient x^3 / 6 times 2/5.
+    # whose cubic is 0.02: of sin x, x within asin(0.75), half the coefficient x^3 / 6 times 2/5.
     STRAIGHT: Final = 0.01
     FEWEST_OF_FLANK: Final = 6  # samples of a side whose bend is known: two more than a cubic has parameters
 
@@ -144,7 +144,7 @@ class OfSampling:
     NOISES: Final = 4.0
     # Times the level at half the sampling rate that folding may do to the area: the largest value of the spectrum is
     # about the area of the blow, what is folded lies anywhere down to frequency zero, and twice its root mean square
-    # Covers it.
+    # covers it.
     OF_AREA: Final = 2.0
     FEW_OF_SWING: Final = 8.0  # samples of a swing at which a parabola through three may miss 0.9 % of a top
     TOO_FEW_OF_SWING: Final = 6.0  # the same of 2.6 %; below, no top is round

@@ -38,7 +38,7 @@ from strikewave.signal.filters import Filter, advised_cutoff
 from strikewave.signal.interpolation import resampled
 
 # Widths before a blow that its window holds, and after its begin at least and at most: twenty give lines that are a
-# Twentieth of the band of the pulse apart, so that averaging some of them still follows the transfer function.
+# twentieth of the band of the pulse apart, so that averaging some of them still follows the transfer function.
 BEFORE, SHORTEST, LONGEST = 1.0, 20.0, 100.0
 LOOKED_BACK = 40.0  # widths before a blow from which zero and noise of a channel are taken, as those of a blow are
 FEWEST = 32  # samples without which a window, or what lies before it, says nothing
@@ -47,7 +47,7 @@ HIGHEST = 0.45  # share of the sampling rate above which nothing is taken off
 # Standard uncertainty of a delay of rigid parts, over what the wave parts differ by and 1 / w of the cutoff. A swing of
 # frequency w that begins with the pulse has the area 1 / w of its height in its band; over the area of the pulse, and
 # half a width before its middle, it moves the middle by 0.8 / w, with w about twice that of the cutoff; its phase may
-# Be any.
+# be any.
 OF_WAVE = 0.25
 SMOOTH_REST = 0.98  # bound of the correlation of neighbours in what a copy leaves, which is as smooth as the pulse
 

@@ -20,13 +20,13 @@ from strikewave.signal.filters import MOST_POLES, low_pass
 Array = NDArray[np.float64]
 
 # Magnification at resonance where none is given: about 30 dB, as undamped accelerometers have. Assumed; Kistler's
-# Manual of its quartz shock accelerometers 8742A (002-096e-01.19, page 18) says about 10 to 40.
+# manual of its quartz shock accelerometers 8742A (002-096e-01.19, page 18) says about 10 to 40.
 ASSUMED_QUALITY = 30.0
 
 BITS = 2, 32  # bits of a recorder: two make the fewest codes to both sides of zero, and no converter has more than 32
 
 # A recorder that rides in the fixture; all assumed, as small shock recorders are. A cutoff at a fifth of the sampling
-# Rate keeps what folds back into the passband below -48 dB with four poles.
+# rate keeps what folds back into the passband below -48 dB with four poles.
 STORAGE_RATE, STORAGE_BITS, STORAGE_POLES, RATE_OVER_CUTOFF = 100e3, 12, 4, 5.0
 
 SCOPE_RATE, SCOPE_BITS = 10e6, 8  # a fast recorder beside the machine; assumed, as digital oscilloscopes are

@@ -119,7 +119,7 @@ def channel_notices(
 Array = NDArray[np.float64]
 
 # New samples to a step of the motion, as far as they are no more than so many: what lies in the band of a motion then
-# Has 32 to a period, and a parabola through the top of a sine is 1e-5 low.
+# has 32 to a period, and a parabola through the top of a sine is 1e-5 low.
 FINER, MOST_SAMPLES = 16, 4_000_000
 
 TOLERATED = 0.05  # change of peak or width that is tolerated: the usual uncertainty of a calibrated shock accelerometer

@@ -27,13 +27,13 @@ MOST_POLES = 12  # poles of a filter, at most: recorders have 2 to 8. Chosen wel
 SAE_J211_CUTOFF, SAE_J211_POLES = 2.0775, 2
 # Samples of a half-sine on which a filter is tried, at least, the longest step as a share of one over the cutoff, and
 # how many times one over the cutoff the history goes on to either side: peak and width are then good to 1e-6 (measured
-# At five times the cutoff).
+# at five times the cutoff).
 HALF_SINE_SAMPLES, CUTOFF_STEP, REACH = 400, 0.02, 3.0
 # Share by which a filter may change a figure unless said otherwise, about what a calibrated chain is uncertain by; and
-# The shares that can be asked for: a width stays off by 4e-3 at ten cutoffs, beyond a half the pulse is another one.
+# the shares that can be asked for: a width stays off by 4e-3 at ten cutoffs, beyond a half the pulse is another one.
 ADVISED_LOSS, LOSSES = 0.02, (5e-3, 0.5)
 # Cutoffs of a half-sine of 1 s that are searched, Hz, how many of them at first, and how exactly: a cutoff is stated to
-# Three digits.
+# three digits.
 CUTOFFS, CUTOFFS_TRIED, CUTOFF_ROUNDING = (0.3, 20.0), 40, 1e-4
 FEET = 0.02  # share of the peak from which on a pulse is integrated, as a record is measured
 

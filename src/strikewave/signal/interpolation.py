@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 # Samples on each side that are looked at, and the shape of the Kaiser window over them: with 8, flat up to 0.46 of the
-# Sampling rate, smooth pulses err by 3e-5, too much to find a peak within 0.01 samples; with 14, no less than with 12.
+# sampling rate, smooth pulses err by 3e-5, too much to find a peak within 0.01 samples; with 14, no less than with 12.
 REACH, KAISER = 32, 12.0
 FLAT, ERROR = 0.42, 1e-6  # share of the sampling rate, and the error up to it (measured); at 0.45 it is 1e-3
 # Samples within which a place is that of a sample, whose value is then taken as it is: rounding of times

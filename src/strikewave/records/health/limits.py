@@ -26,7 +26,7 @@ BENDS = 6
 UPPER, TIP = 0.5, 0.9  # shares of the peak at which the widths of the upper half and of the tip are taken
 # Width of the tip over that of the upper half of a half-sine, 0.431. A linear spring makes a half-sine. Contacts, felt
 # and foam stiffen as they are pressed, and make more pointed pulses; only what yields, is made to be flat, or is
-# Compressed by an amplifier has a flatter top.
+# compressed by an amplifier has a flatter top.
 ROUNDEST = (0.5 * math.pi - math.asin(TIP)) / (0.5 * math.pi - math.asin(UPPER))
 HALFWAY = np.array([0.25, 0.75])  # shares of the peak between which the slopes of sides are compared
 # Share of the upper half's height from which on samples enter its polynomial; places at which that is looked at
