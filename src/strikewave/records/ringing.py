@@ -1,7 +1,7 @@
 """The pulse of a blow without its ringing, by a joint fit of both and by a low-pass between their bands.
 
-For the joint fit, what is recorded is the pulse and one mode that it drives or strikes. Three physical models, the simplest first, are
-fitted by variable projection: their amplitudes are linear, so that only shape, frequency and decay are sought.
+For the joint fit, the record is the pulse and one mode that it drives or strikes. Three physical models, the simplest
+first, are fitted by variable projection: their amplitudes are linear, so that shape, frequency and decay are sought.
 
 mount
     the sensor stands on an oscillator and records its absolute acceleration;
@@ -16,8 +16,8 @@ what the others that fit as well say enters the uncertainty.
 Source of the projection: G. H. Golub, V. Pereyra, The differentiation of pseudo-inverses and nonlinear least squares
 problems whose variables separate, SIAM Journal on Numerical Analysis 10 (1973) 413-432.
 
-The low-pass is independent of that: no mode is modelled. The cutoff lies where two costs
-together are least, both over the peak:
+The low-pass is independent of that: no mode is modelled. The cutoff lies where two costs together are least, both over
+the peak:
 
 loss
     what the filter takes off a pulse. It is corrected by sending a family of ideal pulses through the same filter, each

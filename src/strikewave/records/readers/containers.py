@@ -1,7 +1,7 @@
 """Named arrays in groups: HDF5 with NetCDF-4, MATLAB 7.3 and pandas; classic NetCDF; MATLAB 4 to 7.
 
 HDF5 is read in a child process with limits, as damaged files can keep its library busy for ever; links that leave the
-file are not followed. MATLAB's older layout is that of "MAT-File Format" (The MathWorks, 2024), read in plain Python, as
+file are not followed. MATLAB's older layout is that of "MAT-File Format" (The MathWorks, 2024), read in plain Python:
 a file whose cells nest without end breaks down readers that follow them.
 """
 
