@@ -14,12 +14,12 @@ from strikewave.base.declare import KEY, MAIN
 from strikewave.reporting.columns import Column
 
 GAP = "  "
-"""Between two columns."""
-MOST_HEAD_LINES = 3
-"""Lines of the words of a head, if words that long let it: higher ones are hard to read."""
-MOST_ROW_LINES = 6
+"""Space between two columns."""
+MOST_HEAD_LINES = 3  # higher heads are hard to read
+"""Lines of the words of a head, if words that long let it."""
+MOST_ROW_LINES = 6  # chosen: a table of higher rows is read as a list, which is what a narrow screen then gets
 """Lines of a row up to which the widths are sought at which no row takes more."""
-LEAST_TEXT = 16
+LEAST_TEXT = 16  # two or three words of English: narrower columns are a ladder of single words
 """Characters that a column of words gets at least, if its words are not shorter altogether."""
 PLAIN = {
     **{"µ": "u", "μ": "u", "²": "^2", "³": "^3", "±": "+/-", "×": "x", "·": ".", "°": " deg", "Δ": "d", "χ": "chi"},
@@ -102,7 +102,7 @@ def tokens(text: str) -> list[str]:
     >>> tokens("4150 g (3200 to 4900 g), 1.2 N s of 65 %")
     ['4150 g', '(3200 to', '4900 g),', '1.2 N s', 'of', '65 %']
     """
-    return [token.replace("\xa0", " ") for token in _GLUED.sub(lambda found: f"{found[1] or ''}\xa0", text).split(" ")]
+    return [token.replace("\xa0", " ") for token in _GLUED.sub("\\1\xa0", text).split(" ")]
 
 
 def wrapped(text: str, width: float, indent: str = "") -> list[str]:
@@ -141,19 +141,9 @@ def table_lines(
 ) -> list[Line]:
     r"""Return a table as lines: with all columns that fit the width, or as a list where not even the main ones do.
 
-    Parameters
-    ----------
-    title : str
-        Title of the table; none if empty.
-    columns : sequence of Column
-        Its columns; head, priority and whether they are words matter here. Of those beyond `MAIN`, the first that does
-        not fit and all that matter no more are left out, and named below.
-    rows : iterable of sequences of str
-        Its cells.
-    width : float
-        Characters of a line; may be infinite.
-    wide : bool
-        True if no column is left out: one that does not fit stands in a further piece of the table, below.
+    Head, priority and kind (words or numbers) of the columns matter here. Of those beyond `MAIN`, the first that does
+    not fit and all that matter no more are left out, and named below; where all are wanted (``wide``), one that does
+    not fit stands in a further piece of the table.
 
     Examples
     --------
@@ -170,37 +160,19 @@ def table_lines(
     impulse
     (--wide)
     """
-    grid = _Grid(columns, [list(row) for row in rows])
-    heading = [Line(line, "bold") for line in wrapped(title, width)] if title else []
+    grid = _Grid(columns, list(rows), width)
+    lines = [Line(line, "bold") for line in wrapped(title, width)] if title else []
     if wide:
-        pieces = grid.pieces(width)
-        if pieces is None:
-            return [*heading, *grid.turned(range(len(columns)), width)]
-        return [*heading, *(line for places in pieces for line in grid.lines(places, width))]
-    shown = grid.fitting(width)
-    left_out = [column.head for place, column in enumerate(columns) if place not in shown]
-    body = grid.lines(shown, width) if grid.fits(shown, width) else grid.turned(shown, width)
-    return [*heading, *body, *_left_out(left_out, width)]
-
-
-def _left_out(heads: Sequence[str], width: float) -> list[Line]:
-    """Name the columns that are not shown."""
-    if not heads:
-        return []
-    names = ", ".join(" ".join(_head_parts(head)[0].split()) for head in heads)
-    return [Line(line, "dim") for line in wrapped(f"not shown: {names} (--wide)", width)]
-
-
-def _head_parts(head: str) -> tuple[str, str]:
-    """Return the words of a head, and its unit in brackets.
-
-    Examples
-    --------
-    >>> _head_parts("impulse (N s)"), _head_parts("kind")
-    (('impulse', '(N s)'), ('kind', ''))
-    """
-    found = _UNIT.fullmatch(head)
-    return (found[1], found[2]) if found else (head, "")
+        pieces = grid.pieces()
+        for piece in pieces:
+            lines += grid.lines(piece)
+        return lines if pieces else lines + grid.turned(range(len(columns)))
+    shown = grid.fitting()
+    lines += grid.lines(shown) if grid.fits(shown) else grid.turned(shown)
+    left_out = [" ".join(head.split()) for place, head in enumerate(grid.heads) if place not in shown]
+    if left_out:
+        lines += [Line(line, "dim") for line in wrapped(f"not shown: {', '.join(left_out)} (--wide)", width)]
+    return lines
 
 
 def _longest(texts: Iterable[str]) -> int:
@@ -208,154 +180,155 @@ def _longest(texts: Iterable[str]) -> int:
 
 
 class _Grid:
-    """Columns with their cells, and the widths that they take."""
+    """Columns with their cells, by their places: heads, units, and the least and the largest width that each wants."""
 
-    def __init__(self, columns: Sequence[Column], rows: Sequence[Sequence[str]]) -> None:
-        self.columns, self.rows = columns, rows
-        cells = [[row[place] for row in rows] for place in range(len(columns))]
-        self.least = [self._least(column, texts) for column, texts in zip(columns, cells, strict=True)]
-        self.most = [
-            max(_longest(line for text in [column.head, *texts] for line in text.split("\n")), least)
-            for column, texts, least in zip(columns, cells, self.least, strict=True)
-        ]
+    def __init__(self, columns: Sequence[Column], rows: Sequence[Sequence[str]], width: float) -> None:
+        self.columns, self.rows, self.width = columns, rows, width
+        self.heads: list[str] = []
+        self.units: list[str] = []
+        self.least: list[int] = []
+        self.most: list[int] = []
+        for place, column in enumerate(columns):
+            found = _UNIT.fullmatch(column.head)
+            head, unit = (found[1], found[2]) if found else (column.head, "")
+            cells = [row[place] for row in rows]
+            longest = _longest("\n".join(cells).split("\n"))
+            least = max(_longest(tokens(head)), length(unit))
+            if column.words:
+                least = max(least, min(LEAST_TEXT, longest))
+                for cell in cells:
+                    least = max(least, _longest(tokens(cell.replace("\n", " "))))
+            else:
+                least = max(least, _longest(cells))
+            while len(wrapped(head, least)) > MOST_HEAD_LINES:
+                least += 1
+            self.heads.append(head)
+            self.units.append(unit)
+            self.least.append(least)
+            self.most.append(max(longest, _longest(column.head.split("\n")), least))
 
-    @staticmethod
-    def _least(column: Column, cells: Sequence[str]) -> int:
-        """Return the characters without which a column would break a word, or its head stand too high."""
-        named, unit = _head_parts(column.head)
-        parts = [token for text in cells for token in tokens(text.replace("\n", " "))] if column.words else cells
-        longest = _longest(line for text in cells for line in text.split("\n"))
-        least = max(_longest(tokens(named)), length(unit), _longest(parts))
-        least = max(least, min(LEAST_TEXT, longest)) if column.words else least
-        while len(wrapped(named, least)) > MOST_HEAD_LINES:
-            least += 1
-        return least
+    def fits(self, places: Sequence[int]) -> bool:
+        """Tell whether columns fit the width, each as narrow as no word of it breaks."""
+        needed = [self.least[place] for place in places]
+        return sum(needed) + len(GAP) * (len(needed) - 1) <= self.width
 
-    def total(self, places: Sequence[int], widths: Sequence[int]) -> int:
-        return sum(widths[place] for place in places) + len(GAP) * max(len(places) - 1, 0)
-
-    def fits(self, places: Sequence[int], width: float) -> bool:
-        return self.total(places, self.least) <= width
-
-    def fitting(self, width: float) -> list[int]:
+    def fitting(self) -> list[int]:
         """Return the columns that fit, by priority; those that matter in any case."""
-        order = sorted(range(len(self.columns)), key=lambda place: self.columns[place].priority)
+        priorities = [column.priority for column in self.columns]
         shown: list[int] = []
-        for place in order:
-            if self.columns[place].priority > MAIN and not self.fits([*shown, place], width):
+        for place in sorted(range(len(priorities)), key=priorities.__getitem__):
+            if priorities[place] > MAIN and not self.fits([*shown, place]):
                 break
             shown.append(place)
         return sorted(shown)
 
-    def pieces(self, width: float) -> list[list[int]] | None:
-        """Return all columns in pieces that fit, each with the keys; None where one does not fit beside them."""
+    def pieces(self) -> list[list[int]]:
+        """Return all columns in pieces that fit, each with the keys; nothing where one does not fit beside them."""
         keys = [place for place, column in enumerate(self.columns) if column.priority == KEY]
         pieces: list[list[int]] = []
-        for place in (place for place in range(len(self.columns)) if place not in keys):
-            if not self.fits([*keys, place], width):
-                return None
-            if pieces and self.fits([*pieces[-1], place], width):
+        for place in range(len(self.columns)):
+            if place in keys:
+                continue
+            if not self.fits([*keys, place]):
+                return []
+            if pieces and self.fits([*pieces[-1], place]):
                 pieces[-1].append(place)
             else:
                 pieces.append([*keys, place])
         return [sorted(piece) for piece in pieces] or [keys]
 
-    def widths(self, places: Sequence[int], width: float) -> dict[int, int]:
+    def widths(self, places: Sequence[int]) -> dict[int, int]:
         """Share the width among columns: words first, so that rows take few lines, then what makes the heads lower."""
-        ways = [self._in_proportion(places, width), *self._by_height(places, width)]
-        widths = min(ways, key=lambda way: self._height(places, way))
-        left = width - sum(widths.values()) - len(GAP) * (len(places) - 1)
-        for high in range(1, MOST_HEAD_LINES):
-            wanted = {place: self._head_width(place, widths[place], high) for place in places}
-            if sum(wanted.values()) - sum(widths.values()) <= left:
-                return wanted
-        return widths
-
-    def _in_proportion(self, places: Sequence[int], width: float) -> dict[int, int]:
-        """Return widths that give each column of words an equal part of what it lacks to stand in one line."""
-        widths = {place: self.least[place] for place in places}
-        left = width - self.total(places, self.least)
-        wanting = {place: self.most[place] - widths[place] for place in places if self.columns[place].words}
-        share = min(left / sum(wanting.values()), 1.0) if any(wanting.values()) else 0.0
-        return {place: widths[place] + int(share * wanting.get(place, 0)) for place in places}
-
-    def _by_height(self, places: Sequence[int], width: float) -> Iterator[dict[int, int]]:
-        """Give the widths at which no row takes more than two lines, or three and so on, where they fit."""
-        for high in range(2, MOST_ROW_LINES + 1):
-            widths = {place: self._row_width(place, high) for place in places}
-            if sum(widths.values()) + len(GAP) * max(len(places) - 1, 0) <= width:
-                yield widths
-
-    def _row_width(self, place: int, high: int) -> int:
-        """Return the least width at which no cell of a column takes more than so many lines."""
-        if not self.columns[place].words:
-            return self.least[place]
-        widths = range(self.least[place], self.most[place])
-        cells = {row[place] for row in self.rows}
-        fits = (width for width in widths if all(len(wrapped(cell, width)) <= high for cell in cells))
-        return next(fits, self.most[place])
-
-    def _height(self, places: Sequence[int], widths: dict[int, int]) -> int:
-        """Return the lines of all rows."""
+        room = self.width - len(GAP) * (len(places) - 1)
         words = [place for place in places if self.columns[place].words]
-        return sum(max((len(wrapped(row[place], widths[place])) for place in words), default=1) for row in self.rows)
+        best = {place: self.least[place] for place in places}
+        lacking = sum([self.most[place] - self.least[place] for place in words])
+        share = min((room - sum(best.values())) / lacking, 1.0) if lacking else 0.0
+        for place in words:  # each an equal part of what it lacks to stand in one line
+            best[place] += int(share * (self.most[place] - self.least[place]))
+        lowest = self._height(words, best)
+        for high in range(2, MOST_ROW_LINES + 1):
+            way = {place: self._narrowest(place, high) for place in places}
+            if sum(way.values()) <= room and self._height(words, way) < lowest:
+                best, lowest = way, self._height(words, way)
+        for high in range(1, MOST_HEAD_LINES):
+            way = {}
+            for place, width in best.items():
+                while len(wrapped(self.heads[place], width)) > high:
+                    width += 1
+                way[place] = width
+            if sum(way.values()) <= room:
+                return way
+        return best
 
-    def _head_width(self, place: int, least: int, high: int) -> int:
-        """Return the width at which a head takes no more than so many lines."""
-        named = _head_parts(self.columns[place].head)[0]
-        widths = range(least, max(length(named), least) + 1)
-        return next(width for width in widths if len(wrapped(named, width)) <= high)
+    def _narrowest(self, place: int, high: int) -> int:
+        """Return the least width at which no cell of a column takes more than so many lines."""
+        width = self.least[place]
+        if self.columns[place].words:
+            for row in self.rows:
+                while width < self.most[place] and len(wrapped(row[place], width)) > high:
+                    width += 1
+        return width
 
-    def lines(self, places: Sequence[int], width: float) -> list[Line]:
+    def _height(self, words: Sequence[int], widths: dict[int, int]) -> int:
+        """Return the lines of all rows."""
+        height = 0
+        for row in self.rows:
+            height += max([len(wrapped(row[place], widths[place])) for place in words], default=1)
+        return height
+
+    def lines(self, places: Sequence[int]) -> list[Line]:
         """Return head, rule and rows of some columns."""
         if not places:
             return []
-        widths = self.widths(places, width)
-        parts = [_head_parts(self.columns[place].head) for place in places]
-        heads = [wrapped(named, widths[place]) for (named, _), place in zip(parts, places, strict=True)]
-        units = [unit for _, unit in parts]
+        widths = self.widths(places)
+        heads = [wrapped(self.heads[place], widths[place]) for place in places]
+        units = [self.units[place] for place in places]
         high = max(map(len, heads))
-        heads = [[""] * (high - len(head)) + head + [unit] for head, unit in zip(heads, units, strict=True)]
-        lines = [self._line(heads, at, places, widths, "bold") for at in range(high + any(units))]
-        lines = lines if any(line.text for line in lines) else []
-        lines.append(Line("─" * self.total(range(len(places)), [widths[place] for place in places])))
+        lines: list[Line] = []
+        if any("".join(head).strip() for head in heads) or any(units):
+            heads = [[""] * (high - len(head)) + head + [unit] for head, unit in zip(heads, units, strict=True)]
+            lines += self._set(heads, high + any(units), places, widths, "bold")
+        lines.append(Line("─" * (sum(widths.values()) + len(GAP) * (len(places) - 1))))
         for row in self.rows:
-            cells = [
-                wrapped(row[place], widths[place]) if self.columns[place].words else row[place].split("\n")
-                for place in places
-            ]
-            lines += [self._line(cells, at, places, widths) for at in range(max(map(len, cells)))]
+            cells = []
+            for place in places:
+                text, is_words = row[place], self.columns[place].words
+                cells.append(wrapped(text, widths[place]) if is_words else text.split("\n"))
+            lines += self._set(cells, max(map(len, cells)), places, widths)
         return lines
 
-    def _line(
-        self, cells: Sequence[Sequence[str]], at: int, places: Sequence[int], widths: dict[int, int], style: str = ""
-    ) -> Line:
-        """Return one line of a row of cells."""
-        parts = []
-        for cell, place in zip(cells, places, strict=True):
-            text = cell[at] if at < len(cell) else ""
-            space = " " * (widths[place] - length(text))
-            parts.append(text + space if self.columns[place].words else space + text)
-        return Line(GAP.join(parts).rstrip(), style)
+    def _set(
+        self, cells: Sequence[Sequence[str]], high: int, places: Sequence[int], widths: dict[int, int], style: str = ""
+    ) -> list[Line]:
+        """Return the lines of a row of cells, words to the left and numbers to the right."""
+        lines = []
+        for at in range(high):
+            parts = []
+            for cell, place in zip(cells, places, strict=True):
+                text = cell[at] if at < len(cell) else ""
+                space = " " * (widths[place] - length(text))
+                parts.append(text + space if self.columns[place].words else space + text)
+            lines.append(Line(GAP.join(parts).rstrip(), style))
+        return lines
 
-    def turned(self, places: Sequence[int], width: float) -> list[Line]:
-        """Return each row as a list of heads and cells, beside one another, or below where that is too wide."""
+    def turned(self, places: Sequence[int]) -> list[Line]:
+        """Return each row as a list of heads and cells, one beside the other, or below where that is too wide."""
         keys = [place for place in places if self.columns[place].priority == KEY]
         others = [place for place in places if place not in keys]
-        named = [" ".join(self.columns[place].head.split()) for place in others]
-        column = _longest(named)
-        beside = 2 + column + len(GAP) + max((self.least[place] for place in others), default=0) <= width
+        heads = [" ".join(self.columns[place].head.split()) for place in others]
+        indent = 2 + _longest(heads) + len(GAP)
+        beside = indent + max([self.least[place] for place in others], default=0) <= self.width
         lines = []
         for row in self.rows:
-            called = ", ".join(f"{self.columns[place].head} {row[place]}".strip() for place in keys)
-            lines += [Line(line, "bold") for line in wrapped(called, width)]
-            for head, place in zip(named, others, strict=True):
+            called = ", ".join([f"{self.columns[place].head} {row[place]}".strip() for place in keys])
+            lines += [Line(line, "bold") for line in wrapped(called, self.width)]
+            for head, place in zip(heads, others, strict=True):
                 if beside:
-                    space = 2 + column + len(GAP)
-                    first, *more = wrapped(row[place], width - space)
-                    lines += [Line(f"  {head}{' ' * (column - length(head))}{GAP}{first}".rstrip())]
-                    lines += [Line(" " * space + line) for line in more]
+                    first, *more = wrapped(row[place], self.width - indent)
+                    lines.append(Line(f"  {head}{' ' * (indent - 2 - length(head))}{first}".rstrip()))
+                    lines += [Line(" " * indent + line) for line in more]
                 else:
-                    lines += [Line(f"  {line}") for line in wrapped(head, width - 2)]
-                    lines += [Line(f"    {line}") for line in wrapped(row[place], width - 4)]
+                    lines += [Line(f"  {line}") for line in wrapped(head, self.width - 2)]
+                    lines += [Line(f"    {line}") for line in wrapped(row[place], self.width - 4)]
         return lines
