@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import os
+import sys
 import time
 import traceback
 from abc import ABC, abstractmethod
@@ -31,7 +32,7 @@ from strikewave.reporting.output_options import (
     is_within,
     origin_text,
 )
-from strikewave.reporting.terminal import STARTED, case_hash, complain, most_memory, print_json, say, show_notices, tell
+from strikewave.reporting.terminal import STARTED, case_hash, complain, print_json, say, show_notices, tell
 
 R = TypeVar("R", bound=Result)
 NOT_DRAWN = "not-drawn"
@@ -233,7 +234,7 @@ def _print(command: Command[R], output: Output, result: R, timed: bool, words: S
     for line in words:
         say(line)
     if timed:
-        say(f"done in {time.perf_counter() - STARTED:.2f} s{most_memory()}")
+        say(f"done in {time.perf_counter() - STARTED:.2f} s{_most_memory()}")
     code = result.exit_code(output.fails_on)
     if code:
         failed = ", ".join(result.own_verdict.codes)
@@ -242,6 +243,18 @@ def _print(command: Command[R], output: Output, result: R, timed: bool, words: S
             + (f"check failed: {failed}" if failed else "the goal is missed, or something could not be read")
         )
     return code
+
+
+def _most_memory() -> str:
+    """Return in words how much memory one process has held at most; nothing where the system does not say."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return ""
+    processes = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
+    most = max([resource.getrusage(which).ru_maxrss for which in processes])
+    size = most * (1 if sys.platform == "darwin" else 1024)  # macOS counts bytes, the others KiB
+    return f", {size / 1e9:.2f} GB of memory at most"
 
 
 def print_result(command: Command[R], result: R) -> None:

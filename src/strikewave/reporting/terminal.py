@@ -34,12 +34,12 @@ if TYPE_CHECKING:
 
 STARTED = time.perf_counter()
 """When the program started, but for what is imported before this module."""
-SELDOM = 10.0
+SELDOM = 10.0  # a log of an hour gets some hundred lines at most, a run of seconds none
 """Seconds between two lines of progress, at least, where stderr is no terminal."""
-PIPE_WIDTH = 80
-"""Characters of a line where there is no terminal: a file is the same wherever it is made, and any pager shows it."""
-LEAST_WIDTH = 40
-"""Characters of a line at least: below, hardly a number stands beside its name."""
+PIPE_WIDTH = 80  # a file is the same wherever it is made, and any pager shows it
+"""Characters of a line where there is no terminal."""
+LEAST_WIDTH = 40  # below, hardly a number stands beside its name
+"""Characters of a line at least."""
 
 
 class Screen(NamedTuple):
@@ -87,10 +87,6 @@ def screen_width(stream: TextIO, piped: float = PIPE_WIDTH) -> float:
     return math.inf if is_wide() and not stream.isatty() else piped
 
 
-def _shows_styles(stream: TextIO) -> bool:
-    return stream.isatty() and not is_dumb() and not os.environ.get("NO_COLOR")
-
-
 def _shows_only_ascii(stream: TextIO) -> bool:
     """Tell whether a stream shows no other letters: a dumb terminal, or an encoding without them."""
     if is_dumb():
@@ -111,8 +107,8 @@ def _showable(text: str, stream: TextIO) -> str:
 def _write(lines: Iterable[Line], stream: TextIO) -> None:
     """Write lines with their styles where the stream shows them."""
     texts = [Line(_showable(line.text, stream), line.style) for line in lines]
-    if not _shows_styles(stream):
-        stream.write("".join(f"{line.text}\n" for line in texts))
+    if not stream.isatty() or is_dumb() or os.environ.get("NO_COLOR"):
+        stream.write("".join([f"{line.text}\n" for line in texts]))
         return
     from rich.console import Console
     from rich.text import Text
@@ -164,7 +160,7 @@ def show_notices(notices: Sequence[Notice]) -> None:
     """
     piped = PIPE_WIDTH if sys.stderr.isatty() else math.inf
     shown, width, shortened = _screen.get(), screen_width(sys.stderr, piped), False
-    for notice in sorted(notices, key=lambda notice: (FAILED, WARNING, INFO).index(notice.severity)):
+    for notice in [notice for weight in (FAILED, WARNING, INFO) for notice in notices if notice.severity == weight]:
         about = f" {notice.case}" if notice.case else ""
         limit = f" (limit {significant(notice.limit, 3)})" if notice.broken and notice.limit == notice.limit else ""
         kind = "check failed" if notice.broken else notice.severity
@@ -198,39 +194,20 @@ def say_compiling(count: int, done: bool) -> None:
         say(f"{WORDS}: about 10 s")
 
 
-def most_memory() -> str:
-    """Return in words how much memory one process has held at most; nothing where the system does not say."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return ""
-    processes = (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-    most = max(resource.getrusage(which).ru_maxrss for which in processes) * (1 if sys.platform == "darwin" else 1024)
-    return f", {most / 1e9:.2f} GB of memory at most"
-
-
 @contextlib.contextmanager
 def progress_bar(what: str, done: float = 0.0, clocks: Sequence[str] = ("elapsed",)) -> Iterator[Callable[..., None]]:
     """Show a bar on stderr where that is a terminal, else a plain line at each tenth, at most every `SELDOM` seconds.
 
-    A dumb terminal gets the lines, and nothing is shown where only the result is wanted.
-
-    Gives a function that takes the share done, and words beside it. It begins with ``done``; ``clocks`` are "elapsed",
-    and "left" for the time that is left. Ctrl-C leaves it as such.
+    A dumb terminal gets the lines; nothing is shown where only the result is wanted. The function that is given takes
+    the share done and words beside it. ``clocks`` are "elapsed", and "left" for the time that is left. Ctrl-C leaves
+    the block as such.
     """
-    with interrupts_as_such(), _shown(what, done, clocks) as report:
-        yield report
-
-
-@contextlib.contextmanager
-def _shown(what: str, done: float, clocks: Sequence[str]) -> Iterator[Callable[..., None]]:
-    """Show the bar, the lines or nothing."""
     if _screen.get().quiet:
-        with compiling_shown(lambda *_: None):
+        with interrupts_as_such(), compiling_shown(lambda *_: None):
             yield lambda share, words="": None
         return
     if not sys.stderr.isatty() or is_dumb():
-        with compiling_shown(say_compiling):
+        with interrupts_as_such(), compiling_shown(say_compiling):
             yield _plain_progress(what, done)
         return
     from rich.console import Console
@@ -238,7 +215,7 @@ def _shown(what: str, done: float, clocks: Sequence[str]) -> Iterator[Callable[.
 
     times = [TimeElapsedColumn() if clock == "elapsed" else TimeRemainingColumn() for clock in clocks]
     columns = (TextColumn(what), BarColumn(), TextColumn("{task.percentage:>3.0f} %  {task.description}"), *times)
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with interrupts_as_such(), Progress(*columns, console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("", total=1.0)
         progress.update(task, completed=done)
         with compiling_shown(lambda count, _: progress.update(task, description=f"{WORDS}: {count} compiled")):
@@ -305,12 +282,14 @@ def table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], 
     Heads end with their usual units, such as ``peak (kN)``, and are shown with those chosen; cells are written by
     `number` or `fixed`. A detail is only named, unless all is wanted.
     """
-    _table(title, with_shown_heads(columns), rows, detail)
+    heads = shown_heads(*[column.head for column in columns])
+    _table(title, heads, columns, rows, detail)
 
 
 def print_rows(title: str, columns: Sequence[Column], detail: bool = False) -> None:
     """Print columns of equal length on stdout, as `table` does."""
-    _table(title, columns, zip(*(column.texts() for column in columns), strict=True), detail)
+    rows = zip(*[column.texts() for column in columns], strict=True)
+    _table(title, [column.head for column in columns], columns, rows, detail)
 
 
 def print_face(result: Result, name: str, title: str, table: str = "") -> None:
@@ -321,7 +300,9 @@ def print_face(result: Result, name: str, title: str, table: str = "") -> None:
         print_rows(title, face_columns(result, name, table))
 
 
-def _table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]], detail: bool = False) -> None:
+def _table(
+    title: str, heads: Sequence[str], columns: Sequence[Column], rows: Iterable[Sequence[str]], detail: bool = False
+) -> None:
     """Print a table as `table` does, with its heads as they are."""
     width = screen_width(sys.stdout)
     if detail and not is_wide():
@@ -329,19 +310,12 @@ def _table(title: str, columns: Sequence[Column], rows: Iterable[Sequence[str]],
         _write([Line(line, "dim") for line in wrapped(named, width)], sys.stdout)
         return
     title = _showable(title, sys.stdout)
-    columns = [_with_head(column, _showable(column.head, sys.stdout)) for column in columns]
+    columns = [
+        column._replace(name="", label=_showable(head, sys.stdout), si="", shown="")
+        for column, head in zip(columns, heads, strict=True)
+    ]
     cells = [[_showable(cell, sys.stdout) for cell in row] for row in rows]
     _write([Line(""), *table_lines(title, columns, cells, width, is_wide())], sys.stdout)
-
-
-def with_shown_heads(columns: Sequence[Column]) -> list[Column]:
-    """Return columns whose heads end with their usual units with the units shown in their places."""
-    heads = shown_heads(*(column.head for column in columns))
-    return [_with_head(column, head) for column, head in zip(columns, heads, strict=True)]
-
-
-def _with_head(column: Column, head: str) -> Column:
-    return column._replace(name="", label=head, si="", shown="")
 
 
 def report_table(shown: Table, keys: int = 1, more: Sequence[str] = ()) -> None:
@@ -351,18 +325,13 @@ def report_table(shown: Table, keys: int = 1, more: Sequence[str] = ()) -> None:
         Column("", (), label=head, priority=KEY if place < keys else MORE if head in more else MAIN, words=not numeric)
         for place, (head, numeric) in enumerate(zip(shown.columns, shown.numeric(), strict=True))
     ]
-    _table(shown.caption, columns, rows)
+    _table(shown.caption, shown.columns, columns, rows)
 
 
 def print_bands(result: Result, values: Mapping[str, float]) -> None:
     """Print the range of each result with the inputs that matter most, and how they were found; nothing without any.
 
-    Parameters
-    ----------
-    result : Result
-        With bands.
-    values : mapping of str to float
-        The results themselves, SI, by the names of the bands.
+    ``values`` are the results themselves, SI, by the names of the bands.
     """
     if result.band and result.band_method is not None:
         named, value, inputs, rest = BAND_HEADS
@@ -377,23 +346,13 @@ def print_published(published: Sequence[Comparison]) -> None:
         return
     rows = []
     for entry in published:
-        pair = [number(value, *entry.measured.units, 6) for value in (entry.published, entry.computed)]
+        units = entry.measured.units
+        quantity = headed(entry.quantity + (f" of {entry.sensor}" if entry.sensor else ""), *units)
+        pair = [number(value, *units, 6) for value in (entry.published, entry.computed)]
         difference = "-" if entry.difference is None else percent(entry.difference, 1, "+")
-        rows.append(
-            [
-                headed(entry.quantity + (f" of {entry.sensor}" if entry.sensor else ""), *entry.measured.units),
-                entry.measured_or_simulated,
-                entry.role,
-                *pair,
-                difference,
-            ]
-        )
-    columns = [
-        *keys("quantity"),
-        *texts("origin", priority=MORE),
-        *texts("role"),
-        *numerals("published", "computed", "difference"),
-    ]
+        rows.append([quantity, entry.measured_or_simulated, entry.role, *pair, difference])
+    columns = [*keys("quantity"), *texts("origin", priority=MORE), *texts("role")]
+    columns += numerals("published", "computed", "difference")
     table("Comparison with published values", columns, rows)
-    for note in dict.fromkeys(entry.note for entry in published if entry.role == "shown" and entry.note):
+    for note in dict.fromkeys([entry.note for entry in published if entry.role == "shown" and entry.note]):
         tell(f"shown, not comparable: {note}", "  ")
