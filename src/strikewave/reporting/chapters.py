@@ -38,7 +38,6 @@ from strikewave.base.result import (
     Comparison,
     Notice,
     Result,
-    Source,
     failed_words,
 )
 from strikewave.base.texts import command_line, file_word, percent
@@ -54,53 +53,41 @@ if TYPE_CHECKING:
     from jinja2 import Template
     from matplotlib.figure import Figure
 
-WIDEST_SHARED = 5.5
-"""Width of a figure, inches, up to which it shares its line with the next: a page is 9.8 wide."""
-LONGEST_WHOLE = 16
-"""Letters of the longest word of a table that no line ever breaks: words of English, names of most files."""
+WIDEST_SHARED = 5.5  # a page is 9.8 inches wide: two of them stand side by side
+"""Width of a figure, inches, up to which it shares its line with the next."""
+LONGEST_WHOLE = 16  # words of English and names of most files are shorter
+"""Letters of the longest word of a table that no line ever breaks."""
 
 
 @dataclass(frozen=True)
 class Head:
-    """What stands above the sections of a page.
-
-    Attributes
-    ----------
-    title : str
-        Title of the page.
-    kicker : str
-        Kind of report.
-    subject, name : str
-        Kind of input that was run or read, such as ``Case``, and its name.
-    digest : str
-        SHA-256 of it; empty where there is none.
-    status : Tag
-        How it went.
-    summary : sequence of str
-        Summary of the result, in paragraphs.
-    numbers : sequence of (str, str)
-        Key numbers: label and value with its unit; what stands in brackets behind it, such as its band, is set smaller.
-    foot : str
-        Text at the foot of the page.
-    test : mapping of str to str
-        Statements about the test, by the keys of the table [test].
-    """
+    """Content above the sections of a page."""
 
     title: str
     kicker: str
+    """Kind of report."""
     subject: str
+    """Kind of input that was run or read, such as ``Case``."""
     name: str
+    """Name of the input."""
     digest: str
+    """SHA-256 of the input; empty where there is none."""
     status: Tag
     summary: Sequence[str]
+    """Summary of the result, in paragraphs."""
     numbers: Sequence[tuple[str, str]]
+    """Key numbers: label and value with its unit; a band in brackets behind it is set smaller."""
     foot: str
     test: Mapping[str, str] = field(default_factory=dict)
+    """Statements about the test, by the keys of the table [test]."""
 
 
 def whole_page(head: Head, sections: Sequence[Section]) -> str:
     """Return a page: its head, a summary, the sections in their order."""
-    page = _template().render(vars(head), version=__version__, css=_css(), sections=list(_numbered(sections)))
+    from markupsafe import Markup
+
+    css = Markup((resources.files("strikewave.reporting") / "style.css").read_text("utf-8"))  # our own, no input
+    page = _template().render(vars(head), version=__version__, css=css, sections=list(_numbered(sections)))
     return texts.shown(page)
 
 
@@ -124,7 +111,7 @@ def _template() -> Template:
 
 
 def _finalized(value: Any) -> Any:
-    """Return what an expression of the template gives, a text with its quantities in the units that are shown."""
+    """Return the value of an expression of the template, quantities of a text in the units that are shown."""
     return in_shown_units(value) if type(value) is str else value  # markup is finished
 
 
@@ -143,7 +130,7 @@ def _long(value: object) -> bool:
     >>> _long("impact_02.lvm, blow 1"), _long("measurements/2026/impact_02.lvm")
     (False, True)
     """
-    return isinstance(value, str) and any(len(word) > LONGEST_WHOLE for word in value.split())
+    return isinstance(value, str) and max(map(len, value.split()), default=0) > LONGEST_WHOLE
 
 
 def _mathml(formula: Formula) -> Any:
@@ -159,14 +146,8 @@ def _mathml(formula: Formula) -> Any:
     return Markup(ElementTree.tostring(element, encoding="unicode"))  # what a formula holds is escaped there
 
 
-def _css() -> Any:
-    from markupsafe import Markup
-
-    return Markup((resources.files("strikewave.reporting") / "style.css").read_text("utf-8"))  # our own, no input
-
-
 def _numbered(listing: Sequence[Section]) -> Iterator[dict[str, Any]]:
-    """Yield what the template shows of each section: tables and pictures are counted through the whole page."""
+    """Yield the blocks of each section for the template: tables and pictures are counted through the whole page."""
     from markupsafe import Markup
 
     count = {"table": 0, "picture": 0}
@@ -187,13 +168,8 @@ def _numbered(listing: Sequence[Section]) -> Iterator[dict[str, Any]]:
                     blocks[-1]["shown"] += block["shown"]
                     continue
             blocks.append(block)
-        shown = {
-            "title": section.title,
-            "paragraphs": section.paragraphs(),
-            "folded": section.folded,
-            "alone": section.alone,
-        }
-        yield {"id": f"section-{place}", **shown, "blocks": blocks}
+        paragraphs = section.paragraphs()
+        yield {**vars(section), "id": f"section-{place}", "paragraphs": paragraphs, "blocks": blocks}
 
 
 _SETTINGS: dict[Any, Any] = {
@@ -209,23 +185,8 @@ _NAMED = re.compile(r"url\(#([^)]+)\)")
 def inline_svg(figure: Figure, name: str, label: str = "") -> str:
     """Return a figure as an ``svg`` element: no prolog, no metadata, every identifier begins with ``name``.
 
-    The same figure gives the same text.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-        Figure to draw.
-    name : str
-        Unique in the page; clip paths and markers of several pictures would share their names otherwise.
-    label : str, optional
-        Text in place of the picture, for those who cannot see it.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> text = inline_svg(Figure(figsize=(2, 1)), "p1", "nothing")
-    >>> text[:40]
-    '<svg viewBox="0 0 144 72" role="img" ari'
+    The name is unique in the page: clip paths and markers of several pictures would share their names otherwise. The
+    same figure gives the same text; ``label`` stands for the picture where a reader cannot see it.
     """
     import matplotlib
 
@@ -237,15 +198,9 @@ def inline_svg(figure: Figure, name: str, label: str = "") -> str:
     root = ElementTree.fromstring(texts.shown(buffer.getvalue()))
     _tidy(root, name)
     box, width = root.get("viewBox", ""), figure.get_figwidth() * 96.0
+    style = f"max-width:{width:.0f}px;stroke-linejoin:round;stroke-linecap:butt"
     root.attrib.clear()
-    root.attrib.update(
-        {
-            "viewBox": box,
-            "role": "img",
-            "aria-label": label,
-            "style": f"max-width:{width:.0f}px;stroke-linejoin:round;stroke-linecap:butt",
-        }
-    )
+    root.attrib.update({"viewBox": box, "role": "img", "aria-label": label, "style": style})
     return ElementTree.tostring(root, encoding="unicode")
 
 
@@ -280,13 +235,14 @@ def _tidy(root: ElementTree.Element, name: str) -> None:
             elif key == "href" and value.startswith("#"):
                 element.set(key, f"#{name}-{value[1:]}")
             elif key in ("d", "x", "y", "transform", "points"):
-                element.set(key, _LONG_FRACTION.sub(lambda m: _short(m[0]), " ".join(value.split())))
+                element.set(key, _LONG_FRACTION.sub(_short, " ".join(value.split())))
             elif "url(#" in value:
                 element.set(key, _NAMED.sub(rf"url(#{name}-\1)", value))
 
 
-def _short(number: str) -> str:
-    return f"{float(number):.2f}".rstrip("0").rstrip(".")
+def _short(number: re.Match[str]) -> str:
+    """Return a number with two decimals at most: a hundredth of a point cannot be seen."""
+    return f"{float(number[0]):.2f}".rstrip("0").rstrip(".")
 
 
 _PROVENANCE_WORDS = {
@@ -333,7 +289,7 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
         (f"{path}.{key}", entry) for path, _, rows in groups for key, entry in rows if isinstance(entry, Value)
     ]
     counts: list[list[Cell]] = [
-        [Tag(p, p), sum(value.provenance == p for _, value in quantities), _PROVENANCE_WORDS.get(p, NONE)]
+        [Tag(p, p), sum([value.provenance == p for _, value in quantities]), _PROVENANCE_WORDS.get(p, NONE)]
         for p in PROVENANCES
     ]
     fitted = [f"{path} = {value.typed}" for path, value in quantities if value.provenance == "fitted"]
@@ -348,14 +304,8 @@ def inputs(case: BaseModel, unused: str = "") -> Section:
                 shown.append([key, str(entry.typed), Tag(entry.provenance, entry.provenance), entry.note or NONE])
             else:
                 shown.append([key, str(entry), Tag("choice"), NONE])
-        tables.append(
-            Table(
-                f"[{path}]" + (f": {about}" if about else ""),
-                ["input", "value", "provenance", "note"],
-                shown,
-                empty="No input.",
-            )
-        )
+        caption = f"[{path}]" + (f": {about}" if about else "")
+        tables.append(Table(caption, ["input", "value", "provenance", "note"], shown, empty="No input."))
     return Section("Inputs", text, tables, folded=f"Show {len(quantities)} values with their provenance")
 
 
@@ -384,7 +334,7 @@ def input_groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, l
         below = f"{path}.{key}" if path else key
         if path and (isinstance(entry, Value) or not isinstance(entry, BaseModel | tuple)):
             rows.append((key, entry))
-        elif isinstance(entry, BaseModel) and (path or _quantities(entry)):
+        elif isinstance(entry, BaseModel) and (path or any(isinstance(part, Value) for _, part in _flat(entry, ""))):
             inner += input_groups(entry, below)
         elif isinstance(entry, tuple) and entry and key not in ("published", "fit"):
             inner.append((below, _about(entry[0]), list(_flat(entry, ""))))
@@ -395,7 +345,7 @@ def input_groups(model: BaseModel, path: str = "") -> Iterator[tuple[str, str, l
 
 
 def _about(table: Any) -> str:
-    """Return what the docstring of a table of a case says after its name."""
+    """Return the words of the docstring of a table of a case behind its name."""
     first_line = (type(table).__doc__ or "").strip().partition("\n")[0]
     match = re.match(r"\[[^\]]*\]+: (.*?)\.?$", first_line)
     return match[1].replace("``", "") if match else ""
@@ -413,10 +363,6 @@ def _flat(part: Any, path: str) -> Iterator[tuple[str, Any]]:
                 yield from _flat(entry, f"{start}{key}")
     elif part is not None and part != "":
         yield path, part
-
-
-def _quantities(part: Any) -> bool:
-    return any(isinstance(entry, Value) for _, entry in _flat(part, ""))
 
 
 def published(comparisons: Sequence[Comparison]) -> list[Section]:
@@ -484,7 +430,8 @@ def reproduction(result: Result) -> Section:
     if source.asked:
         text = f"This command gives the same numbers again with strikewave {__version__}."
         return Section("How to run this again", text, [*read, Code(source.asked), inputs_text])
-    names = ([source.name] if _is_published(source) else []) + [source.file]
+    is_built_in = source.name in bundled_cases() and dump_case(load_case(source.name)) == source.text
+    names = ([source.name] if is_built_in else []) + [source.file]
     either = "Either of these commands" if len(names) > 1 else "This command"
     text = (
         f"{either} gives the same numbers again with strikewave {__version__}; {source.file} is the text below, which "
@@ -494,25 +441,8 @@ def reproduction(result: Result) -> Section:
     return Section("How to run this again", text, [*read, Code(commands), inputs_text])
 
 
-def _is_published(source: Source) -> bool:
-    """Tell whether the inputs are a built-in case without any change."""
-    return source.name in bundled_cases() and dump_case(load_case(source.name)) == source.text
-
-
 class Summary(NamedTuple):
-    """What stands above the sections of a page.
-
-    Attributes
-    ----------
-    kicker : str
-        Kind of report.
-    words : str
-        Summary of the result.
-    numbers : sequence of (str, str)
-        Key numbers: label and value with its unit, and in brackets behind it its band.
-    status : Tag or None
-        How it went, where that is more than what `status` says of the notices.
-    """
+    """Summary of a result above the sections of its page; a status of its own replaces that of the notices."""
 
     kicker: str
     words: str
@@ -544,7 +474,7 @@ def status(result: Result) -> Tag:
     """Return which checks of a result failed, or how many warnings there are, or that all checks passed."""
     if result.own_verdict.status != RUN_PASSED:
         return Tag(result.state, "bad")
-    warned = any(notice.severity == WARNING for notice in result.notices)
+    warned = WARNING in [notice.severity for notice in result.notices]
     return Tag(f"{result.state}, see below", "warned") if warned else Tag(result.state, "good")
 
 
@@ -579,26 +509,7 @@ def balance_table(checks: Sequence[BalanceCheck]) -> Table:
 def plain_page(
     result: Result, numbers: Sequence[tuple[str, str]], figure: Figure | None, heads: list[str], rows: list[list[str]]
 ) -> str:
-    """Return the report of a result as one HTML page.
-
-    Parameters
-    ----------
-    result : Result
-        Result of a command.
-    numbers : sequence of (str, str)
-        Label and value of its key numbers.
-    figure : Figure or None
-        Its picture.
-    heads, rows : list
-        Its main table; none where there are no heads.
-
-    Examples
-    --------
-    >>> from strikewave import load_case, run_case
-    >>> solution = run_case(load_case("li-ma-2019", ["feed.blows=1"]))
-    >>> plain_page(solution, solution.highlights(), None, ["blow"], [["1"]]).splitlines()[0]
-    '<!doctype html>'
-    """
+    """Return the page of a result that has none of its own: key numbers, picture, main table."""
     parts: list[Picture | Table] = [] if figure is None else [Picture(figure, result.title)]
     parts += [Table("The main table", heads, rows)] if heads else []
     summary = Summary(f"Report of {result.command}", "", numbers)
