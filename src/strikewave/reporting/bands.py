@@ -1,4 +1,4 @@
-"""Bands as they are shown: numbers with their ranges in sentences and tables, and what is known of the inputs."""
+"""Bands on faces: numbers with their ranges in sentences and tables, and the ranges of the inputs."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 
 from strikewave.base.constants import MATERIAL
 from strikewave.base.declare import banded_quantities
-from strikewave.base.result import Band, BandMethod, MovedInput, Notice, Result
+from strikewave.base.result import Band, BandMethod, Notice, Result
 from strikewave.base.texts import percent, rounded
 from strikewave.base.units import in_unit, take_apart
 from strikewave.reporting.numbers import (
@@ -24,11 +24,10 @@ from strikewave.reporting.numbers import (
 )
 from strikewave.reporting.parts import NONE, Cell, Section, Table, written
 
-TWO_DIGITS_BELOW = 3.0
-"""Half widths of a band that begin with 1 or 2 are stated with two digits, others with one: rounding then moves an end
-by a sixth of the half width at most."""
-MOST_DIGITS = 4
-"""Significant digits of a result with a narrow band: the balances hold to 1e-6, but nobody measures a shock so well."""
+TWO_DIGITS_BELOW = 3.0  # rounding then moves an end by a sixth of the half width at most
+"""Leading digits of a half width below which the ends of a band have two digits, others one."""
+MOST_DIGITS = 4  # the balances hold to 1e-6, but nobody measures a shock so well
+"""Significant digits of a result with a narrow band."""
 
 
 def decimals_within(low: float, high: float) -> int:
@@ -80,17 +79,12 @@ def table_decimals(bands: Iterable[Band], si: str, usual: str, decimals: int = M
 
 
 def fixed_within(value: float | None, bands: Iterable[Band], si: str, usual: str, decimals: int = MOST_DIGITS) -> str:
-    """Write an SI value of a table as `fixed` does, with so many decimals as `table_decimals` leaves of its bands.
-
-    Without a band it has as many digits as `with_band` gives it in a sentence, at least.
+    """Write an SI value of a table with the decimals that its bands leave it; without a band with those of a sentence.
 
     Examples
     --------
-    >>> band = Band(7850.0, 15400.0, 0.95)
-    >>> fixed_within(11421.3, [band], "m/s^2", "g", 1), fixed_within(9806.65, [], "m/s^2", "g", 1)
-    ('1160', '1000.0')
-    >>> fixed_within(980.5, [], "m/s^2", "g", 0), with_band(980.5, None, "m/s^2", "g")
-    ('99.98', '99.98 g')
+    >>> fixed_within(11421.3, [Band(7850.0, 15400.0, 0.95)], "m/s^2", "g", 1), fixed_within(980.5, [], "m/s^2", "g", 0)
+    ('1160', '99.98')
     """
     bands = list(bands)
     decimals = table_decimals(bands, si, usual, decimals)
@@ -113,7 +107,7 @@ def with_band(value: float | None, band: Band | None, si: str, usual: str, digit
         return with_unit(value, si, usual, digits)
     if value < 0.0 <= band.low:
         band = dataclasses.replace(band, low=-band.high, high=-band.low)
-    decimals = decimals_beside(*(shown(end, si, usual) for end in (band.low, band.high)))
+    decimals = decimals_beside(shown(band.low, si, usual), shown(band.high, si, usual))
     name = spelled(shown_unit(si, usual))
     return f"{rounded(shown(value, si, usual), decimals)} {name} ({band_text(band, si, usual)})"
 
@@ -126,15 +120,13 @@ def band_text(band: Band, si: str, usual: str) -> str:
     >>> band_text(Band(7850.0, 15400.0, 0.95), "m/s^2", "g")
     '800 to 1600 g'
     """
-    low, high = (shown(end, si, usual) for end in (band.low, band.high))
+    low, high = shown(band.low, si, usual), shown(band.high, si, usual)
     decimals = decimals_within(low, high)
     return f"{rounded(low, decimals)} to {rounded(high, decimals)} {spelled(shown_unit(si, usual))}".rstrip()
 
 
 BAND_HEADS = ("result", "value and range", "shares of the inputs that matter most", "rest")
 """Heads of the table of bands on the screen."""
-MOVED_HEADS = ("input", "as typed", "from", "to", "what is known", "why")
-"""Heads of the table of inputs."""
 NO_BAND_OF_ELEMENTS = (
     "No band: it would take dozens of runs like this one, minutes each. How far the inputs move the result is seen in "
     "the band of the same bodies as a machine or a layered bar."
@@ -143,7 +135,7 @@ NO_BAND_OF_ELEMENTS = (
 
 
 def band_words(bands: Mapping[str, Band]) -> list[str]:
-    """Say what the bands beside the key numbers are, and what the first one depends on; nothing without bands."""
+    """Explain the bands beside the key numbers, and what moves the first one most; nothing without bands."""
     if not bands:
         return []
     name, band = next(iter(bands.items()))
@@ -181,7 +173,7 @@ def lacking_notices(names: Iterable[str], bands: Mapping[str, Band], method: Ban
 
 
 def band_label(name: str) -> str:
-    """Say in words what a result with a band is called.
+    """Return the name of a result with a band, in words.
 
     Examples
     --------
@@ -196,7 +188,7 @@ def band_label(name: str) -> str:
 
 
 def short_label(name: str) -> str:
-    """Say in few words what a result with a band is called, for a narrow table.
+    """Return the name of a result with a band in few words, for a narrow table.
 
     Examples
     --------
@@ -220,13 +212,14 @@ def short_fields(fields: Iterable[str]) -> dict[str, str]:
     >>> short_fields(["material.PTFE.modulus"])
     {'material.PTFE.modulus': 'PTFE.modulus'}
     """
-    fewest = {field: 2 if field.startswith(f"{MATERIAL}.") else 1 for field in fields}
-    ends = {
-        field: [".".join(field.split(".")[-k:]) for k in range(least, field.count(".") + 2)]
-        for field, least in fewest.items()
-    }
-    counts = Counter(end for of_one in ends.values() for end in of_one)
-    return {field: next((end for end in of_one if counts[end] == 1), field) for field, of_one in ends.items()}
+    counts = Counter[str]()
+    ends: dict[str, list[str]] = {}
+    for field in fields:
+        names = field.split(".")
+        shortest = 2 if names[0] == MATERIAL else 1
+        ends[field] = [".".join(names[-count:]) for count in range(shortest, len(names) + 1)]
+        counts.update(ends[field])
+    return {field: next((end for end in endings if counts[end] == 1), field) for field, endings in ends.items()}
 
 
 def units_of(result: Result, name: str) -> tuple[str, str]:
@@ -236,8 +229,8 @@ def units_of(result: Result, name: str) -> tuple[str, str]:
     --------
     >>> from strikewave import load_case, run_case
     >>> solution = run_case(load_case("li-ma-2019", ["feed.blows=1"]))
-    >>> units_of(solution, "first.rigid_peak"), units_of(solution, "interval"), units_of(solution, "sensor.a.peak")
-    (('m/s^2', 'g'), ('s', 'ms'), ('m/s^2', 'g'))
+    >>> units_of(solution, "first.rigid_peak"), units_of(solution, "interval")
+    (('m/s^2', 'g'), ('s', 'ms'))
     """
     return banded_quantities(type(result))[name.rpartition(".")[2]][:2]
 
@@ -245,50 +238,40 @@ def units_of(result: Result, name: str) -> tuple[str, str]:
 def band_rows(result: Result, values: Mapping[str, float], whole: bool = True) -> list[list[str]]:
     """Return a row for each result with a band: its name, its value with the range, the inputs, and the rest.
 
-    Parameters
-    ----------
-    result : Result
-        With bands.
-    values : mapping of str to float
-        The results themselves, SI, by the names of the bands.
-    whole : bool
-        True if names of results and fields are whole, not shortened for a narrow table.
+    ``values`` are the results themselves, SI, by the names of the bands; names are shortened for a narrow table unless
+    they are to be ``whole``.
     """
     method = result.band_method
-    short = {} if whole or method is None else short_fields(one.field for one in method.inputs)
-    return [
-        [
-            band_label(name) if whole else short_label(name),
-            with_band(values.get(name), band, *units_of(result, name)),
-            ", ".join(_shares(band, short)) or NONE,
-            _rest(result, name),
-        ]
-        for name, band in result.band.items()
+    short = {} if whole or method is None else short_fields([moved.field for moved in method.inputs])
+    rows = []
+    for name, band in result.band.items():
+        label = band_label(name) if whole else short_label(name)
+        shares, rest = _shares(result, name, short)
+        rows.append(
+            [label, with_band(values.get(name), band, *units_of(result, name)), ", ".join(shares) or NONE, rest]
+        )
+    return rows
+
+
+def _shares(result: Result, name: str, short: Mapping[str, str]) -> tuple[list[str], str]:
+    """Return the shares of the inputs in the variance of a result, and the rest that none makes by itself."""
+    shares = [
+        f"{short.get(one.field, one.field)} {share_with_error(one.share, one.standard_error)}"
+        for one in result.band[name].inputs
     ]
-
-
-def _shares(band: Band, called: Mapping[str, str] | None = None) -> list[str]:
-    return [
-        f"{(called or {}).get(one.field, one.field)} {share_with_error(one.share, one.standard_error)}"
-        for one in band.inputs
-    ]
-
-
-def _rest(result: Result, name: str) -> str:
-    """Return the share of the variance of a result that no input makes by itself."""
     rest = {} if result.band_method is None else result.band_method.rest
-    return percent(rest[name], 0) if name in rest else NONE
+    return shares, percent(rest[name], 0) if name in rest else NONE
 
 
 def band_sections(result: Result) -> list[Section]:
     """List the band of each result, the inputs that matter most, and what is known of each; nothing without bands."""
     if not result.band:
         return []
-    most = max(len(band.inputs) for band in result.band.values())
+    most = max([len(band.inputs) for band in result.band.values()])
     rows: list[list[Cell]] = []
     for name, band in result.band.items():
-        inputs, ends = _shares(band), band_text(band, *units_of(result, name))
-        rows.append([band_label(name), ends, *inputs, *[NONE] * (most - len(inputs)), _rest(result, name)])
+        (shares, rest), ends = _shares(result, name, {}), band_text(band, *units_of(result, name))
+        rows.append([band_label(name), ends, *shares, *[NONE] * (most - len(shares)), rest])
     heads = ["result", "range", *(f"{nth} input" for nth in ("largest", "second", "third", "fourth", "fifth")[:most])]
     tables = [Table("Ranges and the inputs that matter most", [*heads, "rest"], rows)]
     text = (
@@ -297,25 +280,22 @@ def band_sections(result: Result) -> list[Section]:
     )
     method = result.band_method
     if method is not None:
-        text = f"The ranges hold {method.words()}. {text}" + _rank_words(method)
-        tables.append(Table("What is known of the inputs", list(MOVED_HEADS), moved_rows(method)))
+        text = f"The ranges hold {method.words()}. {text}"
+        ranked = [band_label(name) for name in method.ranked]
+        if ranked:
+            text += f" For {listed(ranked)}, whose few outliers hide the rest, it is the variance of the ranks."
+        heads = ["input", "as typed", "from", "to", "what is known", "why"]
+        tables.append(Table("What is known of the inputs", heads, moved_rows(method)))
     return [Section("What the results depend on", text, tables)]
-
-
-def _rank_words(method: BandMethod) -> str:
-    """Say of which results the shares are those in the variance of their ranks."""
-    named = [band_label(name) for name in method.ranked]
-    return f" For {listed(named)}, whose few outliers hide the rest, it is the variance of the ranks." if named else ""
 
 
 def moved_rows(method: BandMethod) -> list[list[Cell]]:
     """Return a row for each input that moved: its range, in the unit in which it was typed."""
-    return [[one.field, str(one.typed), *_ends(one), one.basis, one.reason] for one in method.inputs]
-
-
-def _ends(one: MovedInput) -> list[str]:
-    """Return the ends of the range of an input with its unit."""
-    typed = take_apart(one.typed)
-    unit = typed.unit if typed is not None and typed.unit and one.unit else one.unit
-    ends = (in_unit(end, one.unit, unit) if unit else end for end in (one.low, one.high))
-    return [f"{written(float(end), 4)} {spelled(unit)}".strip() for end in ends]
+    rows: list[list[Cell]] = []
+    for moved in method.inputs:
+        typed = take_apart(moved.typed)
+        unit = typed.unit if typed is not None and typed.unit and moved.unit else moved.unit
+        ends = [float(in_unit(end, moved.unit, unit) if unit else end) for end in (moved.low, moved.high)]
+        shown_ends = [f"{written(end, 4)} {spelled(unit)}".strip() for end in ends]
+        rows.append([moved.field, str(moved.typed), *shown_ends, moved.basis, moved.reason])
+    return rows
