@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
 
 from strikewave.base.declare import KEY, MORE
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import usual_unit
 from strikewave.records.budget import Budget
 from strikewave.reporting.columns import Column
+from strikewave.reporting.faces import capitalized
 from strikewave.reporting.numbers import doubted, listed, shown, shown_unit, spelled, with_unit
 from strikewave.reporting.parts import NONE, Tag, written
 from strikewave.specifications.judging import CANNOT_TELL, FAIL, NOT_JUDGED, PASS, Clause
@@ -23,7 +23,7 @@ INDICATIVE_WORDS = " (by indicative limits)"
 
 
 def verdict_words(verdict: str, by_indicative: bool, clauses: Iterable[Clause] = ()) -> str:
-    """Return a verdict as it is written, with what it rests on; a pass is that of the clauses that were judged.
+    """Return the words of a verdict, and whether it rests on indicative limits; a pass names clauses not judged.
 
     Examples
     --------
@@ -40,9 +40,9 @@ def verdict_words(verdict: str, by_indicative: bool, clauses: Iterable[Clause] =
 
 
 def verdict_sentence(verdict: str, by_indicative: bool, clauses: Iterable[Clause], what: str) -> str:
-    """Return the sentence that begins with a verdict and goes on with what it is on, such as ``: one shock by ...``."""
+    """Return the sentence that begins with a verdict and names its subject, such as ``: one shock by ...``."""
     words = verdict_words(verdict, by_indicative, clauses)
-    return f"{words}. {first_upper(what.lstrip(': '))}" if ";" in words else f"{words}{what}"
+    return f"{words}. {capitalized(what.lstrip(': '))}" if ";" in words else f"{words}{what}"
 
 
 def verdict_tag(verdict: str, by_indicative: bool, clauses: Iterable[Clause] = ()) -> Tag:
@@ -56,7 +56,7 @@ def not_judged_names(clauses: Iterable[Clause]) -> list[str]:
 
 
 def clause_name(clause: str) -> str:
-    """Return what a clause is called where figures of records stand beside it, whose velocity change is another.
+    """Return the name of a clause beside numbers of records, whose velocity change is another.
 
     Examples
     --------
@@ -69,7 +69,7 @@ def clause_name(clause: str) -> str:
 def unit_of_clause(clause: Clause) -> str:
     """Return the unit in which a clause is shown as a rule: a long time in ms."""
     if clause.unit == "s":
-        largest = max((abs(one) for one in (clause.low, clause.high) if math.isfinite(one)), default=0.0)
+        largest = max((abs(limit) for limit in (clause.low, clause.high) if math.isfinite(limit)), default=0.0)
         return "ms" if largest >= 1e-3 else "us"
     return usual_unit(clause.unit)
 
@@ -81,15 +81,14 @@ def amount(clause: Clause, value: float, digits: int = 4) -> str:
     if clause.unit == "1":
         text = f"{written(100.0 * value, min(digits, 3))} %" if clause.clause.startswith("share") else written(value)
         return text.replace("-", "−")
-    return with_unit(abs(value), clause.unit, unit_of_clause(clause), digits) if value >= 0.0 else _below(clause, value)
-
-
-def _below(clause: Clause, value: float) -> str:
-    return f"−{with_unit(-value, clause.unit, unit_of_clause(clause), 3)}"
+    minus, digits = (
+        ("", digits) if value >= 0.0 else ("−", 3)
+    )  # below zero it is a margin: three do
+    return minus + with_unit(abs(value), clause.unit, unit_of_clause(clause), digits)
 
 
 def limit_words(clause: Clause) -> str:
-    """Write the limits of a clause.
+    """Write the limits of a clause with their unit.
 
     Examples
     --------
@@ -97,7 +96,7 @@ def limit_words(clause: Clause) -> str:
     >>> limit_words(judged("peak", 1.0, Limits(392.266, 588.399, "quoted"), "m/s^2"))
     '40 to 60 g'
     """
-    low, high = (math.isfinite(one) for one in (clause.low, clause.high))
+    low, high = math.isfinite(clause.low), math.isfinite(clause.high)
     if clause.clause == "band":
         return "inside"
     if low and high and clause.low == clause.high:
@@ -142,7 +141,7 @@ def doubted_words(clause: Clause) -> str:
 
 
 def decision_words(rule: str, holds: Sequence[str], not_stated: Sequence[str]) -> str:
-    """Say by which rule values were judged, what their uncertainty holds, and what nobody stated.
+    """Name the decision rule, the contributions that the uncertainty holds, and those that nobody stated.
 
     Examples
     --------
@@ -156,7 +155,7 @@ def decision_words(rule: str, holds: Sequence[str], not_stated: Sequence[str]) -
 
 
 def held_words(holds: Sequence[str], not_stated: Sequence[str]) -> str:
-    """Say what expanded uncertainties hold, and what nobody stated.
+    """Name the contributions that expanded uncertainties hold, and those that nobody stated.
 
     Examples
     --------
@@ -178,30 +177,14 @@ def budget_notices(budget: Budget) -> tuple[Notice, ...]:
     return (Notice("budget-from-memory", message, float(len(names)), 0.0),)
 
 
-def margin_words(clause: Clause) -> str:
-    """Write the margin of a clause, below zero outside."""
-    return amount(clause, clause.margin, 3)
-
-
 def share_words(clause: Clause) -> str:
     """Write the margin as a share of half the tolerance, where that means something."""
     shared = clause.clause != "band" and clause.unit not in ("1", "Hz") and math.isfinite(clause.share)
     return f"{100.0 * clause.share:.0f} %".replace("-", "−") if shared else NONE
 
 
-def first_upper(text: str) -> str:
-    """Return a text that begins with a capital.
-
-    Examples
-    --------
-    >>> first_upper("pulse width")
-    'Pulse width'
-    """
-    return text[:1].upper() + text[1:]
-
-
 def why_words(clause: Clause) -> str:
-    """Say why a clause did not pass."""
+    """Return the reason why a clause did not pass."""
     if clause.reason and clause.verdict == CANNOT_TELL:
         return clause.reason
     where = f", {clause.reason}" if clause.reason else ""
@@ -211,8 +194,8 @@ def why_words(clause: Clause) -> str:
 
 
 def clause_words(clause: Clause) -> str:
-    """Say what a clause that did not pass comes to."""
-    return f"{first_upper(clause_name(clause.clause))}: {why_words(clause)}"
+    """Return a clause that did not pass with its reason."""
+    return f"{capitalized(clause_name(clause.clause))}: {why_words(clause)}"
 
 
 def tag_of(verdict: str) -> Tag:
@@ -230,21 +213,17 @@ def clause_columns(clauses: Sequence[Clause]) -> list[Column]:
     >>> [column.texts() for column in clause_columns([clause])][:4]
     [['peak'], ['PASS'], ['40 to 60 g'], ['49.97 g']]
     """
-
-    def column(name: str, said: Callable[[Clause], str | Tag], **rest: Any) -> Column:
-        return Column(name, [said(one) for one in clauses], **rest)
-
     return [
-        column("clause", lambda one: clause_name(one.clause), priority=KEY, words=True),
-        column("verdict", lambda one: tag_of(one.verdict), words=True),
-        column("limit", limit_words),
-        column("value ± U", doubted_words),
-        column("margin", margin_words),
-        column("of tolerance", share_words, priority=MORE),
-        column("limit is", lambda one: one.status, priority=MORE, words=True),
+        Column("clause", [clause_name(clause.clause) for clause in clauses], priority=KEY, words=True),
+        Column("verdict", [tag_of(clause.verdict) for clause in clauses], words=True),
+        Column("limit", list(map(limit_words, clauses))),
+        Column("value ± U", list(map(doubted_words, clauses))),
+        Column("margin", [amount(clause, clause.margin, 3) for clause in clauses]),
+        Column("of tolerance", list(map(share_words, clauses)), priority=MORE),
+        Column("limit is", [clause.status for clause in clauses], priority=MORE, words=True),
     ]
 
 
 def why_column(clauses: Sequence[Clause]) -> Column:
-    """Return why nothing can be said of a clause, or where it fails."""
-    return Column("why", [one.reason or None for one in clauses], priority=MORE, words=True)
+    """Return the reasons why clauses cannot be judged, or fail."""
+    return Column("why", [clause.reason or None for clause in clauses], priority=MORE, words=True)

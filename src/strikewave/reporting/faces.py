@@ -28,8 +28,8 @@ from strikewave.reporting.parts import NONE, Cell, Table, Tag, written
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-MOST_LISTED = 5
-"""Values of a history that a cell lists, such as the openings of a joint: a row stays one line; documents have all."""
+MOST_LISTED = 5  # a row stays one line; documents have all
+"""Values of a history that a cell lists, such as the openings of a joint."""
 PERCENT = "%"
 LEAST_WORDS = f"< {100.0 * LEAST_SHARE:.0e}".replace("e-0", "e-")
 """Text in place of a share below `LEAST_SHARE`, in per cent: rounding of the runs makes it."""
@@ -50,7 +50,7 @@ class FaceRow:
 
 
 def label_of(name: str, one: Declaration) -> str:
-    """Return what a field is called on faces."""
+    """Return the label of a field on faces."""
     return one.label or one.quantity.label or name.replace("_", " ")
 
 
@@ -62,18 +62,16 @@ def leaves(kind: type, path: Path = ()) -> Iterator[tuple[Path, Declaration]]:
     for name, one in declarations(kind).items():
         if one.kind == "part" and one.of is not None:
             for place, leaf in leaves(one.of, (*path, name)):
-                yield place, _labelled(leaf, label_of(place[-1], leaf), one.label) if one.label else leaf
+                if one.label:
+                    headline = leaf.headline and f"{leaf.headline}, {one.label}"
+                    leaf = replace(leaf, label=f"{label_of(place[-1], leaf)}, {one.label}", headline=headline)
+                yield place, leaf
         elif one.of is None:
             yield (*path, name), one
 
 
-def _labelled(leaf: Declaration, label: str, of: str) -> Declaration:
-    headline = leaf.headline and f"{leaf.headline}, {of}"
-    return replace(leaf, label=f"{label}, {of}", headline=headline)
-
-
 def at(value: Any, path: Path) -> Any:
-    """Return what lies at the end of a way; None where a value on it is missing."""
+    """Return the value at the end of a way; None where one on it is missing."""
     for name in path:
         value = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
     return value
@@ -112,55 +110,46 @@ def _columns(
     kind: type, rows: Sequence[tuple[Any, Bands]], table: str, least: int | None, given: GivenUnits
 ) -> list[Column]:
     """Return columns of rows: each a value of the class, and its bands."""
-
-    def column(path: Path, one: Declaration) -> Column:
-        def cell(value: Any, bands: Bands) -> float | str | Tag | None:
-            error = at(value, (*path[:-1], one.error)) if one.error else None
-            if error is not None and LEAST_SHARE < error < math.inf:
-                return share_with_error(at(value, path), error).removesuffix(f" {PERCENT}")
-            if one.kind == "number" and quantity.given_by and quantity.given_by not in given:
-                return own_unit_cell(one, at(value, path), value)
-            return cell_of(one, at(value, path), bands.get(one.band, ()), label, given)
-
-        label, quantity = label_of(path[-1], one), one.quantity.within(given)
+    by_order: dict[int, list[tuple[Path, Declaration]]] = {}
+    for path, one in leaves(kind):
+        is_shown = one.column is not None and (least is None or one.column <= least)
+        if is_shown and table in ("", *one.tables.split()):
+            by_order.setdefault(one.order, []).append((path, one))
+    columns: list[Column] = []
+    has_bounds = False
+    for path, one in [pair for order in sorted(by_order) for pair in by_order[order]]:
+        label, quantity, priority = label_of(path[-1], one), one.quantity.within(given), one.column or KEY
         words = one.kind == "word" and not (quantity.si or quantity.given_by)
-        priority = KEY if one.column is None else one.column
-        column = Column.of(label, [cell(value, bands) for value, bands in rows], quantity)
-        return column._replace(digits=quantity.digits, priority=priority, words=words)
-
-    def bounds(path: Path, one: Declaration, is_first: bool) -> Column:
-        def cell(value: Any) -> str | None:
-            own = one.quantity.within({**given, **getattr(value, "given_units", {})})
-            ends = [_bare(one, at(value, (*path[:-1], name)), own) for name in one.bounds.split()]
-            return None if NONE in ends else " to ".join(ends)
-
-        quantity = one.quantity.within(given)
-        called = BOUNDS if is_first else f"{BOUNDS} of the {label_of(path[-1], one)}"
-        priority = (one.column or KEY) + (not is_first)
-        return Column.of(called, [cell(value) for value, _ in rows], quantity)._replace(priority=priority)
-
-    shown_ones = [(path, one) for path, one in leaves(kind) if one.column is not None]
-    kept = [
-        (path, one)
-        for path, one in sorted(shown_ones, key=lambda pair: pair[1].order)
-        if (least is None or (one.column or 0) <= least) and table in ("", *one.tables.split())
-    ]
-    columns = list[Column]()
-    bounded = [one for _, one in kept if one.bounds]
-    for path, one in kept:
-        columns += [column(path, one), *([bounds(path, one, one is bounded[0])] if one.bounds else [])]
+        has_own_units = one.kind == "number" and bool(quantity.given_by) and quantity.given_by not in given
+        cells: list[float | str | Tag | None] = []
+        for row, bands in rows:
+            value, error = at(row, path), at(row, (*path[:-1], one.error)) if one.error else None
+            if error is not None and LEAST_SHARE < error < math.inf:
+                cells.append(share_with_error(value, error).removesuffix(f" {PERCENT}"))
+            elif has_own_units:
+                cells.append(own_unit_cell(one, value, row))
+            else:
+                cells.append(cell_of(one, value, bands.get(one.band, ()), label, given))
+        column = Column.of(label, cells, quantity)
+        columns.append(column._replace(digits=quantity.digits, priority=priority, words=words))
+        if one.bounds:
+            name = f"{BOUNDS} of the {label}" if has_bounds else BOUNDS
+            bounds = Column.of(name, [_bounds_cell(one, path, row, given) for row, _ in rows], quantity)
+            columns.append(bounds._replace(priority=priority + has_bounds))
+            has_bounds = True
     return columns
 
 
-def _bare(one: Declaration, value: float | None, quantity: Quantity) -> str:
-    """Return what a cell shows of a number that measures a quantity, without its unit."""
-    declared = replace(one, quantity=quantity)
-    [text] = Column.of("", [cell_of(declared, value)], quantity)._replace(digits=quantity.digits).texts()
-    return text
+def _bounds_cell(one: Declaration, path: Path, row: Any, given: GivenUnits) -> str | None:
+    """Return the bounds of a number of a row, without their unit; None where one is missing."""
+    quantity = one.quantity.within({**given, **getattr(row, "given_units", {})})
+    ends = [cell_of(replace(one, quantity=quantity), at(row, (*path[:-1], name))) for name in one.bounds.split()]
+    shown_ends = Column.of("", ends, quantity)._replace(digits=quantity.digits).texts()
+    return None if NONE in shown_ends else " to ".join(shown_ends)
 
 
 def own_unit_cell(one: Declaration, value: Any, row: Any) -> str | None:
-    """Return what a cell shows of a number whose unit is that of its row: both."""
+    """Return a number with its unit, which is that of its row."""
     if value is None or value != value:
         return None
     given = getattr(row, "given_units", {})
@@ -171,7 +160,7 @@ def own_unit_cell(one: Declaration, value: Any, row: Any) -> str | None:
 def cell_of(
     one: Declaration, value: Any, bands: Sequence[Band] = (), label: str = "", given: GivenUnits = MappingProxyType({})
 ) -> float | str | Tag | None:
-    """Return what a cell shows of a value, as its declaration says it."""
+    """Return the cell of a value, as its declaration writes it."""
     si, usual, _, decimals, digits, _, signed = one.quantity.within(given)
     if value is None or isinstance(value, str | Tag):
         return Tag(value, value) if one.is_tag and value and isinstance(value, str) else value or None
@@ -209,14 +198,13 @@ def face_rows(result: Result, name: str) -> list[FaceRow]:
     """Return the rows that a result has under a name, or its parts by their names, or one part, with their bands."""
     one, value = declarations(type(result))[name], getattr(result, name)
     listed = value if one.kind != "part" else [] if value is None else [value]
-    pairs = value.items() if one.kind == "named" else ((getattr(row, "name", ""), row) for row in listed)
-    return [FaceRow(called, row, _bands_of_row(result, one, called, row)) for called, row in pairs]
-
-
-def _bands_of_row(result: Result, one: Declaration, called: str, row: Any) -> Bands:
-    bands = bands_below(result.band, [first.format(name=called) for first in one.band.split()])
-    further = getattr(row, "further_bands", None)
-    return {**bands, **(further(bands) if further else {})}
+    rows = []
+    for row in value.items() if one.kind == "named" else listed:
+        called, row = row if one.kind == "named" else (getattr(row, "name", ""), row)
+        bands = bands_below(result.band, [first.format(name=called) for first in one.band.split()])
+        further = getattr(row, "further_bands", None)
+        rows.append(FaceRow(called, row, {**bands, **(further(bands) if further else {})}))
+    return rows
 
 
 def face_columns(
@@ -240,7 +228,7 @@ def numbers_of(value: Any, bands: Bands) -> list[tuple[str, str]]:
 
 def face_table(result: Result, name: str, table: str = "", caption: str = "", empty: str = Table.empty) -> Table:
     """Return such rows as a table of a page, under their meaning or another caption; ``empty`` where there are none."""
-    caption = caption or _sentence(declarations(type(result))[name].meaning)
+    caption = caption or capitalized(declarations(type(result))[name].meaning)
     return page_table(caption, face_columns(result, name, table), empty)
 
 
@@ -249,14 +237,14 @@ def part_tables(result: Result, name: str, caption: str = "") -> list[Table]:
     one, value = declarations(type(result))[name], getattr(result, name)
     if value is None or one.of is None:
         return []
-    caption = caption or _sentence(one.meaning)
+    caption = caption or capitalized(one.meaning)
     return [line_table(value, "", caption, label_of(name, one), result.given_units, one.of)]
 
 
 def line_table(
     value: Any, table: str, caption: str, head: str, given: GivenUnits = MappingProxyType({}), kind: type | None = None
 ) -> Table:
-    """Return what a declared value and its parts have of one of their tables, a line each; none of what is missing.
+    """Return the numbers of a declared value and its parts in one of their tables, a line each; none that is missing.
 
     ``kind`` is its class, where it is a dictionary.
     """
@@ -265,8 +253,15 @@ def line_table(
     return Table(caption, [head, "value"], lines)
 
 
-def _sentence(meaning: str) -> str:
-    return meaning[:1].upper() + meaning[1:]
+def capitalized(text: str) -> str:
+    """Return a text that begins with a capital.
+
+    Examples
+    --------
+    >>> capitalized("pulse width")
+    'Pulse width'
+    """
+    return text[:1].upper() + text[1:]
 
 
 def data_columns(result: Result, name: str) -> list[Column]:
@@ -348,7 +343,7 @@ def key_numbers(result: Result) -> list[tuple[str, str]]:
 
 
 def text_of(value: Any, name: str, given: GivenUnits = MappingProxyType({})) -> str:
-    """Return what a sentence says of a field of a declared value, with its unit, as its key number does."""
+    """Return a field of a declared value for a sentence, with its unit, as its key number has it."""
     return _with_unit(declarations(type(value))[name], getattr(value, name), None, given)
 
 
@@ -365,7 +360,7 @@ def cell_text(value: Any, name: str, given: GivenUnits = MappingProxyType({})) -
 
 
 def amount(quantity: Quantity, value: float | None, band: Band | None = None, digits: int = 0) -> str:
-    """Return what a sentence says of a number, with its unit, in the digits of its quantity, or of its band with that.
+    """Return a number for a sentence, with its unit, in the digits of its quantity, or of its band with that.
 
     A sentence that needs other digits than tables have gives its own.
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from strikewave.analyses.clauses import (
     clause_name,
-    first_upper,
     not_judged_names,
     share_words,
     verdict_sentence,
@@ -24,6 +23,7 @@ from strikewave.records.campaign import COPY, Campaign
 from strikewave.records.health_notice import worst
 from strikewave.records.measuring import RecordedPulse
 from strikewave.records.reading import FileReading
+from strikewave.reporting.faces import capitalized
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.parts import NONE, Tag
 from strikewave.specifications.judged_records import JudgedShock, RecordsVerdict
@@ -212,7 +212,7 @@ def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
     wrong = [(c, s) for c, s in found.clauses if c.verdict == found.verdict and c.verdict in (FAIL, CANNOT_TELL)]
     for clause, shock in wrong[:MOST_SHOCKS_NAMED]:
         where = f" of {name_of_shock(shock, names, several)}" if shock is not None and count > 1 else ""
-        words.append(f"{first_upper(clause_name(clause.clause))}{where}: {why_words(clause)}.")
+        words.append(f"{capitalized(clause_name(clause.clause))}{where}: {why_words(clause)}.")
     if found.verdict == PASS:
         tight = [(c, s) for c, s in found.clauses if c.verdict == PASS and math.isfinite(c.share)]
         if tight:

@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.clauses import first_upper, tag_of, verdict_words
+from strikewave.analyses.clauses import tag_of, verdict_words
 from strikewave.analyses.machine.build import build_machine
 from strikewave.analyses.machine.notices import run_verdict
 from strikewave.base import declare
@@ -31,7 +31,7 @@ from strikewave.contact.cushions import Cushion
 from strikewave.machines import Blow, blows, run_machine
 from strikewave.machines.launch import drop_for_half_sine
 from strikewave.reporting.columns import Column
-from strikewave.reporting.faces import amount, columns_of, text_of
+from strikewave.reporting.faces import amount, capitalized, columns_of, text_of
 from strikewave.reporting.shown_result import Curve, history_curve
 from strikewave.specifications.ideal_pulses import HALF_SINE, IdealPulse
 from strikewave.specifications.judged_records import rests_on_indicative
@@ -640,7 +640,7 @@ class DropStudy(MachineSearch):
     @property
     def title(self) -> str:
         """The goal in words, after "nearest to" where no design meets it."""
-        return first_upper(super().title)
+        return capitalized(super().title)
 
     @property
     def named_units(self) -> Mapping[str, str]:
