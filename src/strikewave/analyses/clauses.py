@@ -81,9 +81,7 @@ def amount(clause: Clause, value: float, digits: int = 4) -> str:
     if clause.unit == "1":
         text = f"{written(100.0 * value, min(digits, 3))} %" if clause.clause.startswith("share") else written(value)
         return text.replace("-", "−")
-    minus, digits = (
-        ("", digits) if value >= 0.0 else ("−", 3)
-    )  # below zero it is a margin: three do
+    minus, digits = ("", digits) if value >= 0.0 else ("−", 3)  # below zero it is a margin: three do
     return minus + with_unit(abs(value), clause.unit, unit_of_clause(clause), digits)
 
 

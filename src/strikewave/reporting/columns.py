@@ -21,10 +21,10 @@ from strikewave.reporting.parts import NONE, Table, Tag, written
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""A text that begins so is run as a formula by spreadsheets; an apostrophe before it keeps it a text."""
-HISTORY_DIGITS = 9
-"""Significant digits of histories: beyond the 1e-6 of their balances, and half the size of all 17."""
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # spreadsheets run such a text; an apostrophe before it keeps it a text
+"""Begin of texts that spreadsheets take for a formula."""
+HISTORY_DIGITS = 9  # beyond the 1e-6 of their balances, and half the size of all 17
+"""Significant digits of histories."""
 
 
 Values: TypeAlias = "Sequence[Any] | NDArray[Any]"
@@ -32,30 +32,6 @@ Values: TypeAlias = "Sequence[Any] | NDArray[Any]"
 
 class Column(NamedTuple):
     """A column of a table.
-
-    Attributes
-    ----------
-    name : str
-        Name of the values.
-    values : sequence or array
-        Numbers in SI, texts or tags; None and NaN where there is nothing.
-    si : str
-        SI unit; empty for texts and counts, whose head has none.
-    usual : str
-        Unit in which files have it where none was chosen; the SI unit if empty.
-    shown : str, optional
-        Unit in which screens, pages and notebooks show it as a rule, empty of words; None where notebooks leave it
-        out.
-    label : str
-        Label on the screen and the page; the name if empty.
-    digits : int
-        Significant digits that these show.
-    decimals : int, optional
-        Decimals in the unit shown as a rule, instead of significant digits.
-    priority : int
-        `KEY`, `MAIN` or `MORE` of `strikewave.base.declare`: what a narrow screen leaves out first.
-    words : bool
-        True if its cells are words, which stand to the left on the screen and may take several lines there.
 
     Examples
     --------
@@ -66,24 +42,26 @@ class Column(NamedTuple):
 
     name: str
     values: Values
+    """Numbers in SI, texts or tags; None and NaN where there is nothing."""
     si: str = ""
+    """SI unit; empty for texts and counts, whose head has none."""
     usual: str = ""
+    """Unit in which files have it where none was chosen; the SI unit if empty."""
     shown: str | None = None
+    """Unit in which faces show it as a rule, empty of words; None where notebooks leave it out."""
     label: str = ""
+    """Label on the screen and the page; the name if empty."""
     digits: int = 4
     decimals: int | None = None
+    """Decimals in the unit shown as a rule, instead of significant digits."""
     priority: int = MAIN
+    """`KEY`, `MAIN` or `MORE` of `strikewave.base.declare`: the last is left out first on a narrow screen."""
     words: bool = False
+    """True if its cells are words, which stand to the left on the screen and may take several lines there."""
 
     @classmethod
     def of(cls, name: str, values: Values, quantity: Quantity) -> Column:
-        """Return a column of what a quantity measures: in its SI unit, shown in its usual one.
-
-        Examples
-        --------
-        >>> Column.of("force", [1500.0], Quantity("N", "kN"))[:5]
-        ('force', [1500.0], 'N', '', 'kN')
-        """
+        """Return a column of a quantity: in its SI unit, shown in its usual one."""
         return cls(name, values, quantity.si, shown=quantity.usual)
 
     @property
@@ -104,29 +82,30 @@ class Column(NamedTuple):
 
     @property
     def head(self) -> str:
-        """What it is called with the unit in which it is shown."""
+        """Its label with the unit in which it is shown."""
         return headed(self.label or self.name.replace("_", " "), self.si, self.shown or "")
 
     def cells(self) -> list[str | Tag]:
-        """Return what it shows of each row."""
-        return [self._cell(value) for value in self.values]
+        """Return the cells of all rows."""
+        si, usual = self.si or NO_UNIT, self.shown or NO_UNIT
+        cells: list[str | Tag] = []
+        for value in self.values:
+            value = value.item() if hasattr(value, "item") else value
+            if value is None or value != value:
+                cells.append(NONE)
+            elif isinstance(value, bool):
+                cells.append("yes" if value else "no")
+            elif isinstance(value, str | Tag):
+                cells.append(value)
+            elif self.decimals is not None:
+                cells.append(fixed(value, si, usual, self.decimals))
+            else:
+                cells.append(written(value if si == usual == NO_UNIT else shown(value, si, usual), self.digits))
+        return cells
 
     def texts(self) -> list[str]:
-        """Return what it shows of each row, a tag as its word."""
+        """Return the cells of all rows, a tag as its word."""
         return [cell.text if isinstance(cell, Tag) else cell for cell in self.cells()]
-
-    def _cell(self, value: Any) -> str | Tag:
-        value = value.item() if hasattr(value, "item") else value
-        if value is None or value != value:
-            return NONE
-        if isinstance(value, bool):
-            return "yes" if value else "no"
-        if isinstance(value, str | Tag):
-            return value
-        si, usual = self.si or NO_UNIT, self.shown or NO_UNIT
-        if self.decimals is not None:
-            return fixed(value, si, usual, self.decimals)
-        return written(value if si == usual == NO_UNIT else shown(value, si, usual), self.digits)
 
     def converted(self) -> Values:
         """Return the values in the unit in which files have them."""
@@ -138,26 +117,13 @@ class Column(NamedTuple):
 
 
 def page_table(caption: str, columns: Sequence[Column], empty: str = Table.empty) -> Table:
-    """Return columns of equal length as a table of a page; ``empty`` are words that stand for one without rows.
-
-    Examples
-    --------
-    >>> page_table("Machines", [Column("speed", [76.445], "rad/s", shown="rpm")]).cells()
-    [['730.0']]
-    """
-    cells = zip(*(column.cells() for column in columns), strict=True)
-    return Table(caption, [column.head for column in columns], [list(row) for row in cells], empty)
+    """Return columns of equal length as a table of a page; ``empty`` are words that stand for one without rows."""
+    rows = list(map(list, zip(*[column.cells() for column in columns], strict=True)))
+    return Table(caption, [column.head for column in columns], rows, empty)
 
 
 def csv_table(columns: Sequence[Column], digits: int | None = None) -> str:
-    """Return columns of equal length as CSV text.
-
-    Parameters
-    ----------
-    columns : sequence of Column
-        From the left.
-    digits : int, optional
-        Significant digits of numbers; all that tell them apart where left out.
+    """Return columns of equal length as CSV text, numbers to so many significant digits, all that count by default.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """Numbers and units as they are shown: on the screen, in the report, and in tables of text.
 
 Each function takes the unit in which a quantity is shown as a rule; the unit that the user chose for that kind of
-quantity takes its place (`strikewave.reporting.numbers`). JSON and NetCDF stay in SI.
+quantity takes its place. JSON and NetCDF stay in SI.
 """
 
 from __future__ import annotations
@@ -45,12 +45,7 @@ too, by the first kind that they fit."""
 
 @dataclass(frozen=True)
 class ShownUnits:
-    """Units that the user chose: at most one for each kind of quantity.
-
-    Attributes
-    ----------
-    units : mapping of str to str
-        Unit by the SI unit of its kind; a kind without one is shown as usual.
+    """Units that the user chose, by the SI unit of their kind: at most one for each kind of quantity.
 
     Examples
     --------
@@ -97,7 +92,7 @@ def _kind(si: str) -> str:
 
 
 def _kind_of(unit: str, word: str, option: str) -> str:
-    """Return the SI unit of the kind of quantity that a unit is of."""
+    """Return the SI unit of the kind of quantity to which a unit belongs."""
     for si, offered in OFFERED.items():
         if unit in offered:
             return si
@@ -118,15 +113,7 @@ _chosen: ContextVar[ShownUnits | None] = ContextVar("shown units", default=None)
 
 @contextlib.contextmanager
 def showing(units: ShownUnits | None) -> Iterator[None]:
-    """Show quantities in these units, or in the usual ones, as long as the context lasts, in this thread.
-
-    Examples
-    --------
-    >>> from strikewave.reporting.numbers import with_unit
-    >>> with showing(ShownUnits.read("m/s^2")):
-    ...     with_unit(40709.86, "m/s^2", "g")
-    '40710 m/s²'
-    """
+    """Show quantities in these units, or in the usual ones, as long as the context lasts, in this thread."""
     token = _chosen.set(units)
     try:
         yield
@@ -135,30 +122,19 @@ def showing(units: ShownUnits | None) -> Iterator[None]:
 
 
 def shown_unit(si: str, usual: str) -> str:
-    """Return the unit in which quantities of an SI unit are shown: the one chosen, or the usual one.
-
-    Examples
-    --------
-    >>> shown_unit("N", "kN")
-    'kN'
-    """
+    """Return the unit in which quantities of an SI unit are shown: the one chosen, or the usual one."""
     chosen = _chosen.get()
     return usual if chosen is None else chosen.unit(si, usual)
 
 
-def are_chosen() -> bool:
-    """Tell whether the user chose a unit."""
-    return _chosen.get() is not None
-
-
-LONGEST_IN_MICROSECONDS = 5e-3
-"""Runs that last longer, s, are shown in milliseconds: µs would need five digits before the point."""
-LEAST_SHARE = 1e-6
-"""Shares of a variance below it are written as such, and smaller errors not at all: rounding of the runs makes them."""
-FEWEST_DIGITS = 4
-"""Significant digits, at least, of a number of a message in another unit: "5 kN" is 1124 lbf, not 1000."""
-MOST_MORE = 4
-"""Decimals, at most, of a number of a table beyond those of its column: what rounding leaves of zero has no end."""
+LONGEST_IN_MICROSECONDS = 5e-3  # µs would need five digits before the point
+"""Time, s, above which runs are shown in milliseconds."""
+LEAST_SHARE = 1e-6  # rounding of the runs makes smaller ones
+"""Share of a variance below which it is written as such, and a smaller error not at all."""
+FEWEST_DIGITS = 4  # "5 kN" is 1124 lbf, not 1000
+"""Significant digits, at least, of a number of a message in another unit."""
+MOST_MORE = 4  # zero but for rounding would have no end
+"""Decimals, at most, of a number of a table beyond those of its column."""
 NO_BREAK = "\N{NO-BREAK SPACE}"
 _SI_OF = {unit: si for si, offered in reversed(OFFERED.items()) for unit in offered}
 _JOINED = re.compile(
@@ -182,13 +158,7 @@ def axis_unit(si: str, usual: str) -> tuple[float, str]:
 
 @dataclass(frozen=True)
 class ShownQuantity:
-    """A kind of quantity that pictures show: its SI unit, and the unit in which it is shown as a rule.
-
-    Examples
-    --------
-    >>> ShownQuantity("m/s^2", "g").unit, ShownQuantity("s", "us").scale
-    ('g', 1e-06)
-    """
+    """A kind of quantity that pictures show: its SI unit, and the unit in which it is shown as a rule."""
 
     si: str
     usual: str
@@ -223,20 +193,17 @@ def shown_heads(*usual: str) -> list[str]:
 
     Examples
     --------
-    >>> from strikewave.reporting.numbers import ShownUnits, showing
     >>> with showing(ShownUnits.read("N")):
     ...     shown_heads("contact", "peak (kN)", "at (us)", "strain (%)")
     ['contact', 'peak (N)', 'at (µs)', 'strain (%)']
     """
-    return [_with_shown_unit(head) for head in usual]
-
-
-def _with_shown_unit(head: str) -> str:
-    """Return a head with the unit shown in the place of its usual one."""
-    found = re.fullmatch(r"(.*\s)\(([^()]*)\)", head, re.DOTALL)
-    usual = plain_unit(found[2]) if found else ""
-    si = next((si for si, offered in OFFERED.items() if usual in offered), None)
-    return head if found is None or si is None else f"{found[1]}({spelled(shown_unit(si, usual))})"
+    heads = []
+    for head in usual:
+        found = re.fullmatch(r"(.*\s)\(([^()]*)\)", head, re.DOTALL)
+        unit = plain_unit(found[2]) if found else ""
+        is_offered = found is not None and unit in _SI_OF
+        heads.append(f"{found[1]}({spelled(shown_unit(_SI_OF[unit], unit))})" if is_offered and found else head)
+    return heads
 
 
 def shown(value: float, si: str, usual: str) -> float:
@@ -261,9 +228,6 @@ def decimals_in(si: str, usual: str, decimals: int) -> int:
 
     Examples
     --------
-    >>> from strikewave.reporting.numbers import ShownUnits, showing
-    >>> decimals_in("s", "ms", 3)
-    3
     >>> with showing(ShownUnits.read("us")):
     ...     decimals_in("s", "ms", 3)
     0
@@ -278,7 +242,6 @@ def fixed(value: float | None, si: str, usual: str, decimals: int) -> str:
 
     Examples
     --------
-    >>> from strikewave.reporting.numbers import ShownUnits, showing
     >>> fixed(2e-4, "s", "us", 1)
     '200.0'
     >>> with showing(ShownUnits.read("ms,mm/s2")):
@@ -340,7 +303,7 @@ def spelled(unit: str) -> str:
     ('µs', 'm/s²', 'µε', 'N s/m^2.5')
     """
     text = unit.replace("ustrain", "µε").replace("us", "µs").replace("um", "µm")
-    return re.sub(r"\^([23])(?![\d.])", lambda power: {"2": "²", "3": "³"}[power[1]], text)
+    return re.sub(r"\^3(?![\d.])", "³", re.sub(r"\^2(?![\d.])", "²", text))
 
 
 def listed(words: list[str]) -> str:
@@ -391,7 +354,6 @@ def in_shown_units(text: str) -> str:
 
     Examples
     --------
-    >>> from strikewave.reporting.numbers import ShownUnits, showing
     >>> in_shown_units("the peak of 5.2\xa0kN is above 5 kN")
     'the peak of 5.2 kN is above 5 kN'
     >>> with showing(ShownUnits.read("N,m/s2")):
@@ -400,7 +362,7 @@ def in_shown_units(text: str) -> str:
     """
     if NO_BREAK not in text:
         return text
-    if are_chosen():
+    if _chosen.get() is not None:
         text = _JOINED.sub(_in_shown_unit, text)
     return text.replace(NO_BREAK, " ")
 
@@ -450,7 +412,7 @@ def share_with_error(share: float, error: float, decimals: int = 0) -> str:
 
 
 def one_in(count: int) -> str:
-    """Say how many of a row are shown: every second, third, ... one.
+    """Name the share of a row that is shown: every second, third, ... one.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a section of a report is made of: words, tables, pictures.
+"""Parts of a section of a report: words, tables, pictures.
 
 All text is plain text: the page escapes it, so a title may hold ``<`` or ``&``.
 """
@@ -47,24 +47,15 @@ Cell = str | int | float | Tag | Formula | None
 
 @dataclass(frozen=True)
 class Table:
-    """A table with its caption.
-
-    Attributes
-    ----------
-    caption : str
-        Caption of the table.
-    columns : sequence of str
-        Heads, with units.
-    rows : sequence of sequences
-        Text as it shall be read, numbers (written with four digits), `Tag`, `Formula`, or None for nothing.
-    empty : str
-        Words that stand for a table without rows.
-    """
+    """A table with its caption."""
 
     caption: str
     columns: Sequence[str]
+    """Heads, with units."""
     rows: Sequence[Sequence[Cell]]
+    """Text as it shall be read, numbers (written with four digits), `Tag`, `Formula`, or None for nothing."""
     empty: str = "Nothing to show."
+    """Words that stand for a table without rows."""
     kind: ClassVar[str] = "table"
 
     def cells(self) -> list[list[Tag | Formula | str]]:
@@ -88,27 +79,20 @@ class Table:
         columns, rows = [], self.cells()
         for place in range(len(self.columns)):
             filled = [row[place] for row in rows if row[place] not in ("", NONE)]
-            columns.append(bool(filled) and all(isinstance(w, str) and bool(_NUMBER.fullmatch(w)) for w in filled))
+            numbers = [cell for cell in filled if isinstance(cell, str) and _NUMBER.fullmatch(cell)]
+            columns.append(bool(filled) and len(numbers) == len(filled))
         return columns
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A matplotlib figure with its caption.
-
-    Attributes
-    ----------
-    figure : matplotlib.figure.Figure
-        Figure to draw; one at most 5.5 inches wide shares its line with the next one.
-    caption : str
-        Caption below the picture.
-    label : str
-        Text for a reader who cannot see it; the caption if empty.
-    """
+    """A matplotlib figure with its caption."""
 
     figure: Figure
+    """Figure to draw; one at most 5.5 inches wide shares its line with the next one."""
     caption: str
     label: str = ""
+    """Text for a reader who cannot see it; the caption if empty."""
     kind: ClassVar[str] = "picture"
 
 
@@ -161,42 +145,25 @@ Part = Table | Picture | Photo | SignatureLines | Flow | Code | Link
 
 @dataclass(frozen=True)
 class Section:
-    """A section of a report.
-
-    Attributes
-    ----------
-    title : str
-        Its head.
-    text : str
-        Paragraphs, with an empty line between them; they stand before the parts.
-    parts : sequence of Table, Picture, Photo, SignatureLines, Flow, Code or Link
-        Parts of the section, in this order.
-    folded : str
-        Words that open the parts where they begin folded away, as those of inputs do; empty where they are in view.
-        Print shows them all.
-    alone : bool
-        True if the page up to here stands for itself: print begins a new one after it.
-
-    Examples
-    --------
-    >>> Section("Sensors", "Two of them.", [Table("Peaks", ["sensor", "peak (g)"], [["a", 4151.25]])]).paragraphs()
-    ['Two of them.']
-    """
+    """A section of a report."""
 
     title: str
     text: str = ""
+    """Paragraphs, with an empty line between them; they stand before the parts."""
     parts: Sequence[Part] = ()
     folded: str = ""
+    """Words that open the parts where they begin folded away, as inputs do; print shows them all."""
     alone: bool = False
+    """True if the page up to here stands for itself: print begins a new one after it."""
 
     def paragraphs(self) -> list[str]:
         """Return the paragraphs of the text."""
-        return [words for words in (part.strip() for part in re.split(r"\n\s*\n", self.text)) if words]
+        return list(filter(None, map(str.strip, re.split(r"\n\s*\n", self.text))))
 
 
+# conversions of units and sums of decimal fractions are off by 1e-16 to 1e-12, a result by more than any digit shown
 EXACT = 1e-9
-"""Share of a number by which it may differ from what is written and still be the same: a conversion of units, and the
-sum of a few decimal fractions, are off by 1e-16 to 1e-12, a result by more than any digit that is shown."""
+"""Share of a number by which it may differ from its text and still count as equal to it."""
 
 
 def written(value: str | int | float | None, digits: int = 4) -> str:
