@@ -33,20 +33,20 @@ Array = NDArray[np.float64]
 Document = dict[str, object]
 """Content of a JSON document."""
 
-PLAYING_SECONDS = 10.0
-"""How long a view plays at speed 1, s (chosen: a slide's worth of patience; a reader can take 1/8 to 8 of it)."""
+PLAYING_SECONDS = 10.0  # chosen: a slide's worth of patience; a reader can take 1/8 to 8 of it
+"""Time that a view plays at speed 1, s."""
 SPEEDS = ((0.125, "⅛"), (0.25, "¼"), (0.5, "½"), (1, "1"), (2, "2"), (4, "4"), (8, "8"))
-"""Speeds to choose from, and how they are written."""
-SLIDER_STEPS = 2000
-"""Steps of the time slider where motion is smooth: one for each pixel of a wide screen."""
+"""Speeds to choose from, and their texts."""
+SLIDER_STEPS = 2000  # one for each pixel of a wide screen
+"""Steps of the time slider where motion is smooth."""
 FULL_SCALE = 32767
 """Full scale of a 16-bit integer: the peak of a field."""
-MOST_DECIMALS = 6
-"""Decimals of a time: picoseconds, where the unit is the microsecond."""
+MOST_DECIMALS = 6  # picoseconds, where the unit is the microsecond
+"""Decimals of a time at most."""
 
 
 class Clock(NamedTuple):
-    """How times are written: their unit, its size in s, and decimals."""
+    """Form of times: their unit, its size in s, and decimals."""
 
     unit: str
     per: float
@@ -68,49 +68,30 @@ class Clock(NamedTuple):
 
 
 class PlayedSpan(NamedTuple):
-    """A stretch of the run that can be played.
-
-    Attributes
-    ----------
-    key, label : str
-        In the address of the page, and to choose it by.
-    time : array (frames,)
-        s; where motion is smooth, begin and end are enough.
-    """
+    """A stretch of the run that can be played; its key stands in the address of the page."""
 
     key: str
     label: str
     time: Array
+    """Times of the frames, s; where motion is smooth, begin and end are enough."""
 
 
 class Shape(NamedTuple):
-    """A polygon or line of a scene.
-
-    Attributes
-    ----------
-    points : array (corners, 2)
-        m; of what is `ends`, x is the share of the way from the first end to the second.
-    fill, edge : str
-        Colours; an empty one draws nothing.
-    width : float
-        Width of the edge, pixels.
-    closed : bool
-    dashes : sequence of float
-        Lengths of the dashes of the edge, pixels.
-    turn : str
-        Track of the angle by which it turns about the origin, rad.
-    ends : two of (float, str)
-        x of each end, m, and the track that moves it, m; an empty name stands still.
-    """
+    """A polygon or line of a scene; an empty colour draws nothing."""
 
     points: Array
+    """Corners, m, shape (corners, 2); between moving ends x is the share of the way from the first to the second."""
     fill: str = ""
     edge: str = ""
     width: float = 1.0
+    """Width of the edge, pixels."""
     closed: bool = True
     dashes: Sequence[float] = ()
+    """Lengths of the dashes of the edge, pixels."""
     turn: str = ""
+    """Track of the angle by which it turns about the origin, rad."""
     ends: tuple[tuple[float, str], tuple[float, str]] = ((0.0, ""), (1.0, ""))
+    """Place x of each end, m, and the track that moves it, m; an empty name stands still."""
 
     def document(self) -> Document:
         """Return it as the player reads it."""
@@ -142,7 +123,7 @@ class Scene:
 
     @property
     def caption(self) -> str:
-        """What stands below it."""
+        """Text below it."""
         return self.title
 
     def document(self) -> Document:
@@ -158,7 +139,7 @@ class Scene:
 
 
 class PlayedHistory(NamedTuple):
-    """Values over time, s; the page keeps 4 bytes of what lies after ``begin``, so that a late history stays sharp."""
+    """Values over time, s; the page keeps 4 bytes of the time after ``begin``, so that a late history stays sharp."""
 
     time: Array
     values: Array
@@ -166,11 +147,8 @@ class PlayedHistory(NamedTuple):
 
     def document(self) -> Document:
         """Return it as the player reads it."""
-        return {
-            "begin": self.begin,
-            "time": packed(self.time - self.begin, "<f4"),
-            "values": packed(self.values, "<f4"),
-        }
+        time, values = packed(self.time - self.begin, "<f4"), packed(self.values, "<f4")
+        return {"begin": self.begin, "time": time, "values": values}
 
 
 class PlayedCurve(NamedTuple):
@@ -204,50 +182,28 @@ class FieldCurve(NamedTuple):
 
 @dataclass(frozen=True)
 class Panel:
-    """Curves with one axis of values.
-
-    Attributes
-    ----------
-    name, unit : str
-        Name and unit of the values.
-    curves : sequence of PlayedCurve or FieldCurve
-    per : float
-        Size of the unit in that of the values.
-    label : str
-        Label above the panel; empty: name and unit.
-    limits : (float, float) or None
-        Limits of the axis; None: the range of the values in view.
-    zero : bool
-        True if the axis shows zero, where it has no limits.
-    least : float
-        Span of the axis at least.
-    decimals : int or None
-        With which values are written; None: three digits.
-    """
+    """Curves with one axis of values."""
 
     name: str
     unit: str
     curves: Sequence[PlayedCurve | FieldCurve]
     per: float = 1.0
+    """Size of the unit in that of the values."""
     label: str = ""
+    """Label above the panel; name and unit if empty."""
     limits: tuple[float, float] | None = None
+    """Limits of the axis; the range of the values in view where None."""
     zero: bool = True
+    """True if the axis shows zero, where it has no limits."""
     least: float = 0.0
+    """Span of the axis at least."""
     decimals: int | None = None
+    """Decimals of the values; three digits where None."""
 
     def document(self) -> Document:
         """Return it as the player reads it."""
-        return {
-            "name": self.name,
-            "unit": self.unit,
-            "per": self.per,
-            "label": self.label or f"{self.name} ({self.unit})",
-            "limits": self.limits,
-            "zero": self.zero,
-            "least": self.least,
-            "decimals": self.decimals,
-            "curves": [curve.document() for curve in self.curves],
-        }
+        label, curves = self.label or f"{self.name} ({self.unit})", [curve.document() for curve in self.curves]
+        return {**vars(self), "label": label, "curves": curves}
 
 
 @dataclass(frozen=True)
@@ -265,14 +221,8 @@ class Chart:
 
     def document(self) -> Document:
         """Return it as the player reads it."""
-        return {
-            "kind": self.kind,
-            "id": self.id,
-            "axis": self.axis,
-            "label": self.label,
-            "height": self.height,
-            "panels": [panel.document() for panel in self.panels],
-        }
+        named = {name: getattr(self, name) for name in ("kind", "id", "axis", "label", "height")}
+        return {**named, "panels": [panel.document() for panel in self.panels]}
 
 
 class LayerBand(NamedTuple):
@@ -306,15 +256,10 @@ class PlaceAxis:
 
     def document(self) -> Document:
         """Return it as the player reads it."""
-        return {
-            "unit": self.unit,
-            "per": self.per,
-            "position": list(self.position),
-            "band": list(self.band),
-            "start": self.start,
-            "bands": [{**band._asdict(), "name": printable(band.name)} for band in self.bands],
-            "marks": [{**mark._asdict(), "name": printable(mark.name)} for mark in self.marks],
-        }
+        bands = [{**band._asdict(), "name": printable(band.name)} for band in self.bands]
+        marks = [{**mark._asdict(), "name": printable(mark.name)} for mark in self.marks]
+        lists = {"position": list(self.position), "band": list(self.band), "bands": bands, "marks": marks}
+        return {"unit": self.unit, "per": self.per, "start": self.start, **lists}
 
 
 class Readout(NamedTuple):
@@ -329,7 +274,7 @@ class Readout(NamedTuple):
 
 
 class Event(NamedTuple):
-    """What happened at a time, s, and what the time since then counts from, in words."""
+    """An event at a time, s, with its label, and the words that the time since then counts from."""
 
     time: float
     label: str
@@ -338,53 +283,34 @@ class Event(NamedTuple):
 
 @dataclass(frozen=True)
 class Animation:
-    """What a page plays.
-
-    Attributes
-    ----------
-    kicker : str
-        Above the title: what kind of run this is.
-    note : str
-        Below the controls: how the pictures are to be read.
-    gif : str
-        File in which the same run is found where no script runs.
-    clock : Clock
-    views : sequence of PlayedSpan
-    canvases : sequence of Scene or Chart
-    beside : int
-        How many of these share the first line of a wide screen.
-    smooth : bool
-        True if there is motion between the times of a view; else each of them is one frame.
-    tracks : mapping of str to array (samples,)
-        Values that move shapes, over the track ``time``, s.
-    shapes : sequence of Shape
-    pictures : sequence of str
-        A picture of every frame that fills the scenes, as an address that holds it (data:).
-    readouts : sequence of Readout
-    events : sequence of Event
-    no_event : str
-        Text before the first event; empty: no events are written.
-    places : PlaceAxis or None
-    """
+    """A run that a page plays."""
 
     kicker: str
+    """Kind of run, above the title."""
     note: str
+    """Words below the controls: how the pictures are to be read."""
     gif: str
+    """File in which the same run is found where no script runs."""
     clock: Clock
     views: Sequence[PlayedSpan]
     canvases: Sequence[Scene | Chart]
     beside: int = 0
+    """Number of canvases that share the first line of a wide screen."""
     smooth: bool = False
+    """True if there is motion between the times of a view; else each of them is one frame."""
     tracks: Mapping[str, Array] | None = None
+    """Values that move shapes, over the track ``time``, s."""
     shapes: Sequence[Shape] = ()
     pictures: Sequence[str] = ()
+    """Picture of every frame that fills the scenes, as an address that holds it (data:)."""
     readouts: Sequence[Readout] = ()
     events: Sequence[Event] = ()
     no_event: str = ""
+    """Text before the first event; no events are written where it is empty."""
     places: PlaceAxis | None = None
 
     def document(self) -> Document:
-        """Return what the player draws from; times in s."""
+        """Return the data of the player; times in s."""
         kinds = {"time": "<f8"}
         return {
             "playing_seconds": PLAYING_SECONDS,
@@ -403,25 +329,7 @@ class Animation:
 
 
 def animation_page(animation: Animation, title: str, name: str = "") -> str:
-    """Return an animation as a page that stands alone.
-
-    Parameters
-    ----------
-    animation : Animation
-        Animation that the page plays.
-    title, name : str
-        Title of the page, and name of the case; plain text.
-
-    Examples
-    --------
-    >>> time = np.array([0.0, 1e-5, 2e-5])
-    >>> panel = Panel("force", "kN", [PlayedCurve("", "#0072b2", [PlayedHistory(time, np.array([0.0, 1.0, 0.0]))])])
-    >>> chart = Chart("force", "Force over time.", "time", "time", 98, [panel])
-    >>> spans = [PlayedSpan("run", "run", time)]
-    >>> page = animation_page(Animation("Force", "", "", Clock.of(time), spans, [chart]), "a < b")
-    >>> "<title>a &lt; b</title>" in page, "://" in page
-    (True, False)
-    """
+    """Return an animation as a page that stands alone, headed by a title and the name of the case, in plain text."""
     folder = resources.files("strikewave.reporting") / "player"
     script, style = ((folder / name).read_text("utf-8") for name in ("player.js", "style.css"))
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)
@@ -488,15 +396,14 @@ def _source_hash(text: str) -> str:
 
 Frame = TypeVar("Frame")
 
-FRAMES_PER_SECOND = 10
-"""GIFs count in hundredths of a second, and browsers slow down those of less than 2: 10 is exact everywhere."""
-PALETTE_FRAMES = 4
-"""Frames from which the palette is taken: evenly over the film, as what moves changes colours little."""
-COLOURS, EXACT_COLOURS = 256, 16
-"""Colours of the palette of all frames, as many as a GIF can hold; the commonest of them, such as white, are exact."""
-APART = 10.4
-"""Distance of other colours from exact ones: Pillow looks up the colour nearest to the corner of a cube of side 4,
-which is up to 5.2 from the colour that is meant."""
+FRAMES_PER_SECOND = 10  # exact: GIFs count in hundredths of a second, and browsers slow down below 2
+"""Frames of a GIF in a second."""
+PALETTE_FRAMES = 4  # evenly over the film, as moving parts change its colours little
+"""Frames from which the palette is taken."""
+COLOURS, EXACT_COLOURS = 256, 16  # as many as a GIF can hold; chosen: white, the axes and each curve
+"""Colours of the palette of all frames, and the commonest of them, which are exact."""
+APART = 10.4  # Pillow looks up the colour nearest to the corner of a cube of side 4, up to 5.2 from the colour itself
+"""Distance of other colours from exact ones."""
 
 
 def write_gif(
@@ -508,18 +415,8 @@ def write_gif(
 ) -> None:
     """Write a figure that moves as a GIF that plays for ever, with one palette, so that still parts do not flicker.
 
-    Parameters
-    ----------
-    path : Path
-        Where it is written.
-    figure : Figure
-        Its size and resolution are those of the GIF; its layout is made once.
-    show : callable
-        Brings the figure to a frame.
-    frames : sequence
-        Arguments of ``show``, one a frame; at least one.
-    progress : callable, optional
-        Called with the share that is done, 0 to 1.
+    ``show`` brings the figure to one of the frames, of which there is one at least; the layout of the figure is made
+    once. ``progress`` takes the share that is done, 0 to 1.
     """
     canvas = FigureCanvasAgg(figure)
     canvas.draw()

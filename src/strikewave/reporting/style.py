@@ -1,4 +1,4 @@
-"""How every picture looks: colours that a colour-blind reader can tell apart, quiet axes, thinned curves, panels."""
+"""Style of all pictures: colours that a colour-blind reader can tell apart, quiet axes, thinned curves, panels."""
 
 from __future__ import annotations
 
@@ -42,23 +42,12 @@ def quiet(axes: Any, title: str, x: str, y: str) -> None:
 def mark_runs(axes: Any, x: Any, y: Any, verdicts: Verdicts, noun: str = "run", size: float = 7.0) -> None:
     """Mark points of runs that failed a check, by an open diamond, and of those that failed, by a cross.
 
-    Parameters
-    ----------
-    axes : Axes
-        Where the points are drawn.
-    x, y : ndarray
-        Coordinates of the points, one a run; a point without a number is not marked.
-    verdicts : Verdicts
-        Verdicts of the runs.
-    noun : str, optional
-        Name of a run in the legend.
-    size : float, optional
-        Size of the marks, points.
+    There is a point a run, and one without a number is not marked; ``size`` is that of the marks, points.
     """
     if not verdicts.texts:
         return
     for status, marker, words in ((RUN_BROKEN, "D", f"{noun} failed a check"), (RUN_FAILED, "x", f"{noun} failed")):
-        chosen = np.array([one == status for one in verdicts.statuses], dtype=bool)
+        chosen = np.array(verdicts.statuses) == status
         chosen &= np.isfinite(np.asarray(x, dtype=float)) & np.isfinite(np.asarray(y, dtype=float))
         if chosen.any():
             axes.plot(
@@ -85,7 +74,7 @@ def sheet_title(figure: Any, title: str) -> None:
 
 
 def titled(figure: Figure, title: str) -> Figure:
-    """Return a figure with the name of measured files above it, shortened, as a text."""
+    """Return a figure with the name of measured files above it, shortened, as text."""
     figure.suptitle(plain(title, 90), x=0.01, ha="left", fontsize=11)
     return figure
 
@@ -112,7 +101,7 @@ def put_below(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> 
     >>> figure.legends[0]._ncols
     4
     """
-    width = max((HANDLE + LETTER * len(label) for label in labels), default=PHONE)
+    width = HANDLE + LETTER * max(map(len, labels)) if labels else PHONE
     columns = max(1, min(len(labels), int(min(figure.get_figwidth(), PHONE) / width)))
     figure.legend(
         handles, labels, loc="outside lower left", frameon=False, fontsize=8, ncols=columns, columnspacing=1.2
@@ -147,13 +136,7 @@ def empty_axes(axes: Any, title: str, reason: str) -> None:
 
 
 def printable(text: str) -> str:
-    """Return text in which what cannot be shown, or turns lines round, is replaced.
-
-    Examples
-    --------
-    >>> printable("a\u202eb")
-    'a\ufffdb'
-    """
+    """Return text in which letters that cannot be shown, or turn lines round, are replaced."""
     return "".join(letter if letter.isprintable() else "\ufffd" for letter in text)
 
 
@@ -178,24 +161,16 @@ Array = NDArray[np.float64]
 COLOURS = (BLUE, RED, GREEN, ORANGE, GREY)
 DASHES = ("-", "--", "-.", ":")
 """Dashes of curves in their order; five colours and four dashes tell twenty curves apart."""
-MOST_PULSES = 40
-"""Pulses drawn over each other; of more blows the first, the odd ones and an even choice of the rest are drawn (chosen:
-more only darken the band that they fill)."""
-PIXEL_COLUMNS = 1400
-"""Columns into which all samples of a curve are gathered: more than the 940 pixels of a picture as wide as a page."""
-_LONGEST_NAME = 20
-"""Letters of a name in a picture (chosen: beside a diagram it takes an eighth of its width)."""
+MOST_PULSES = 40  # chosen: more only darken the band that they fill
+"""Pulses drawn over each other; of more blows the first, the odd ones and an even choice of the rest are drawn."""
+PIXEL_COLUMNS = 1400  # more than the 940 pixels of a picture as wide as a page
+"""Columns into which all samples of a curve are gathered."""
+_LONGEST_NAME = 20  # chosen: beside a diagram it takes an eighth of its width
+"""Letters of a name in a picture."""
 
 
 def thin(time: Array, values: Array, columns: int = PIXEL_COLUMNS) -> tuple[Array, Array]:
-    """Keep the smallest and the largest sample of each column, so that a long history keeps its peaks.
-
-    Parameters
-    ----------
-    time, values : array
-        Samples, shape (N,).
-    columns : int, optional
-        Number of columns; at most twice as many samples are kept, and the last one.
+    """Keep the smallest and the largest sample of each column, and the last, so that a long history keeps its peaks.
 
     Examples
     --------
@@ -263,26 +238,9 @@ class Trace(NamedTuple):
 
 
 def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: bool = True) -> Figure:
-    """Draw curves over each other, the first one on top.
+    """Draw curves over each other, the first one on top, told apart by dashes too.
 
-    Parameters
-    ----------
-    title : str
-        Title of the picture.
-    curves : sequence of Trace
-        Each with its label; the colours and dashes of a reader who sees no colours.
-    unit : str
-        Usual unit of the axis, one of `TRACED`: "g", "kN", "MPa", "m/s".
-    since : str
-        Label of the time axis; its usual unit is the microsecond.
-    wide : bool, optional
-        True if it fills the width of a page.
-
-    Examples
-    --------
-    >>> t = np.linspace(0, 1e-4, 100)
-    >>> len(traces("speed", [Trace("tap", t, t)], "m/s", "time").axes[0].lines)
-    1
+    The unit is a usual one of `TRACED`; ``since`` is the label of the time axis, whose usual unit is the microsecond.
     """
     name, si = TRACED[unit]
     (size, _), (second, _) = axis_unit(si, unit), axis_unit("s", "us")
@@ -293,16 +251,8 @@ def traces(title: str, curves: Sequence[Trace], unit: str, since: str, wide: boo
         if not finite.any():
             continue
         time, values = thin(curve.time[finite], curve.values[finite])
-        style = DASHES[k % len(DASHES)]
-        axes.plot(
-            time / second,
-            values / size,
-            style,
-            color=COLOURS[k % len(COLOURS)],
-            linewidth=1.3,
-            label=curve.label,
-            zorder=3 + len(curves) - k,
-        )
+        look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.3, "zorder": 3 + len(curves) - k}
+        axes.plot(time / second, values / size, DASHES[k % len(DASHES)], label=curve.label, **look)
     quiet(axes, title, headed(since, "s", "us"), headed(name, si, unit))
     if len(curves) > 1:
         handles, labels = axes.get_legend_handles_labels()
@@ -318,19 +268,10 @@ def put_legend(axes: Any, handles: Sequence[Any] | None = None, labels: Sequence
     """
     entries = axes.get_legend_handles_labels() if handles is None else (handles, labels or ())
     grid = axes.get_gridspec()
-    if axes.figure.get_figwidth() > HALF[0] and grid is not None and grid.ncols == 1:
+    is_alone = grid is not None and grid.ncols == 1
+    line = HANDLE * len(entries[1]) + LETTER * sum(map(len, entries[1]))
+    if is_alone and max(axes.figure.get_figwidth(), line) > HALF[0]:
         put_below(axes.figure, *entries)
         return
-    if grid is not None and grid.ncols == 1 and HANDLE * len(entries[1]) + LETTER * sum(map(len, entries[1])) > HALF[0]:
-        put_below(axes.figure, *entries)
-        return
-    axes.legend(
-        *entries,
-        frameon=False,
-        fontsize=8,
-        loc="lower right",
-        bbox_to_anchor=(1.0, 0.98),
-        ncols=len(entries[0]),
-        borderaxespad=0.0,
-        columnspacing=1.2,
-    )
+    place: dict[str, Any] = {"loc": "lower right", "bbox_to_anchor": (1.0, 0.98), "borderaxespad": 0.0}
+    axes.legend(*entries, frameon=False, fontsize=8, ncols=len(entries[0]), columnspacing=1.2, **place)
