@@ -1,4 +1,4 @@
-"""What a command writes and shows, as options, and the folder that its result goes to."""
+"""Options of what a command writes and shows, and the folder of its result."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from strikewave.cases.case import Case
     from strikewave.cases.stated_test import StatedTest
 
-LONGEST_FOLDER = 150
-"""Bytes of the name of a folder that nobody asked for: file systems take 255, and a hidden one beside it has more."""
+LONGEST_FOLDER = 150  # file systems take 255, and the name of the hidden folder beside it is longer
+"""Bytes of the name of a folder that nobody asked for."""
 
 Out = Annotated[
     Path | None,
@@ -111,19 +111,7 @@ class Place:
 
 @dataclass(frozen=True)
 class Shown:
-    """What is shown of a result.
-
-    Attributes
-    ----------
-    json : bool
-        True if one JSON document goes to stdout, and nothing else.
-    wide : bool
-        True if tables have all their columns.
-    verbose : bool
-        True if warnings are shown whole.
-    quiet : bool
-        True if nothing but the result is shown.
-    """
+    """Options of what is shown of a result: a document alone, all columns, whole warnings, nothing but the result."""
 
     panel: ClassVar[str] = "Output"
 
@@ -141,23 +129,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class Output(Shown):
-    """Where a result goes, and what is shown of it.
-
-    Attributes
-    ----------
-    out : Path or None
-        The folder asked for; with ``json``, files are written only there.
-    force : bool
-        True if it may replace the result of something else.
-    test : Path or None
-        The file that says what was tested.
-    show : ShownUnits or None
-        Units of numbers on screen, in the report and in CSV; None for the usual ones.
-    pdf : str or None
-        Paper of the report as PDF, A4 or letter; None for no PDF.
-    xlsx : bool
-        True if tables and histories are also written as one workbook.
-    """
+    """Options of where a result goes, and what is shown of it; with ``json``, files are written only in ``out``."""
 
     out: Out = None
     force: Force = False
@@ -168,12 +140,12 @@ class Output(Shown):
 
     @property
     def fails_on(self) -> str:
-        """What makes the exit code 3, as `Result.exit_code` takes it."""
+        """Outcome that makes the exit code 3, as `Result.exit_code` takes it."""
         return "broken"
 
     @functools.cached_property
     def performed(self) -> StatedTest:
-        """What ``--test`` states, read once."""
+        """Statements of the file ``--test``, read once."""
         from strikewave.cases.stated_test import NO_TEST, load_test
 
         return NO_TEST if self.test is None else load_test(self.test)
@@ -252,31 +224,19 @@ def folder_name(name: str) -> str:
 
 @dataclass(frozen=True)
 class StudyOutput(Output):
-    """Where the result of several runs goes, and which of them make the exit code 3.
-
-    Attributes
-    ----------
-    fail_on : str
-        "failed", "broken" or "never"; see `strikewave.base.result.Result.exit_code`.
-    """
+    """Options of where the result of several runs goes, and which of them make the exit code 3."""
 
     fail_on: FailOnOption = "broken"
 
     @property
     def fails_on(self) -> str:
-        """What makes the exit code 3."""
+        """Outcome that makes the exit code 3."""
         return self.fail_on
 
 
 @dataclass(frozen=True)
 class RunOutput(StudyOutput):
-    """Where the result of a run goes, and which files hold it.
-
-    Attributes
-    ----------
-    histories : str or None
-        Format of the tables of histories, csv or parquet; None for none.
-    """
+    """Options of where the result of a run goes, and which files hold it."""
 
     histories: Histories = None
 
@@ -297,10 +257,10 @@ class RunOutput(StudyOutput):
 
 
 ORIGIN = "record.toml"
-"""The file of a result that says what was asked, and of what."""
+"""File of a result that states the command line and its inputs."""
 CASE = MARKS[0]
-"""The file of a result that runs again."""
-LISTED = 2
+"""File of a result that runs again."""
+LISTED = 2  # paths are long: a third one would push the way out off the line
 """Inputs that an error names; the others are counted."""
 
 _inputs: ContextVar[tuple[str, ...]] = ContextVar("inputs", default=())
@@ -317,19 +277,12 @@ def working_on(inputs: Sequence[str]) -> Iterator[None]:
 
 
 def command_inputs() -> tuple[str, ...]:
-    """Return what the command that runs now works on; nothing in Python.
-
-    Examples
-    --------
-    >>> with working_on(["shot.csv"]):
-    ...     command_inputs()
-    ('shot.csv',)
-    """
+    """Return the inputs of the command that runs now; nothing in Python."""
     return _inputs.get()
 
 
 def origin_text(command: str, digests: Mapping[str, str] | None = None, test: Mapping[str, Any] | None = None) -> str:
-    """Return what was asked of which inputs: of measured files with their SHA-256, and what is stated of the test."""
+    """Return command line and inputs as TOML: measured files with their SHA-256, and the statements on the test."""
     import tomlkit  # takes longer than all else that a command needs to show its help
 
     document = tomlkit.document()
@@ -372,14 +325,8 @@ def check_inputs(folder: Path, identity: str | None) -> None:
     """Refuse the folder that a command chose by itself where it holds the result of another input.
 
     The same inputs, more or fewer of them, may have changed, and their result is replaced: who edits a case runs it
-    again. Two files of one name in two folders, or two cases of one name, are no such thing.
-
-    Parameters
-    ----------
-    folder : Path
-        The folder.
-    identity : str or None
-        The text that will mark it, where it is known: the very same result is replaced from wherever it was asked.
+    again. Two files of one name in two folders, or two cases of one name, are no such thing. ``identity`` is the text
+    that will mark the folder, where it is known: the very same result is replaced from wherever it was asked.
     """
     now, before = _places(command_inputs()), _inputs_of(folder)
     known = _places(before)
@@ -403,9 +350,10 @@ def _places(names: Sequence[str]) -> set[str]:
 
 
 def _inputs_of(folder: Path) -> tuple[str, ...]:
-    """Return of what the result in a folder is; nothing where it does not say."""
+    """Return the inputs of the result in a folder; nothing where it does not state them."""
     try:
-        told = tomllib.loads((folder / ORIGIN).read_text("utf-8")).get("input", ())
+        inputs = tomllib.loads((folder / ORIGIN).read_text("utf-8")).get("input")
     except (OSError, ValueError):
         return ()
-    return tuple(name for name in told if isinstance(name, str) and "\0" not in name) if isinstance(told, list) else ()
+    names = inputs if isinstance(inputs, list) else []
+    return tuple([name for name in names if isinstance(name, str) and "\0" not in name])

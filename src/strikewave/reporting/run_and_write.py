@@ -1,4 +1,4 @@
-"""How a command comes to its result: check the place, solve, write whole, print."""
+"""Run a command: check the place of its result, solve, write whole, print."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _failed: ContextVar[list[str] | None] = ContextVar("failed", default=None)
 
 
 class Command(ABC, Generic[R]):
-    """What a command does: how it comes to its result, prints it, and draws it.
+    """A command: it solves, prints and draws its result.
 
     `run_and_write` enters `under_way`, then calls `solve`, `draw`, `hand_over`, `summary` and `show`; what the result
     keeps of itself (`Result.files`) it writes by itself, between the pictures and what is handed over.
@@ -51,7 +51,7 @@ class Command(ABC, Generic[R]):
     indent: ClassVar[int | None] = 2
     """Indent of the JSON document; None where it holds long histories."""
     of_test: ClassVar[bool] = True
-    """True if it may be of a test that was made, so that ``--test`` can name the test."""
+    """True if the result may belong to a test that was made, which ``--test`` then names."""
 
     @abstractmethod
     def solve(self) -> R:
@@ -59,7 +59,7 @@ class Command(ABC, Generic[R]):
 
     @abstractmethod
     def summary(self, result: R) -> str:
-        """Return what came out in one or two sentences, with the key numbers: what is printed first."""
+        """Return the key numbers in one or two sentences, which are printed first."""
 
     @abstractmethod
     def show(self, result: R) -> None:
@@ -74,11 +74,11 @@ class Command(ABC, Generic[R]):
         return ()
 
     def hand_over(self, result: R, folder: Path) -> Sequence[str]:
-        """Move what was written under way into a folder, last of all, and return the names of the files."""
+        """Move files written under way into a folder, last of all, and return their names."""
         return ()
 
     def under_way(self, folder: Path) -> contextlib.AbstractContextManager[object]:
-        """Return the context in which it solves and writes: what keeps unfinished work, and drops it at the end."""
+        """Return the context in which it solves and writes: it keeps unfinished work, and drops it at the end."""
         return contextlib.nullcontext()
 
 
@@ -90,61 +90,47 @@ def case_folder(name: str, text: str, changes: Sequence[str]) -> str:
 def run_and_write(command: Command[R], output: Output, usual: str | None, identity: str | None) -> int:
     """Solve, write and print, and return the exit code.
 
-    Parameters
-    ----------
-    command : Command
-        Command to run.
-    output : Output
-        Where the result goes.
-    usual : str or None
-        Name of the folder below ``out`` where none is asked for; None where files are written only on request.
-    identity : str or None
-        The text that will mark the folder, or its first line, so that a place which holds something else is refused
-        before the work; None where only the result knows it, and another result is refused after it.
+    ``usual`` is the name of the folder below ``out`` where none is asked for; None where files are written only on
+    request. ``identity`` is the text that will mark the folder, or its first line, so that a place which holds
+    something else is refused before the work; None where only the result knows it, and it is refused after it.
     """
     if output.test is not None and not command.of_test:
         raise InputError("--test", str(output.test), "none here: this is not of a test that was made", "leave it out")
     output.check_files(usual)
     with showing(output.show):
-        return _run_and_write(command, output, usual, identity)
-
-
-def _run_and_write(command: Command[R], output: Output, usual: str | None, identity: str | None) -> int:
-    """Do what `run_and_write` says, in the units shown."""
-    place = output.place(usual)
-    if place.folder is None:
-        return _print(command, output, command.solve(), timed=usual is not None)
-    check_place(place.folder, identity or "", place.replace or identity is None)
-    check_inputs_stay(place.folder)
-    check_unchanged(place.folder, identity or "")
-    if not place.force:
-        check_inputs(place.folder, identity)
-    with claimed(place.folder) as claim:
-        try:
-            result, words = _written(command, output, claim, identity, place.replace)
-            return _print(command, output, result, timed=True, words=words)
-        except KeyboardInterrupt as stop:
-            if claim.written:
-                stop.add_note(f"the result is whole: {claim.typed}")
-            raise
+        place = output.place(usual)
+        if place.folder is None:
+            return _print(command, output, command.solve(), timed=usual is not None)
+        check_place(place.folder, identity or "", place.replace or identity is None)
+        check_inputs_stay(place.folder)
+        check_unchanged(place.folder, identity or "")
+        if not place.force:
+            check_inputs(place.folder, identity)
+        with claimed(place.folder) as claim:
+            try:
+                result, words = _written(command, output, claim, identity, place.replace)
+                return _print(command, output, result, timed=True, words=words)
+            except KeyboardInterrupt as stop:
+                if claim.written:
+                    stop.add_note(f"the result is whole: {claim.typed}")
+                raise
 
 
 def _written(
     command: Command[R], output: Output, claim: Claim, identity: str | None, replace: bool
 ) -> tuple[R, list[str]]:
-    """Solve, write the folder whole, and return the result and what is said of its files."""
+    """Solve, write the folder whole, and return the result and the lines on its files."""
     late = None
     with command.under_way(claim.typed):
         result = command.solve()
         try:
             with atomic_folder(claim, identity or result.source.text, replace) as folder:
                 result, drawn, output = _drawn(command, result, folder, output)
-                names = [
-                    *drawn,
-                    *write_files(result, folder),
-                    *output.write_more(result, folder),
-                    *(_write_origin(claim.folder, folder) if output.out is None and result.source.whole else ()),
-                ]
+                names = [*drawn, *write_files(result, folder), *output.write_more(result, folder)]
+                if output.out is None and result.source.whole and command_inputs() and not is_within(claim.folder):
+                    # of which input the case is, for the next command that would choose this place
+                    (folder / ORIGIN).write_text(origin_text(asked()), "utf-8", newline="\n")
+                    names.append(ORIGIN)
                 names += command.hand_over(result, folder)
                 kept, removed = keep_true_files(claim.folder, folder, result.source.text)
         except KeyboardInterrupt as stop:
@@ -153,19 +139,17 @@ def _written(
             late = stop  # nothing is left to go on with: unfinished work goes as after any run
     if late is not None:
         raise late
-    words = [f"written: {str(claim.typed).rstrip('/')}/ ({', '.join(names)})"]
-    words += [
-        f"{verb}: {', '.join(files)} (of the run before)"
-        for verb, files in (("kept", kept), ("removed", removed))
-        if files
-    ]
-    return result, words
+    lines = [f"written: {str(claim.typed).rstrip('/')}/ ({', '.join(names)})"]
+    for verb, files in (("kept", kept), ("removed", removed)):
+        if files:
+            lines.append(f"{verb}: {', '.join(files)} (of the run before)")
+    return result, lines
 
 
 def _drawn(command: Command[R], result: R, folder: Path, output: Output) -> tuple[R, list[str], Output]:
-    """Draw page and pictures, and return the result, the names of the files, and what is wanted beside them.
+    """Draw page and pictures, and return the result, the names of the files, and the further output that is wanted.
 
-    What fails costs no result: a notice names it, see `drawing`. A page that is not there makes no PDF.
+    A failure costs no result: a notice names it, see `drawing`. A page that is not there makes no PDF.
     """
     failed: list[str] = []
     before = _failed.set(failed)
@@ -217,16 +201,8 @@ def _is_ours(frame: FrameType) -> bool:
     return str(frame.f_globals.get("__name__", "")).startswith("strikewave.")
 
 
-def _write_origin(place: Path, folder: Path) -> list[str]:
-    """Write of which input the case is, for the next command that would choose this place; return the files' names."""
-    if not command_inputs() or is_within(place):
-        return []
-    (folder / ORIGIN).write_text(origin_text(asked()), "utf-8", newline="\n")
-    return [ORIGIN]
-
-
 def _print(command: Command[R], output: Output, result: R, timed: bool, words: Sequence[str] = ()) -> int:
-    """Print a result and where it went, and return the exit code; a question answered at once needs no clock."""
+    """Print a result and its place, and return the exit code; a question answered at once needs no clock."""
     if output.json:
         print_json(result.document(), indent=command.indent)
     else:
@@ -258,14 +234,14 @@ def _most_memory() -> str:
 
 
 def print_result(command: Command[R], result: R) -> None:
-    """Print what came out: a sentence, tables, and what the user should know."""
+    """Print a result: a sentence, tables, notices."""
     tell(" ".join([command.summary(result), *banded_words(result)]))
     command.show(result)
     show_notices(command.printed_notices(result))
 
 
 def write_files(result: Result, folder: Path) -> list[str]:
-    """Write what a result keeps of itself into a folder, and return the names of the files."""
+    """Write the files of a result into a folder, and return their names."""
     files = result.files()
     for name, content in files.items():
         if isinstance(content, str):
