@@ -302,45 +302,47 @@ def shot_notices(reduction: Reduction, pulses: Pulses, largest_stress: float) ->
         diameters = bar.gauge_distance / bar.diameter
         if diameters < NEAREST_GAUGE:
             message = (
-                f"the gauge of the {name} bar is {diameters:.3g} diameters from the specimen: waves are not yet plane"
+                f"the gauge of the {name} bar is {plain(diameters)} diameters from the specimen: waves are not yet "
+                "plane"
             )
             yield Notice("gauge-near", message, diameters, NEAREST_GAUGE)
     width, narrowest = math.sqrt(4.0 * specimen.area / math.pi), min(bar.diameter for bar in bars)
     if width > narrowest:
-        message = f"the specimen, {width * 1e3:.4g} mm wide, is wider than a bar, {narrowest * 1e3:.4g} mm"
+        message = f"the specimen, {plain(width * 1e3, 4)} mm wide, is wider than a bar, {plain(narrowest * 1e3, 4)} mm"
         yield Notice("specimen-wide", message, width, narrowest)
     shape = specimen.length / width
     if shape > SLENDEREST:
-        message = f"the specimen is {shape:.3g} times as long as wide: it may buckle, and comes late to equilibrium"
+        message = f"the specimen is {plain(shape)} times as long as wide: it may buckle, and comes late to equilibrium"
         yield Notice("specimen-slender", message, shape, SLENDEREST)
     if shape < FLATTEST:
-        message = f"the specimen is {shape:.3g} times as long as wide: friction at its faces raises the stress"
+        message = f"the specimen is {plain(shape)} times as long as wide: friction at its faces raises the stress"
         yield Notice("specimen-flat", message, shape, FLATTEST)
     limit, bound = LARGEST_STRESS, "10 GPa"
     if specimen.modulus is not None:
         limit, bound = STRESS_OF_MODULUS * specimen.modulus, "a tenth of the stated modulus"
     if largest_stress > limit:
         message = (
-            f"the largest stress is {largest_stress / 1e9:.4g} GPa, above {bound}: look at units, gains and diameters"
+            f"the largest stress is {plain(largest_stress / 1e9, 4)} GPa, above {bound}: look at units, gains and "
+            "diameters"
         )
         yield Notice("stress-implausible", message, largest_stress, limit)
-    samples = pulses.rise / pulses.step
+    samples, rise = pulses.rise / pulses.step, plain(waves.window * 1e6)
     if waves.beyond:
         message = (
-            f"alignment by {waves.method} would move a wave by more than the {waves.window * 1e6:.3g} us rise of the "
-            "incident pulse: geometry is kept; look at distances and speeds"
+            f"alignment by {waves.method} would move a wave by more than the {rise} us rise of the incident pulse: "
+            "geometry is kept; look at distances and speeds"
         )
         yield Notice("alignment-refused", message, waves.window, waves.window)
     late = max(waves.late_balance, key=abs)
     if waves.method == "geometric" and abs(late) > LATE_SHARE * waves.window:
+        reflected, transmitted = (plain(1e6 * own, sign="+") for own in waves.late_balance)
         message = (
-            f"by the balance of forces the reflected wave is {waves.late_balance[0] * 1e6:+.3g} us and the transmitted "
-            f"{waves.late_balance[1] * 1e6:+.3g} us late at the specimen, of a rise of {waves.window * 1e6:.3g} us: is "
-            "a gauge distance or a bar speed off?"
+            f"by the balance of forces the reflected wave is {reflected} us and the transmitted {transmitted} us late "
+            f"at the specimen, of a rise of {rise} us: is a gauge distance or a bar speed off?"
         )
         yield Notice("waves-late", message, late, LATE_SHARE * waves.window)
     if samples < FEWEST_SAMPLES:
-        message = f"the rise of the incident pulse has {samples:.3g} samples"
+        message = f"the rise of the incident pulse has {plain(samples)} samples"
         yield Notice("few-samples", message, samples, FEWEST_SAMPLES)
 
 
@@ -391,8 +393,8 @@ def sensor_notices(comparison: SensorComparison, setup: HopkinsonSetup) -> Itera
     value, noise = comparison.bandwidth.value, comparison.bandwidth.noise
     if value > noise * (1.0 + 1e-9):
         message = (
-            f"the bandwidth of {value / 1e3:.4g} kHz lies above {noise / 1e3:.4g} kHz, where the incident pulse sinks "
-            "in the noise of its gauge: the reference holds noise there, and no dispersion is corrected"
+            f"the bandwidth of {plain(value / 1e3, 4)} kHz lies above {plain(noise / 1e3, 4)} kHz, where the incident "
+            "pulse sinks in the noise of its gauge: the reference holds noise there, and no dispersion is corrected"
         )
         yield Notice("bandwidth-noise", message, value, noise)
     agreement, rise = comparison.agreement, comparison.pulses.rise
@@ -401,8 +403,8 @@ def sensor_notices(comparison: SensorComparison, setup: HopkinsonSetup) -> Itera
         yield Notice("sensor-reversed", message, agreement.sensitivity, 0.0)
     if abs(agreement.delay) > rise:
         message = (
-            f"the reading is {agreement.delay * 1e6:+.3g} us late, more than the rise of the pulse, {rise * 1e6:.3g} "
-            "us: is the gauge distance, the bar speed or the clock of one record off?"
+            f"the reading is {plain(agreement.delay * 1e6, sign='+')} us late, more than the rise of the pulse, "
+            f"{plain(rise * 1e6)} us: is the gauge distance, the bar speed or the clock of one record off?"
         )
         yield Notice("sensor-late", message, agreement.delay, rise)
     if agreement.residual > MISFIT:

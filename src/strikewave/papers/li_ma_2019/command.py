@@ -46,11 +46,14 @@ def command(
     stopped is continued by the same command. With --json, no files are written unless --out is given. The exit code is
     3 where a run failed a check.
     """
-    from strikewave.papers.li_ma_2019.reproduce import ReproduceCommand, run_reproduction
+    from strikewave.papers.li_ma_2019.reproduce import ReproduceCommand
+    from strikewave.papers.li_ma_2019.result import PAPER, marked_text
     from strikewave.papers.li_ma_2019.runs import Effort
+    from strikewave.reporting.run_and_write import run_and_write
     from strikewave.studies.engine.runner import Workers
 
     gone = {word: word in (without or ()) for word in LEFT_OUT}
     effort = Effort(quick, not gone["elements"], min(threads, os.cpu_count() or 1), not gone["studies"])
     pool = Workers(running.workers or 1, cluster=running.cluster).pool()  # threads are those of the elements
-    return run_reproduction(ReproduceCommand(effort, pool, place=running.store, fresh=running.fresh), output)
+    command = ReproduceCommand(effort, pool, place=running.store, fresh=running.fresh)
+    return run_and_write(command, output, f"{PAPER}-reproduced", marked_text(effort))

@@ -157,8 +157,8 @@ class NumberRow:
     def answers(self) -> list[ModelAnswer]:
         """The answers of the models, with their differences."""
         return [
-            ModelAnswer(one.value, one.low, one.high, one.by, one.role, one.note, one.difference(self.number.value))
-            for one in self.computed
+            ModelAnswer(row.value, row.low, row.high, row.by, row.role, row.note, row.difference(self.number.value))
+            for row in self.computed
         ]
 
     @property

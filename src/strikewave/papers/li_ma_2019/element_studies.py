@@ -276,14 +276,14 @@ def run_element_studies(execution: Execution) -> ElementStudies:
     blows = stages[2].elements(again)
     stages[3].report(0.0, "the same bodies without yield")
     elastic = stages[3].elements(studied(QUIET_ELEMENTS, NO_YIELD))
-    asked = [
+    questions = [
         OfCase(load_case(name), reasons, tuple[Reason, ...], threads=execution.threads)
         for name in (RIGID_ELEMENTS, WAVE_ELEMENTS)
     ]
-    causes = stages[4].answers("why masses and layers part from the elements", asked)
+    causes = stages[4].answers("why masses and layers part from the elements", questions)
     middle = 0.5 * (begin + 1.0)
     dimensions = (
         dimension_study(RIGID_ELEMENTS, execution.within(begin, middle)),
         dimension_study(WAVE_ELEMENTS, execution.within(middle, 1.0)),
     )
-    return ElementStudies(meshes, dimensions, blows, elastic, tuple(reason for found in causes for reason in found))
+    return ElementStudies(meshes, dimensions, blows, elastic, tuple(reason for of_case in causes for reason in of_case))

@@ -178,12 +178,12 @@ def ratios(result: Reproduction) -> list[Ratio]:
 
 def overview_picture(result: Reproduction) -> Picture:
     """Draw how far everything that can be compared is from the published numbers."""
-    words = (
+    caption = (
         "Computed over published, for every measured or simulated number that is fitted, predicted or left between two "
         "ends by what is not published (a bar; its mark is what the case assumes); of several models the one made for "
         "it. Fitted numbers lie on 1 because their case was adjusted to them."
     )
-    return Picture(draw.ratio_figure(ratios(result)), words)
+    return Picture(draw.ratio_figure(ratios(result)), caption)
 
 
 def figure_sections(result: Reproduction) -> Iterator[Section]:
@@ -334,10 +334,10 @@ because the walls of the assumed frame bend. {_momenta(result)}{_left_out(result
 
 
 def _pulses(result: Reproduction, named: Iterable[tuple[str, str]]) -> list[Trace]:
-    """Return the pulses of the finite-element models that were run, by case and words."""
-    solutions = [(result.runs.element_solution(name), words) for name, words in named]
-    pulses = [(element_pulse(solution), words) for solution, words in solutions if solution is not None]
-    return [Trace(words, pulse.time, pulse.acceleration) for pulse, words in pulses]
+    """Return the pulses of the finite-element models that were run, by case and label."""
+    solutions = [(result.runs.element_solution(name), label) for name, label in named]
+    pulses = [(element_pulse(solution), label) for solution, label in solutions if solution is not None]
+    return [Trace(label, pulse.time, pulse.acceleration) for pulse, label in pulses]
 
 
 def _momenta(result: Reproduction) -> str:
@@ -347,10 +347,10 @@ def _momenta(result: Reproduction) -> str:
         half_sine_change(result.row(peak).number.value, result.row(width).number.value) * struck_mass
         for peak, width in ((known.RIGID_PEAK, known.RIGID_WIDTH), (known.DYNA_PEAK, known.DYNA_WIDTH))
     )
-    words = {RIGID_ELEMENTS: "with faces that reflect", QUIET_ELEMENTS: "with non-reflecting ones"}
-    solutions = {name: result.runs.element_solution(name) for name in words}
+    faces = {RIGID_ELEMENTS: "with faces that reflect", QUIET_ELEMENTS: "with non-reflecting ones"}
+    solutions = {name: result.runs.element_solution(name) for name in faces}
     impulses = [
-        f"{amount(IMPULSE, impulse, digits=3)} {words[name]}"
+        f"{amount(IMPULSE, impulse, digits=3)} {faces[name]}"
         for name, solution in solutions.items()
         if solution is not None and (impulse := element_numbers(solution).impulse) is not None
     ]

@@ -329,10 +329,10 @@ def findings_section(rows: Sequence[Finding]) -> Section:
 def claims_section(rows: Sequence[Finding], picture: Picture) -> Section:
     """Open with the claims of the paper by verdict, and the picture of how near the numbers are."""
     lines: list[list[Cell]] = []
-    for answer, words in CLAIMS.items():
+    for answer, label in CLAIMS.items():
         topics = [row.topic for row in rows if row.verdict == answer]
         if topics:
-            lines.append([Tag(words, ANSWERS[answer]), len(topics), "; ".join(topics)])
+            lines.append([Tag(label, ANSWERS[answer]), len(topics), "; ".join(topics)])
     table = Table("What the paper says, and what holds of it", ["verdict", "points", "on"], lines)
     return Section("What holds, and what does not", "", [picture, table], alone=True)
 
@@ -381,8 +381,8 @@ def body_table(bodies: Sequence[BodyRow]) -> Table:
         Column.of("force over mass", [answer.rigid_peak for answer in answers], ACCELERATION),
         Column.of("sensor's peak", [answer.watched_peak for answer in answers], ACCELERATION),
     ]
-    words = "The same bodies as elements, as masses on springs, and as layers of a bar; nothing is fitted"
-    return page_table(words, columns)
+    caption = "The same bodies as elements, as masses on springs, and as layers of a bar; nothing is fitted"
+    return page_table(caption, columns)
 
 
 def mesh_table(case: str, rows: Sequence[MeshRow]) -> Table:
@@ -406,11 +406,11 @@ def dimension_table(study: DimensionStudy) -> Table:
             " / ".join(NONE if math.isnan(change) else percent(change, 1, "+") for change in pair) for pair in both
         ]
         rows.append([row.name, size, Tag(row.provenance, row.provenance), *changes])
-    words = (
+    caption = (
         f"{study.case}, coarse elements: each assumed dimension {percent(SHARE, 0)} larger / smaller, "
         "with all that follows"
     )
-    return Table(words, ["changed", "value", "it is", *(column.head for column in columns_of(Answer, []))], rows)
+    return Table(caption, ["changed", "value", "it is", *(column.head for column in columns_of(Answer, []))], rows)
 
 
 def blow_table(solution: FemSolution) -> Table:
@@ -429,5 +429,5 @@ def blow_table(solution: FemSolution) -> Table:
         rows.append([str(measure.blow), *cells, restitution, work, strained])
     answer_heads = [column.head for column in columns_of(Answer, [])][:3]
     heads = [*answer_heads, "restitution", headed("taken by yield", *ENERGY.units), "plastic strain"]
-    words = f"{solution.case.name} struck again on the surface that the blow before left, whole bodies"
-    return Table(words, ["blow", *heads], rows)
+    caption = f"{solution.case.name} struck again on the surface that the blow before left, whole bodies"
+    return Table(caption, ["blow", *heads], rows)

@@ -19,7 +19,7 @@ from strikewave.papers.li_ma_2019.equations import equation_rows
 from strikewave.papers.li_ma_2019.findings import ELASTIC, QUIET, REFLECTING, WAVE, findings, machine_findings
 from strikewave.papers.li_ma_2019.published import consistency_checks, published_number, published_numbers
 from strikewave.papers.li_ma_2019.report_tables import findings_table, numbers_table, plain_rows
-from strikewave.papers.li_ma_2019.result import PAPER, Reproduction, marked_text, notices_of
+from strikewave.papers.li_ma_2019.result import PAPER, Reproduction, notices_of
 from strikewave.papers.li_ma_2019.runs import (
     QUIET_ELEMENTS,
     QUIET_WAVE_ELEMENTS,
@@ -32,8 +32,7 @@ from strikewave.papers.li_ma_2019.runs import (
 )
 from strikewave.papers.li_ma_2019.unknowns import run_unknowns
 from strikewave.reporting.layout import keys, numerals, texts
-from strikewave.reporting.output_options import Output
-from strikewave.reporting.run_and_write import drawing, run_and_write
+from strikewave.reporting.run_and_write import drawing
 from strikewave.reporting.style import save
 from strikewave.reporting.terminal import progress_bar, say, table, tell
 from strikewave.studies.command import ResumableCommand
@@ -75,12 +74,6 @@ def reproduce(
     verdicts = Verdicts(text for _, text in runs.checked)
     parts = runs, equations, numbers, checks, rows, unknowns, studies, effort
     return Reproduction(*parts, notices=notices_of(runs), citations=(PAPER,), verdicts=verdicts)
-
-
-def run_reproduction(command: ReproduceCommand, output: Output) -> int:
-    """Reproduce the paper, write and print the result, and return the exit code."""
-    usual = f"{PAPER}-reproduced"
-    return run_and_write(command, output, usual, marked_text(command.effort))
 
 
 @dataclass
@@ -152,8 +145,8 @@ def progress() -> Iterator[Report]:
         return
     reported = [""]
 
-    def line(share: float, words: str) -> None:
-        run = words.partition(":")[0]
+    def line(share: float, stage: str) -> None:
+        run = stage.partition(":")[0]
         if run not in ("", reported[-1]):
             say(f"{percent(share, 0):>5}  {run}")
             reported.append(run)

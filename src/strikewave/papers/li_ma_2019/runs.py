@@ -29,13 +29,19 @@ Report = Callable[[float, str], None]
 """Takes the share done, 0 to 1, and the name of the current stage."""
 
 
-def silent(share: float, words: str) -> None:
+def silent(share: float, stage: str) -> None:
     """Report nothing."""
 
 
 def within(report: Report, begin: float, end: float, what: str = "") -> Report:
-    """Return a report of a stage that goes from one share to another; ``what`` stands before its words."""
-    return lambda share, words: report(begin + (end - begin) * share, ": ".join(filter(None, (what, words))))
+    """Return a report of a stage that goes from one share to another; ``what`` stands before its name.
+
+    Examples
+    --------
+    >>> within(lambda share, stage: print(share, stage), 0.5, 1.0, "a case")(0.5, "builds the mesh")
+    0.75 a case: builds the mesh
+    """
+    return lambda share, stage: report(begin + (end - begin) * share, ": ".join(filter(None, (what, stage))))
 
 
 @dataclass(frozen=True)

@@ -157,8 +157,8 @@ def gasket_cell(
     for _ in range(MOST_RUNS):
         if engagement > DEEPEST:
             break
-        seen = observe(case.with_values({"machine.engagement": Value(si=engagement, typed=engagement)}))
-        history, reading = seen.histories[0], seen.readings[0]
+        observed = observe(case.with_values({"machine.engagement": Value(si=engagement, typed=engagement)}))
+        history, reading = observed.histories[0], observed.readings[0]
         if history is None or reading is None:
             break
         peaks = {name: pulse.peak for name, pulse in reading.sensors.items()}
@@ -166,7 +166,7 @@ def gasket_cell(
         if abs(ratio - 1.0) < MET:
             read = dict(zip(peaks, history.readings, strict=True))
             rings = [ringing(read[name].time, read[name].values) for name in (DIRECT, BUFFERED)]
-            return GasketCell(modulus, loss, thickness, engagement, peaks[DIRECT], seen.blows[0].rigid_peak, *rings)
+            return GasketCell(modulus, loss, thickness, engagement, peaks[DIRECT], observed.blows[0].rigid_peak, *rings)
         engagement *= ratio ** (-1.0 / ORDER)
     return GasketCell(modulus, loss, thickness, *[math.nan] * 5)
 
@@ -329,11 +329,11 @@ def with_joints(changes: Sequence[str] = ()) -> Case:
 
 def fixture_blow(case: Case) -> FixtureBlow:
     """Return the first blow on the sensor fixture; see `with_joints`."""
-    seen = observe(case)
-    history, reading = seen.histories[0], seen.readings[0]
+    observed = observe(case)
+    history, reading = observed.histories[0], observed.readings[0]
     if history is None or reading is None:
         raise ValueError(f"{case.name} does not strike")
-    (read,), (pulse,), blow = history.readings, reading.sensors.values(), seen.blows[0]
+    (read,), (pulse,), blow = history.readings, reading.sensors.values(), observed.blows[0]
     return FixtureBlow(read.peak_before_clip, pulse.width, pulse.clipped, blow.rigid_peak, blow.width)
 
 
@@ -354,10 +354,10 @@ def joint_study(execution: Execution, grid: JointGrid = USUAL_JOINTS) -> JointSt
 
 def train_scatter(case: Case) -> TrainScatter:
     """Return how far the peaks of a whole train of the case scatter."""
-    seen = observe(case)
-    histories = [history for history in seen.histories if history is not None]
+    observed = observe(case)
+    histories = [history for history in observed.histories if history is not None]
     peaks = [history.readings[0].peak_before_clip for history in histories]
-    return TrainScatter(variation(peaks), variation([b.rigid_peak for b in seen.blows if b.kind != "missed"]))
+    return TrainScatter(variation(peaks), variation([b.rigid_peak for b in observed.blows if b.kind != "missed"]))
 
 
 GASKETS_SHARE = 0.75
