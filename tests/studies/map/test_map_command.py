@@ -22,7 +22,7 @@ from strikewave.base.compiling import WORDS
 from strikewave.studies.axes import axis_of
 from strikewave.studies.engine.store import INDEX, runs_beside
 from strikewave.studies.map.cells import FAILED, FIELDS, PLACE
-from strikewave.studies.map.figures import map_figure
+from strikewave.studies.map.figures import picture
 from strikewave.studies.map.study import MapStudy, make_map, plan_of
 
 FEW = ("map", "li-ma-2019", "--points", "4x3", "--workers", "1", "--train", "0", "--set", "feed.blows=3")
@@ -275,7 +275,7 @@ def test_picture_of_a_map_without_results_says_so():
     data = np.full((*plan.shape, len(FIELDS)), np.nan)
     data[..., PLACE["regime"]], data[..., PLACE["reason"]] = FAILED, 5
     nothing = dict.fromkeys(FIELDS, float("nan"))
-    figure = map_figure(MapStudy(plan, data, 0.02, nothing))
+    figure = picture(MapStudy(plan, data, 0.02, nothing))
     assert [axes.get_xlabel() for axes in figure.axes[:3]] == ["speed of the machine (rpm)"] * 3
     assert figure.axes[0].get_ylabel() == "spring of the object (kN/m)"
     named = [text.get_text() for text in figure.legends[0].get_texts()]

@@ -11,7 +11,7 @@ import pytest
 from strikewave import load_case
 from strikewave.base.errors import StrikewaveError
 from strikewave.cases.case import dump_case, parse_case
-from strikewave.studies.scatter.figures import scatter_picture
+from strikewave.studies.scatter.figures import picture
 from strikewave.studies.scatter.study import run_result, scatter
 from strikewave.uncertainty.draws import FELT
 
@@ -209,7 +209,7 @@ def test_bad_input_is_told_in_one_line(strikewave, words, told):
 
 
 def test_picture_shows_peaks_bands_and_shares(study):
-    figure = scatter_picture(study)
+    figure = picture(study)
     peaks, between, within = figure.axes
     medians = next(line for line in peaks.lines if line.get_label() == "median").get_ydata()
     np.testing.assert_allclose(medians, np.median([run.peak for run in study.runs], axis=0) / 9.80665, rtol=1e-12)
@@ -227,7 +227,7 @@ def test_picture_of_runs_with_missed_blows(study):
 
     lost = np.where(np.arange(3) == 1, math.nan, study.runs[0].peak)
     missed = replace(study.runs[0], kinds=("full", "missed", "full"), peak=lost)
-    figure = scatter_picture(replace(study, runs=(missed,) * 12, shares=()))
+    figure = picture(replace(study, runs=(missed,) * 12, shares=()))
     (axes,) = figure.axes
     assert "12 runs with missed blows" in axes.get_title(loc="left")
     median = next(line for line in axes.lines if line.get_label() == "median").get_ydata()

@@ -14,8 +14,8 @@ from strikewave.base.errors import InputError
 from strikewave.fem.run import balance_measure
 from strikewave.studies.engine.case_evaluation import read_kept
 from strikewave.studies.sweep.effects import main_effect, share_by_chance
-from strikewave.studies.sweep.figures import drawn_settings, sweep_picture
-from strikewave.studies.sweep.report import sweep_report
+from strikewave.studies.sweep.figures import drawn_settings, picture
+from strikewave.studies.sweep.report import page
 from strikewave.studies.sweep.study import SweepRequest, plan_of, read_request, sweep
 
 ONE = load_case("li-ma-2019", ["feed.blows=1"])
@@ -75,8 +75,8 @@ def test_a_run_that_fails_is_a_row_with_its_reason_and_a_mark():
     assert [bool(failure) for failure in study.failures] == [False, True]
     assert study.notices[0].code == "runs-failed"
     assert [study.exit_code(fail_on) for fail_on in ("failed", "broken", "never")] == [3, 3, 0]
-    assert "run failed" in [text.get_text() for text in sweep_picture(study).legends[0].get_texts()]
-    assert next(iter(study.reasons)) in unescape(sweep_report(study))
+    assert "run failed" in [text.get_text() for text in picture(study).legends[0].get_texts()]
+    assert next(iter(study.reasons)) in unescape(page(study))
 
 
 def test_the_stress_of_a_bar_is_the_force_over_its_area():
@@ -199,7 +199,7 @@ def test_many_settings_are_drawn_by_their_shares():
     study = sweep(case, design="tolerances", runs=12, analysis="fast", keep=["first.rigid_peak"])
     chosen = drawn_settings(study)
     assert len(chosen) == 6 < len(study.plan.variables)
-    assert len(sweep_picture(study).axes) >= 7
+    assert len(picture(study).axes) >= 7
 
 
 STUDY = """

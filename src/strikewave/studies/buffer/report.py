@@ -59,7 +59,7 @@ MOST_ROWS = 20
 """Stacks in the table: the first that differ; buffers.csv has all."""
 
 
-def buffer_report(study: BufferStudy) -> str:
+def page(study: BufferStudy) -> str:
     """Return the report of a buffer design as one HTML page: no script, nothing fetched, the same bytes each time."""
     from strikewave.studies.buffer.figures import buffer_histories, buffer_transmissibility, peak_bandwidth
 
@@ -170,10 +170,6 @@ def picture(study: BufferStudy) -> Figure:
     return peak_bandwidth(study)
 
 
-page = buffer_report
-"""Page of a result in Python."""
-
-
 LONGEST = 200_000
 """Samples of a record that are kept about its largest value, a quarter of them before it: at 1 MHz 0.2 s, longer than
 any blow and its ringing, and few enough for a run of each stack."""
@@ -276,7 +272,7 @@ class BufferCommand(ResumableCommand[BufferStudy]):
         with drawing(folder / "transmissibility.svg") as path:
             save(buffer_transmissibility(result), path)
         with drawing(folder / "report.html") as path:
-            path.write_text(buffer_report(result), "utf-8", newline="\n")
+            path.write_text(page(result), "utf-8", newline="\n")
         return ["report.html", "peak-bandwidth.svg", "histories.svg", "transmissibility.svg"]
 
 

@@ -240,11 +240,6 @@ def as_workers(workers: int | Workers | None, elements: bool = False) -> Workers
     return chosen
 
 
-def pool_of(executor: Executor | None, workers: int | None, cluster: str | None = None) -> Pool:
-    """Return the pool of an executor, of a scheduler, or of so many processes; see `Workers`."""
-    return Workers(workers, executor, cluster).pool()
-
-
 def seconds_each(job: Work[Asked], rows: Sequence[Asked]) -> float:
     """Return about how long a run takes, s, by some that are made and thrown away.
 

@@ -53,24 +53,19 @@ ACROSS, SMALLEST_MARK, LARGEST_MARK = 130.0, 1.5, 6.0
 are seen and cover no neighbour."""
 
 
-def check_colour(name: str) -> None:
-    """Refuse a colour that no field has."""
-    if name not in COLOURS:
-        raise InputError("--colour", name, "a quantity of the map", nearest(name, COLOURS))
-
-
 def colour_label(name: str) -> str:
     """Return what a field is called, with the unit in which it is shown."""
     declared = declarations(MapCell)[name]
     return headed(label_of(name, declared), declared.quantity.si, declared.quantity.usual)
 
 
-def map_figure(study: MapStudy) -> Figure:
+def picture(study: MapStudy) -> Figure:
     """Draw a map: a panel for each value of the third setting, where there is one."""
     from matplotlib.figure import Figure
 
     colour = study.colour
-    check_colour(colour)
+    if colour not in COLOURS:
+        raise InputError("--colour", colour, "a quantity of the map", nearest(colour, COLOURS))
     panels = study.plan.shape[0]
     size = (PANEL[0] * panels + MARGIN[0], PANEL[1] + MARGIN[1])
     figure = Figure(figsize=size, layout="constrained")
@@ -108,9 +103,11 @@ def _panel(axes: Any, study: MapStudy, k: int, values: Array, norm: Any) -> Any:
     axes.set_facecolor("#D9D9D9")
     drawn = axes.pcolormesh(x, y, np.ma.masked_invalid(values), norm=norm, cmap="cividis", shading="nearest")
     drawn.set_rasterized(True)
-    for axis, scale in zip(study.plan.axes[:2], (axes.set_xscale, axes.set_yscale), strict=True):
+    scales, drawn_axes = (axes.set_xscale, axes.set_yscale), (axes.xaxis, axes.yaxis)
+    for axis, scale, drawn_axis in zip(study.plan.axes[:2], scales, drawn_axes, strict=True):
         scale("log" if axis.log else "linear")
-    _plain(axes, study)
+        if axis.log:
+            plain_log_ticks(drawn_axis)
     _regimes(axes, study, k, x, y)
     _returns(axes, study, k, x, y)
     _broken(axes, study, k, x, y)
@@ -129,13 +126,6 @@ def _broken(axes: Any, study: MapStudy, k: int, x: Array, y: Array) -> None:
     across, up = np.meshgrid(x, y)
     size = min(max(SMALLEST_MARK, ACROSS / max(x.size, y.size)), LARGEST_MARK)
     mark_runs(axes, across.ravel(), up.ravel(), Verdicts(study.verdicts.texts[panel]), CELL, size)
-
-
-def _plain(axes: Any, study: MapStudy) -> None:
-    """Write plain numbers along the logarithmic axes."""
-    for axis, drawn in zip(study.plan.axes[:2], (axes.xaxis, axes.yaxis), strict=True):
-        if axis.log:
-            plain_log_ticks(drawn)
 
 
 def _regimes(axes: Any, study: MapStudy, k: int, x: Array, y: Array) -> None:

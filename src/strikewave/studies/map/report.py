@@ -14,23 +14,9 @@ from strikewave.reporting.terminal import report_table, say, tell
 from strikewave.studies.command import Report, StudyCommand
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.map.cells import MapCell, MapPlan
-from strikewave.studies.map.figures import colour_label, map_figure
+from strikewave.studies.map.figures import colour_label, picture
 from strikewave.studies.map.study import MapStudy, make_map
 from strikewave.studies.study import picture_section, study_page
-
-
-def map_report(study: MapStudy) -> str:
-    """Return the report of a map as one HTML page."""
-    regimes = f" Hatches name the regime of a train of {study.plan.train} blows." if study.plan.train else ""
-    label = colour_label(study.colour)
-    caption = (
-        f"{label[0].upper()}{label[1:]}, over {' and '.join(study.paths[:2])}."
-        f"{regimes} The star is the case, the diamond the nearest setting with equal blows."
-    )
-    outcome = [picture_section("Map", map_figure(study), caption), _nearest_section(study)]
-    outcome += [_regime_section(study)] if study.plan.train else []
-    status = Tag("no setting with equal blows", "bad") if study.broken else None
-    return study_page(study, map_words(study), outcome, _axis_section(study), "a map", status)
 
 
 def map_words(study: MapStudy) -> str:
@@ -81,41 +67,37 @@ def regime_table(study: MapStudy) -> Table:
     )
 
 
-def _nearest_section(study: MapStudy) -> Section:
-    """List the case beside the nearest setting with equal blows, and those that full runs refuted."""
-    parts: list[Part] = [setting_table(study, "The case, and the nearest setting")]
+def page(study: MapStudy) -> str:
+    """Return the report of a map as one HTML page."""
+    regimes = f" Hatches name the regime of a train of {study.plan.train} blows." if study.plan.train else ""
+    label = colour_label(study.colour)
+    caption = (
+        f"{label[0].upper()}{label[1:]}, over {' and '.join(study.paths[:2])}."
+        f"{regimes} The star is the case, the diamond the nearest setting with equal blows."
+    )
+    nearest: list[Part] = [setting_table(study, "The case, and the nearest setting")]
     if study.refused:
-        parts.append(face_table(study, "refused", caption="Even by the fast run, but not in full"))
+        nearest.append(face_table(study, "refused", caption="Even by the fast run, but not in full"))
     if study.setting is not None:
-        parts.append(Link("equal-blows.toml", "The case with that setting, equal-blows.toml"))
+        nearest.append(Link("equal-blows.toml", "The case with that setting, equal-blows.toml"))
     text = "By the fast run, as every cell of the map. Distance is in steps relative to the value of the case" + (
         f"; the nearest is {study.setting.distance:.3g} away." if study.setting is not None else "."
     )
-    return Section("The nearest setting with equal blows", text, parts)
-
-
-def _regime_section(study: MapStudy) -> Section:
-    """List the share of the cells in each regime, and why cells have no result."""
-    failures: list[list[Cell]] = [[text, count] for text, count in study.failures.items()]
-    tables = [regime_table(study)]
-    if failures:
-        tables.append(Table("Cells without a result, or without a regime", ["why", "cells"], failures))
-    return Section("Regimes", f"What a train of {study.plan.train} blows settles to.", tables)
-
-
-def _axis_section(study: MapStudy) -> Section:
-    """List the axes of the map and what its file holds."""
-    held = declarations(MapCell).items()
-    fields: list[list[Cell]] = [[name, field.quantity.si, field.meaning] for name, field in held]
-    tables = [
-        face_table(study, "variables", caption="Axes"),
-        Table("What map.nc and map.csv hold of each cell", ["field", "SI unit", "meaning"], fields),
+    outcome = [picture_section("Map", picture(study), caption)]
+    outcome.append(Section("The nearest setting with equal blows", text, nearest))
+    if study.plan.train:
+        tables = [regime_table(study)]
+        failures: list[list[Cell]] = [[text, count] for text, count in study.failures.items()]
+        if failures:
+            tables.append(Table("Cells without a result, or without a regime", ["why", "cells"], failures))
+        outcome.append(Section("Regimes", f"What a train of {study.plan.train} blows settles to.", tables))
+    fields: list[list[Cell]] = [
+        [name, field.quantity.si, field.meaning] for name, field in declarations(MapCell).items()
     ]
-    return Section("Axes and files", "", tables)
-
-
-picture, page = map_figure, map_report
-"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
+    held = Table("What map.nc and map.csv hold of each cell", ["field", "SI unit", "meaning"], fields)
+    axes = Section("Axes and files", "", [face_table(study, "variables", caption="Axes"), held])
+    status = Tag("no setting with equal blows", "bad") if study.broken else None
+    return study_page(study, map_words(study), outcome, axes, "a map", status)
 
 
 @dataclass

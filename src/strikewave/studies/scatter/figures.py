@@ -24,7 +24,7 @@ MOST_BARS = 12
 """Largest shares that are drawn, as many as a page holds; the others stand in the table."""
 
 
-def scatter_picture(study: ScatterStudy) -> Figure:
+def picture(study: ScatterStudy) -> Figure:
     """Draw the peaks by blow with median and band of 95 %, the dynamics alone on top, and the bars of shares."""
     from matplotlib.figure import Figure
 
@@ -35,13 +35,10 @@ def scatter_picture(study: ScatterStudy) -> Figure:
     _peaks(rows[0], study)
     for axes, shares in zip(rows[1:], study.shares, strict=True):
         _bars(axes, shares, study.plan.shares == "sobol")
-    sheet_title(figure, f"{study.case.name or 'case'}: {len(study.completed)} runs within {_count(study)}")
-    return figure
-
-
-def _count(study: ScatterStudy) -> str:
     count = len(study.tolerances)
-    return f"{count} tolerances" if count > 1 else f"the tolerance of {study.tolerances[0].path}"
+    tolerances = f"{count} tolerances" if count > 1 else f"the tolerance of {study.tolerances[0].path}"
+    sheet_title(figure, f"{study.case.name or 'case'}: {len(study.completed)} runs within {tolerances}")
+    return figure
 
 
 def _peaks(axes: Any, study: ScatterStudy) -> None:
@@ -55,7 +52,11 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
     axes.vlines(number, low, high, color=BLUE, alpha=0.35, linewidth=9.0, label="95 % of runs")
     axes.plot(number, middle, "_", color=BLUE, markersize=15, markeredgewidth=2.0, label="median")
     axes.plot(np.arange(1, nominal.size + 1), nominal, "o", color=RED, markersize=4, label="dynamics alone")
-    _mark_largest(axes, study, size)
+    # a run that failed a check is marked at its largest peak; one that could not be made has none
+    peaks = [np.nan_to_num(run.peak, nan=-np.inf) for run in study.runs]
+    places = [int(np.argmax(of_run)) + 1 if of_run.size else np.nan for of_run in peaks]
+    largest = [float(np.max(of_run)) / size if of_run.size else np.nan for of_run in peaks]
+    mark_runs(axes, places, largest, study.verdicts, "run (at its largest peak)", size=5.0)
     missed = sum("missed" in run.kinds for run in study.completed)
     typical = study.figures["peak"].within
     alone = study.nominal_run.variation("peak")
@@ -68,14 +69,6 @@ def _peaks(axes: Any, study: ScatterStudy) -> None:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.margins(x=0.04, y=0.12)
     axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-
-
-def _mark_largest(axes: Any, study: ScatterStudy, size: float) -> None:
-    """Mark the largest peak of each run that failed a check: a run that could not be made has none."""
-    peaks = [np.nan_to_num(run.peak, nan=-np.inf) for run in study.runs]
-    blows = [int(np.argmax(of_run)) + 1 if of_run.size else np.nan for of_run in peaks]
-    largest = [float(np.max(of_run)) / size if of_run.size else np.nan for of_run in peaks]
-    mark_runs(axes, blows, largest, study.verdicts, "run (at its largest peak)", size=5.0)
 
 
 def _bars(axes: Any, shares: Shares, sobol: bool) -> None:

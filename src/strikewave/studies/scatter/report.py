@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from strikewave.base.shock_quantities import ACCELERATION, VARIATION
-from strikewave.reporting.columns import page_table
+from strikewave.reporting.columns import Column, page_table
 from strikewave.reporting.faces import amount, columns_of, face_table, text_of
 from strikewave.reporting.numbers import listed
 from strikewave.reporting.output_options import Output
@@ -15,7 +15,7 @@ from strikewave.reporting.parts import Section
 from strikewave.reporting.terminal import print_face, print_rows, tell
 from strikewave.studies.command import Report, StudyCommand
 from strikewave.studies.engine.store import RunStore
-from strikewave.studies.scatter.figures import scatter_picture
+from strikewave.studies.scatter.figures import picture
 from strikewave.studies.scatter.study import STATEMENTS, ScatterPlan, ScatterStudy, ShareRow, make_scatter
 from strikewave.studies.study import picture_section, study_page
 from strikewave.uncertainty.draws import tolerances_of
@@ -23,13 +23,6 @@ from strikewave.uncertainty.shares import Shares
 
 FEWEST_FOR_LIMIT = 59
 """Runs below which no limit holds for 95 % of all runs with 95 % confidence."""
-
-
-def scatter_report(study: ScatterStudy) -> str:
-    """Return the report of a scatter study as one HTML page."""
-    outcome = [picture_section("Peaks and shares", scatter_picture(study), _caption(study)), _figure_section(study)]
-    outcome += [_share_section(study)] if study.shares else []
-    return study_page(study, scatter_words(study), outcome, _tolerance_section(study), "a scatter study")
 
 
 def scatter_words(study: ScatterStudy) -> str:
@@ -69,8 +62,9 @@ def _caption(study: ScatterStudy) -> str:
     return caption + (" Below, the share of each tolerance with its bounds at 95 %." if study.shares else "")
 
 
-def _figure_section(study: ScatterStudy) -> Section:
-    """List means and scatter between runs, scatter within a run, and the kinds of blows."""
+def page(study: ScatterStudy) -> str:
+    """Return the report of a scatter study as one HTML page."""
+    plan, sobol, failed = study.plan, study.plan.shares == "sobol", study.failed
     text = f"Bounds: {STATEMENTS['mean']}. Within a run: {STATEMENTS['cv_within']}."
     tables = [
         face_table(study, "means"),
@@ -78,38 +72,27 @@ def _figure_section(study: ScatterStudy) -> Section:
         face_table(study, "within", caption="Scatter within a run: CV (%); later is without the first blow"),
         face_table(study, "odd_blows"),
     ]
-    return Section("Scatter", text, tables)
-
-
-def _share_section(study: ScatterStudy) -> Section:
-    """List the share of each tolerance in what scatters."""
-    sobol = study.plan.shares == "sobol"
-    how = "Sobol indices" if sobol else "each tolerance alone, all other inputs nominal"
-    which = "sobol" if sobol else "alone"
-    tables = [
-        page_table(
-            f"Shares in the {shares.of}; {shares.runs} runs each", columns_of(ShareRow, study.share_rows(shares), which)
-        )
-        for shares in study.shares
-    ]
-    sums = [f"{shares.of}: {sum_words(shares)}" for shares in study.shares]
-    return Section("Shares", f"By {how}. The shares add up to: {'; '.join(sums)}.", tables)
-
-
-def _tolerance_section(study: ScatterStudy) -> Section:
-    """List what was drawn, and how."""
-    plan = study.plan
-    failed = study.failed
+    outcome = [picture_section("Peaks and shares", picture(study), _caption(study)), Section("Scatter", text, tables)]
+    if study.shares:
+        how = "Sobol indices" if sobol else "each tolerance alone, all other inputs nominal"
+        sums = "; ".join(f"{shares.of}: {sum_words(shares)}" for shares in study.shares)
+        tables = [
+            page_table(f"Shares in the {shares.of}; {shares.runs} runs each", _share_columns(study, shares))
+            for shares in study.shares
+        ]
+        outcome.append(Section("Shares", f"By {how}. The shares add up to: {sums}.", tables))
     left = (
         f" {_count(failed, 'run')} could not be made and {'is' if failed == 1 else 'are'} left out." if failed else ""
     )
     text = f"{plan.runs} runs, random seed {plan.seed}: equal seeds reproduce them bit for bit.{left}"
     names = listed([tolerance.path for tolerance in study.tolerances[:3]])
-    return Section("What was drawn", text, [face_table(study, "drawn", "drawn", f"Tolerances, such as {names}")])
+    drawn = Section("What was drawn", text, [face_table(study, "drawn", "drawn", f"Tolerances, such as {names}")])
+    return study_page(study, scatter_words(study), outcome, drawn, "a scatter study")
 
 
-picture, page = scatter_picture, scatter_report
-"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
+def _share_columns(study: ScatterStudy, shares: Shares) -> list[Column]:
+    """Return the shares in one quantity with what each tolerance is."""
+    return columns_of(ShareRow, study.share_rows(shares), "sobol" if study.plan.shares == "sobol" else "alone")
 
 
 @dataclass
@@ -155,13 +138,7 @@ class ScatterCommand(StudyCommand[ScatterStudy]):
             for kind, counted_blows in result.odd_blows.items()
         )
         tell(f"blows: {kinds}; largest displacement (rearward) {text_of(result, 'largest_displacement')}")
-        for counted_blows in result.shares:
-            _print_shares(result, counted_blows)
-
-
-def _print_shares(study: ScatterStudy, shares: Shares) -> None:
-    """Print the shares in one quantity with what each tolerance is."""
-    sobol = study.plan.shares == "sobol"
-    title = f"Shares in the {shares.of}, {'Sobol indices' if sobol else 'each alone'}, {shares.runs} runs each"
-    print_rows(title, columns_of(ShareRow, study.share_rows(shares), "sobol" if sobol else "alone"))
-    tell(f"sum of the shares: {sum_words(shares)}")
+        how = "Sobol indices" if result.plan.shares == "sobol" else "each alone"
+        for shares in result.shares:
+            print_rows(f"Shares in the {shares.of}, {how}, {shares.runs} runs each", _share_columns(result, shares))
+            tell(f"sum of the shares: {sum_words(shares)}")

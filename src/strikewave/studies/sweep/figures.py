@@ -37,7 +37,7 @@ FAILED_AT = 0.03
 """Height of the marks of failed runs above the lower edge, as a share of the axes."""
 
 
-def sweep_picture(study: SweepStudy) -> Figure:
+def picture(study: SweepStudy) -> Figure:
     """Draw a sweep over its settings."""
     count = len(study.plan.variables)
     if count == 1:

@@ -21,18 +21,22 @@ from strikewave.studies.engine.plan import DESIGNS, GRID
 from strikewave.studies.engine.runner import seconds_each
 from strikewave.studies.engine.store import RunStore, runs_beside
 from strikewave.studies.study import picture_section, study_page
-from strikewave.studies.sweep.figures import MOST_NUMBERS, MOST_SETTINGS, sweep_picture
+from strikewave.studies.sweep.figures import MOST_NUMBERS, MOST_SETTINGS, picture
 from strikewave.studies.sweep.study import SweepPlan, SweepStudy, make_sweep
 
 MOST_REASONS = 12
-"""Reasons of failures that a table lists."""
-
-
-def sweep_report(study: SweepStudy) -> str:
-    """Return the report of a sweep as one HTML page."""
-    outcome = [picture_section("Picture", sweep_picture(study), _caption(study)), _number_section(study)]
-    outcome += [_effect_section(study)] if study.effects else []
-    return study_page(study, sweep_words(study), outcome, _plan_section(study), "a sweep")
+"""Reasons of failures that a table lists: as many as a page holds beside the settings."""
+SHARES = (
+    "The share is that of the variance of the means over a setting in the variance of all runs (the correlation "
+    "ratio). What is left comes from settings together"
+)
+IN_GRID = "."
+BY_CHANCE = (
+    ", or from chance: in runs that are no grid, the share expected by chance is taken off, 0 stands for what then is "
+    "below it, and the standard error is that of the jackknife over the runs. A share below the one by chance tells "
+    "nothing: in 95 of 100 studies of settings that do nothing, none exceeds it."
+)
+"""Text above the main effects: what a share is, and what is left of it in a grid and in random runs."""
 
 
 def sweep_words(study: SweepStudy) -> str:
@@ -73,42 +77,26 @@ def _caption(study: SweepStudy) -> str:
     )
 
 
-def _number_section(study: SweepStudy) -> Section:
-    parts: list[Part] = [face_table(study, "ranges")]
+def page(study: SweepStudy) -> str:
+    """Return the report of a sweep as one HTML page."""
+    numbers: list[Part] = [face_table(study, "ranges")]
     if study.run_rows()[1]:
-        parts.append(Table("All runs", *study.run_rows()))
-    parts.append(Link("runs.csv", "All runs, runs.csv"))
-    parts.append(Link("runs.parquet", "The same as Parquet, runs.parquet"))
-    return Section("Numbers", "", parts)
-
-
-def _effect_section(study: SweepStudy) -> Section:
-    text = (
-        "The share is that of the variance of the means over a setting in the variance of all runs (the correlation "
-        "ratio). What is left comes from settings together"
-        + (
-            "."
-            if study.plan.design == GRID
-            else ", or from chance: in runs that are no grid, the share expected by chance is taken off, 0 stands "
-            "for what then is below it, and the standard error is that of the jackknife over the runs. A share below "
-            "the one by chance tells nothing: in 95 of 100 studies of settings that do nothing, none exceeds it."
+        numbers.append(Table("All runs", *study.run_rows()))
+    numbers.append(Link("runs.csv", "All runs, runs.csv"))
+    numbers.append(Link("runs.parquet", "The same as Parquet, runs.parquet"))
+    outcome = [picture_section("Picture", picture(study), _caption(study)), Section("Numbers", "", numbers)]
+    if study.effects:
+        effects = face_table(study, "largest_effects", caption="Main effects")
+        outcome.append(
+            Section("Main effects", SHARES + (IN_GRID if study.plan.design == GRID else BY_CHANCE), [effects])
         )
-    )
-    return Section("Main effects", text, [face_table(study, "largest_effects", caption="Main effects")])
-
-
-def _plan_section(study: SweepStudy) -> Section:
     random = "" if study.plan.design == GRID else f", random seed {study.plan.seed}"
     text = f"Each run is {ANALYSES[study.plan.evaluation.analysis]}. Runs: {DESIGNS[study.plan.design]}{random}."
-    tables: list[Part] = [face_table(study, "vary")]
+    varied: list[Part] = [face_table(study, "vary")]
     failures: list[list[Cell]] = [[reason, count] for reason, count in list(study.reasons.items())[:MOST_REASONS]]
     if failures:
-        tables.append(Table("Runs that failed", ["why", "runs"], failures))
-    return Section("What was varied", text, tables)
-
-
-picture, page = sweep_picture, sweep_report
-"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
+        varied.append(Table("Runs that failed", ["why", "runs"], failures))
+    return study_page(study, sweep_words(study), outcome, Section("What was varied", text, varied), "a sweep")
 
 
 @dataclass
