@@ -49,7 +49,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class FieldQuantity(ShownQuantity):
-    """What a picture of the field shows: its name, colours, words for both signs.
+    """A quantity of a picture of the field: its name, colours, words for both signs.
 
     The colour maps are diverging, white at zero, and told apart by colour-blind readers.
     """
@@ -73,38 +73,34 @@ QUANTITIES = {
 }
 """Quantities that the pictures of a field can show, by name."""
 
-_FEWEST_ROWS = 120
-"""Times of a field that is cut short (chosen: no cell of an x-t diagram is then wider than 6 pixels)."""
-_MOST_NAMES = 22
-"""Names beside a diagram, as `_NAME_STEP` sets them apart; of more layers the longest ones are named."""
-_NAME_STEP = 0.045
-"""Distance of names beside a diagram, share of its height: `_MOST_NAMES` fill it."""
-_MOST_SHADED = 200
-"""Layers up to which faces and shades are drawn, and curves cut there: of more, a layer would be two pixels high, and
-its lines would hide the waves."""
-_OPEN = 1e-9
-"""Share of the largest force below which a joint that can open counts as open: the solver gives exactly minus the
-preload there, but for rounding."""
-_NARROWEST_NAMED = 0.04
-"""Share of the stack below which a layer has no name in a panel: not even an upright one would fit (letters of 7
-points)."""
-_LETTER = 0.03
-"""Width of a letter of a name in a panel with a little air, share of the panel (letters of 7 points, panels of 2.7
-inches); a name that is wider than its layer stands upright."""
-_EXTREME, _NOTABLE = 0.999, 0.01
+_FEWEST_ROWS = 120  # chosen: no cell of an x-t diagram is then wider than 6 pixels
+"""Times of a field that is cut short."""
+_MOST_NAMES = 22  # as `_NAME_STEP` sets them apart
+"""Names beside a diagram; of more layers the longest ones are named."""
+_NAME_STEP = 0.045  # `_MOST_NAMES` of 8 points fill the height
+"""Distance of names beside a diagram, share of its height."""
+_MOST_SHADED = 200  # of more, a layer would be two pixels high, and its lines would hide the waves
+"""Layers up to which faces and shades are drawn, and curves cut there."""
+_OPEN = 1e-9  # the solver gives exactly minus the preload there, but for rounding
+"""Share of the largest force below which a joint that can open counts as open."""
+_NARROWEST_NAMED = 0.04  # not even an upright name of 7 points would fit
+"""Share of the stack below which a layer has no name in a panel."""
+_LETTER = 0.03  # letters of 7 points in panels of 2.7 inches, with a little air
+"""Width of a letter of a name in a panel, share of the panel; a name wider than its layer stands upright."""
+_EXTREME, _NOTABLE = 0.999, 0.01  # the first row of a plateau; chosen: less cannot be seen
 """Share of the greatest value from which a row counts as its first; share of the larger sign from which the other sign
-has a snapshot of its own (chosen: less cannot be seen)."""
-_APART = 100
-"""Snapshots at fronts lie at least one over this of the duration apart (chosen: nearer ones look alike)."""
-_AIR = 0.06
-"""Share of the range left free above and below the curves of snapshots, as matplotlib leaves 0.05."""
-_SHADE, _RATIO = (0.97, 0.13), 3.0
-"""Grey of the least impedance, and how much darker the greatest is (chosen: black text stays legible on both); ratio of
-impedances below which the darkest grey is not reached, so that nearly equal layers look nearly equal."""
-SNAPSHOTS = 6
-"""Panels of snapshots: two rows of three fill the width of a page."""
-MOST_TRANSITS = 2000.0
-"""Transits of a field up to which its staircase is drawn: its closed form sums over all transits of the layer."""
+has a snapshot of its own."""
+_APART = 100  # chosen: nearer ones look alike
+"""Snapshots at fronts lie at least one over this of the duration apart."""
+_AIR = 0.06  # as matplotlib leaves 0.05
+"""Share of the range left free above and below the curves of snapshots."""
+_SHADE, _RATIO = (0.97, 0.13), 3.0  # chosen: black text stays legible; nearly equal layers look nearly equal
+"""Grey of the least impedance, and how much darker the greatest is; ratio of impedances below which the darkest grey is
+not reached."""
+SNAPSHOTS = 6  # two rows of three fill the width of a page
+"""Panels of snapshots."""
+MOST_TRANSITS = 2000.0  # the closed form sums over all transits of the layer
+"""Transits of a field up to which its staircase is drawn."""
 BONDED_STYLE: tuple[Any, float] = ("-", 0.7)
 DASHED: tuple[Any, float] = ((0, (4, 2)), 0.9)
 THICK: tuple[Any, float] = ("-", 1.8)
@@ -114,34 +110,23 @@ JOINT_STYLES = {"compliant": DASHED, "gasket": DASHED, "contact": DASHED, "mass"
 
 @dataclass(frozen=True)
 class WaveField:
-    """Force and velocity along a stack over time.
-
-    Attributes
-    ----------
-    stack : Stack
-        Layers and joints.
-    time, position : ndarray
-        s and m from the first face, shape (times,) and (places,); both faces of a joint have one place.
-    layer : ndarray
-        Index of the layer of each place; of very many layers only some have places.
-    force : ndarray
-        N, compression positive, shape (times, places).
-    velocity : ndarray or None
-        m/s along the blow, of the same shape; None where none was kept.
-    taps : tuple of (str, Tap)
-        Names and places that are marked.
-    since : str
-        Label of the time axis, such as ``time``.
-    """
+    """Force and velocity along a stack over time."""
 
     stack: Stack
     time: Array
+    """Times, s, shape (times,)."""
     position: Array
+    """Places, m from the first face, shape (places,); both faces of a joint have one place."""
     layer: NDArray[np.int64]
+    """Index of the layer of each place; of very many layers only some have places."""
     force: Array
+    """Force, N, compression positive, shape (times, places)."""
     velocity: Array | None
+    """Velocity along the blow, m/s, of the same shape; None where none was kept."""
     taps: tuple[tuple[str, Tap], ...]
+    """Names and places that are marked."""
     since: str
+    """Label of the time axis, such as ``time``."""
 
     def values(self, quantity: str) -> Array:
         """Return stress (Pa), force (N) or velocity (m/s), shape (times, places)."""
@@ -206,22 +191,7 @@ class WaveField:
 def xt_diagram(field: WaveField, quantity: str = "stress") -> Figure:
     """Draw a quantity along a stack over time, with the faces of layers, the taps and the leading front.
 
-    A joint that can open is a double line while no force crosses it.
-
-    Parameters
-    ----------
-    field : WaveField
-        Field that is drawn.
-    quantity : str, optional
-        One of `QUANTITIES`.
-
-    Examples
-    --------
-    >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.report import field_of_solution
-    >>> figure = xt_diagram(field_of_solution(run_wave(load_case("li-ma-2019-fig13-bar"))))
-    >>> figure.axes[1].get_ylabel()
-    'stress (MPa), compression above 0'
+    A joint that can open is a double line while no force crosses it. The quantity is one of `QUANTITIES`.
     """
     shown = QUANTITIES[quantity]
     values = field.values(quantity) / shown.scale
@@ -350,21 +320,7 @@ def snapshot_rows(field: WaveField, quantity: str = "stress", count: int = SNAPS
 
     The greatest values of both signs; the front half-way through the first layer, half-way through the second one,
     at the far end, its echo half-way back, as far as no gap is in the way and no chosen row is nearer than a
-    hundredth of the time. What is left of the count falls into the longest waits.
-
-    Parameters
-    ----------
-    field : WaveField
-        Field that is shown.
-    quantity : str, optional
-        One of `QUANTITIES`.
-    count : int, optional
-        How many at most; fewer where the field has no more rows.
-
-    Returns
-    -------
-    list of (int, str)
-        Rising rows and reasons; an empty reason where the row only fills a wait.
+    hundredth of the time. The rest of the count falls into the longest waits, without a reason.
     """
     chosen: dict[int, str] = {}
     for row, why in _extreme_rows(field, quantity):
@@ -408,15 +364,7 @@ def _extreme_rows(field: WaveField, quantity: str) -> list[tuple[int, str]]:
 
 
 def snapshots(field: WaveField, quantity: str = "stress") -> Figure:
-    """Draw a quantity along the stack at a few times, see `snapshot_rows`; the darker a layer, the more impedance.
-
-    Examples
-    --------
-    >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.report import field_of_solution
-    >>> len(snapshots(field_of_solution(run_wave(load_case("li-ma-2019-fig13-bar")))).axes)
-    6
-    """
+    """Draw a quantity along the stack at a few times, see `snapshot_rows`; the darker a layer, the more impedance."""
     shown = QUANTITIES[quantity]
     values = field.values(quantity) / shown.scale
     figure = new_figure((WHOLE[0], 4.6))
@@ -522,25 +470,7 @@ def staircase_diagram(field: WaveField, layer: int, time: Array, load: Array) ->
 
     Forces are over the largest load; time counts from when the front reaches interface I, in transits of the
     layer. Dotted are the steps of `staircase` for a jump; dashed the same steps for the load as it was. Behind the
-    first echo from beyond the neighbours the dashed curve ends.
-
-    Parameters
-    ----------
-    field : WaveField
-        Field that is drawn.
-    layer : int
-        Index of the layer, between two others.
-    time, load : array
-        s and N: force on the first face.
-
-    Examples
-    --------
-    >>> from strikewave import load_case, run_wave
-    >>> from strikewave.analyses.wave.report import field_of_solution
-    >>> solution = run_wave(load_case("li-ma-2019-fig13-bar"))
-    >>> figure = staircase_diagram(field_of_solution(solution), 1, solution.run.time, solution.run.face_force)
-    >>> [axes.get_title(loc="left") for axes in figure.axes]
-    ['Interface I: upper | sensor', 'Interface II: sensor | lower']
+    first echo from beyond the neighbours the dashed curve ends. Time and load, s and N, are those of the first face.
     """
     layers, transit = field.stack.layers, field.stack.layers[layer].transit
     peak = float(np.abs(load).max(initial=0.0)) or 1.0
@@ -605,11 +535,11 @@ def insertion_loss(curves: Sequence[tuple[str, Array, Array]]) -> Figure:
     return figure
 
 
-MOST_LAYERS = 50
-"""Layers that a table lists (chosen: about two screens; the JSON lists all)."""
+MOST_LAYERS = 50  # chosen: about two screens; the JSON lists all
+"""Layers that a table lists."""
+# chosen: 1, 2, 5 steps over the flat range and the resonances of shock accelerometers
 LOSS_FREQUENCIES = (1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 1e5)
-"""Where the insertion loss of a buffer is listed, Hz (chosen: 1, 2, 5 steps over the flat range and the resonances of
-shock accelerometers)."""
+"""Frequencies at which the insertion loss of a buffer is listed, Hz."""
 _RECORDED = {"resonance": KILOHERTZ, "range": ACCELERATION, "sampling": KILOHERTZ, "filter": KILOHERTZ}
 """Data of each sensor in the table of sensors."""
 _ROUTES = (
@@ -696,7 +626,7 @@ def _largest(values: Any) -> float:
 
 
 def sensor_part(channels: Sequence[SensorChannel], picture: Figure, readings: Table) -> Section:
-    """Show what the sensors read, describe them, and say what their buffers take off."""
+    """Show the readings of the sensors, describe them, and list the loss by their buffers."""
     described: list[list[Cell]] = []
     for sensor, _, recorder in channels:
         stated = (sensor.resonance, sensor.range, recorder.sampling_rate, recorder.cutoff)

@@ -23,17 +23,17 @@ if TYPE_CHECKING:
 Paper = Literal["A4", "letter"]
 _SHEETS = {"A4": (210.0, 297.0), "letter": (215.9, 279.4)}
 """Width and height, mm."""
-_SIDE = 13.0
-"""Margin at the left and at the right, mm, as in style.css."""
-_CELL_PADDING = 2.3
+_SIDE = 13.0  # as in style.css
+"""Margin at the left and at the right, mm."""
+_CELL_PADDING = 2.3  # as in style.css
 """Padding of a cell, both sides and the line, mm."""
-_LARGEST, _SMALLEST_UPRIGHT, _SMALLEST = 7.6, 5.8, 4.4
-"""Letters of a table, points: as in style.css; below the second it gets a sheet across; below the third words break."""
-_LONGEST_WORD = 16.0
-"""Length of words in a column of words, ems: longer ones, such as hashes, may break."""
-_TALLEST = 0.7
+_LARGEST, _SMALLEST_UPRIGHT, _SMALLEST = 7.6, 5.8, 4.4  # as in style.css; chosen: read with ease; read at all
+"""Letters of a table, points: below the second it gets a sheet across, below the third words break."""
+_LONGEST_WORD = 16.0  # words of English are shorter; hashes and paths may break
+"""Length of words in a column of words, ems, that do not break."""
+_TALLEST = 0.7  # head and caption stand on the same sheet
 """Height of a picture, in heights of a sheet, at most."""
-_LONGEST_UNIT = 12
+_LONGEST_UNIT = 12  # longer brackets hold words, which may break
 """Letters of a unit that stays on one line."""
 _OPTION = re.compile(r"(--[a-z][\w-]*)")
 _POINT = 25.4 / 72.0
@@ -70,15 +70,7 @@ def write_pdf(page: Path, paper: Paper) -> str:
 
 
 def pdf_of(page: str, paper: Paper) -> bytes:
-    """Return a page of `strikewave.reporting.chapters` as PDF.
-
-    Parameters
-    ----------
-    page : str
-        HTML.
-    paper : str
-        A4 or letter.
-    """
+    """Return the HTML of a page of `strikewave.reporting.chapters` as PDF."""
     from weasyprint import HTML
 
     width, height = _SHEETS[paper]
@@ -139,7 +131,7 @@ h1 {{ string-set: title content(); }}
 
 
 def _fetcher() -> Any:
-    """Return what gives our fonts and data within the page to WeasyPrint, and refuses everything else."""
+    """Return a fetcher that gives our fonts and data within the page to WeasyPrint, and refuses everything else."""
     from matplotlib import get_data_path
     from weasyprint.urls import URLFetcher, URLFetcherResponse
 
@@ -204,16 +196,9 @@ def _equation(tex: str, words: str) -> ElementTree.Element:
         return box
     gap = 0.4 * _LETTERS
     width, height = max(line[1] for line in lines), sum(line[2] + gap for line in lines) - gap
-    drawing = ElementTree.SubElement(
-        box,
-        f"{_SVG}svg",
-        {
-            "viewBox": f"0 0 {width:.2f} {height:.2f}",
-            "style": f"width:{width / _LETTERS:.2f}em;height:{height / _LETTERS:.2f}em",
-            "role": "img",
-            "aria-label": words,
-        },
-    )
+    size = f"width:{width / _LETTERS:.2f}em;height:{height / _LETTERS:.2f}em"
+    look = {"viewBox": f"0 0 {width:.2f} {height:.2f}", "style": size, "role": "img", "aria-label": words}
+    drawing = ElementTree.SubElement(box, f"{_SVG}svg", look)
     top = 0.0
     for d, _, tall, depth in lines:
         place = f"translate(0 {top + tall - depth:.2f}) scale(1 -1)"
@@ -258,7 +243,11 @@ def _fit(table: ElementTree.Element, upright: float, across: float) -> None:
 
     ``upright`` and ``across`` are the widths that sheets have for it, mm.
     """
-    ems = _column_widths(table)
+    ems: list[float] = []
+    for row in table.iter("tr"):
+        for place, cell in enumerate(row):
+            ems += [0.0] * (place + 1 - len(ems))
+            ems[place] = max(ems[place], _least_width(cell, row))
     padding, needed = _CELL_PADDING * len(ems), sum(ems)
     if not needed:
         return
@@ -324,18 +313,8 @@ def _keep_options_whole(root: ElementTree.Element) -> None:
             parent[place:place] = spans
 
 
-def _column_widths(table: ElementTree.Element) -> list[float]:
-    """Return the least width of each column of a table, in ems."""
-    widths: list[float] = []
-    for row in table.iter("tr"):
-        for place, cell in enumerate(row):
-            widths += [0.0] * (place + 1 - len(widths))
-            widths[place] = max(widths[place], _least_width(cell, row))
-    return widths
-
-
 def _least_width(cell: ElementTree.Element, row: ElementTree.Element) -> float:
-    """Return the width of what may not break in a cell, ems."""
+    """Return the width of the longest part of a cell that may not break, ems."""
     equations = [box[0].get("style", "") for box in cell.iter("span") if box.get("class") == "equation" and len(box)]
     if equations:  # a picture shrinks with its column, an equation does not
         return 1.1 * max(float(style.split("width:")[1].split("em")[0]) for style in equations)

@@ -1,8 +1,8 @@
-"""What a result shows of itself in Python: a line, a table with its curve in a notebook, its picture, report and table.
+"""Results in Python: a line, a table with its curve in a notebook, picture, report and table.
 
-What that is its fields declare: see `strikewave.base.declare`.
-Its picture, and its page where it has one of its own, stand in the module ``report`` beside it (``picture``, ``page``),
-which is found by its name: it takes long to import, and imports the result.
+Their fields declare them: see `strikewave.base.declare`. The picture of a result, and its page where it has one of its
+own, stand in the module ``report`` beside it (``picture``, ``page``), which is found by its name: it takes long to
+import, and imports the result.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ if TYPE_CHECKING:
     import pandas
     from matplotlib.figure import Figure
 
-MOST_ROWS = 12
-"""Rows of the table in a notebook: a train of blows, and no more than a screen shows beside the curve."""
-MOST_NUMBERS = 4
-"""Highlights in the one line of a result: more would not be read."""
-WIDTH, HEIGHT, MARGIN = 420, 150, 34
-"""Size and margin of the curve in a notebook, pixels: half a page wide, with letters of 11 pixels below and above."""
-COLUMNS = 210
-"""Columns into which the samples of the curve are gathered, two pixels each."""
+MOST_ROWS = 12  # a train of blows, and no more than a screen shows beside the curve
+"""Rows of the table in a notebook."""
+MOST_NUMBERS = 4  # more would not be read
+"""Highlights in the one line of a result."""
+WIDTH, HEIGHT, MARGIN = 420, 150, 34  # half a page wide, with letters of 11 pixels below and above
+"""Size and margin of the curve in a notebook, pixels."""
+COLUMNS = 210  # two pixels each
+"""Columns into which the samples of the curve are gathered."""
 
 
 OWN_PAGE, HEAD_OF_PAGE = b'<meta name="generator" content="strikewave', 2000
@@ -70,12 +70,7 @@ def _is_own_page(place: Path) -> bool:
 def columns_of_mappings(rows: Sequence[Mapping[str, Any]], units: Mapping[str, str]) -> list[Column]:
     """Return rows, such as those of a JSON document, as columns; a table within a row is spread, lists are left out.
 
-    Parameters
-    ----------
-    rows : sequence of mapping
-        In SI.
-    units : mapping of str to str
-        SI unit of each key, or of the last part of a spread one.
+    ``units`` are the SI units by key, or by the last part of a spread one.
 
     Examples
     --------
@@ -100,7 +95,7 @@ def _flat(row: Mapping[str, Any], path: str = "") -> Iterator[tuple[str, Any]]:
 
 
 class Curve(NamedTuple):
-    """The pulse, or what says most of a result: values over an axis, with their labels and units, as they are shown."""
+    """The pulse, or another curve that says most of a result: values over an axis, with labels, in units shown."""
 
     x: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -148,7 +143,7 @@ class ShownResult(Result):
 
     @property
     def label(self) -> str:
-        """What it is called in one line: the name of its case, else its title."""
+        """Its name in one line: that of its case, else its title."""
         return self.source.name or self.title
 
     @property
@@ -168,38 +163,16 @@ class ShownResult(Result):
         return key_numbers(self)
 
     def columns(self) -> Sequence[Column]:
-        """Return its main table.
-
-        Examples
-        --------
-        >>> from strikewave import load_case, run_case
-        >>> [column.name for column in run_case(load_case("li-ma-2019", ["feed.blows=1"])).columns()][:3]
-        ['index', 'kind', 'striker']
-        """
-        found = data_columns(self, self.data_rows) if self.data_rows else ()
-        return [one for one in found if not self.written or one.name in self.written]
+        """Return its main table."""
+        columns = data_columns(self, self.data_rows) if self.data_rows else ()
+        return [column for column in columns if not self.written or column.name in self.written]
 
     def preview(self) -> Curve | None:
-        """Return the pulse, or what says most of it; None where no single curve does.
-
-        Examples
-        --------
-        >>> from strikewave import load_case, run_case
-        >>> run_case(load_case("li-ma-2019", ["feed.blows=1"])).preview().y_label
-        'rigid-body acceleration, blow 1 (g)'
-        """
+        """Return the pulse, or the curve that says most of it; None where no single curve does."""
         return None
 
     def plot(self) -> Figure:
-        """Return its picture, the one that its command writes, as a matplotlib figure.
-
-        Examples
-        --------
-        >>> from strikewave import load_case, run_case
-        >>> figure = run_case(load_case("li-ma-2019", ["feed.blows=1"])).plot()
-        >>> len(figure.axes)
-        3
-        """
+        """Return its picture, the one that its command writes, as a matplotlib figure."""
         picture = self._drawn("picture")
         if picture is None:
             raise StrikewaveError(f"a {type(self).__name__} has no picture: to_dataframe() has what it holds")
@@ -230,9 +203,15 @@ class ShownResult(Result):
         ...     run_case(load_case("li-ma-2019", ["feed.blows=1"])).report(folder).name
         'report.html'
         """
-        page = self._drawn("page")
-        place = html_place(path, "report.html")
-        write_atomically(place, self._plain_page() if page is None else page(self))
+        from strikewave.reporting.chapters import plain_page
+
+        page, place = self._drawn("page"), html_place(path, "report.html")
+        if page is None:
+            picture = self._drawn("picture")
+            text = plain_page(self, self.highlights(), picture and picture(self), *shown_table(self))
+        else:
+            text = page(self)
+        write_atomically(place, text)
         return place
 
     def to_dataframe(self) -> pandas.DataFrame:
@@ -253,13 +232,6 @@ class ShownResult(Result):
         table = pandas.DataFrame({column.name: list(column.values) for column in columns})
         table.attrs["units"] = {column.name: column.si for column in columns if column.si}
         return table
-
-    def _plain_page(self) -> str:
-        """Return the page of a result that has none of its own."""
-        from strikewave.reporting.chapters import plain_page
-
-        picture = self._drawn("picture")
-        return plain_page(self, self.highlights(), picture and picture(self), *shown_table(self))
 
     def _drawn(self, what: str) -> Callable[[Any], Any] | None:
         """Return the function that makes the picture or the page of this result; None where there is none."""
@@ -308,17 +280,7 @@ def _row(first: str, rest: str, cells: Sequence[str]) -> str:
 
 
 def shown_table(result: ShownResult, most: int | None = None) -> tuple[list[str], list[list[str]]]:
-    """Return heads and rows of the columns that a notebook shows, with their units.
-
-    The first ``most`` rows are returned, of a history as many spread over it.
-
-    Examples
-    --------
-    >>> from strikewave import load_case, run_case
-    >>> heads, rows = shown_table(run_case(load_case("li-ma-2019", ["feed.blows=1"])))
-    >>> heads[:3], rows[0][:3]
-    (['#', 'kind', 'time (ms)'], ['1', 'full', '42.073'])
-    """
+    """Return heads with units and the first ``most`` rows for a notebook; of a history as many spread over it."""
     if not result.main_rows:
         return [], []
     return shown_rows(result, result.main_rows, result.main_table, most, result.is_history)

@@ -47,8 +47,6 @@ def history_tables(result: Result) -> dict[str, list[Column]]:
     --------
     >>> from strikewave import load_case, run_case
     >>> tables = history_tables(run_case(load_case("li-ma-2019", ["feed.blows=1"])))
-    >>> list(tables)
-    ['histories', 'histories-pulse', 'histories-record']
     >>> [column.file_head for column in tables["histories-pulse"]]
     ['time [s]', 'pulse_force of blow 1 [N]', 'pulse_acceleration of blow 1 [m/s^2]']
     """
@@ -139,12 +137,11 @@ def write_parquet(columns: Sequence[Column], path: Path) -> None:
 
 WORKBOOK = "result.xlsx"
 """Name of the file, the same for every result, as that of a report is."""
-MOST_ROWS = 1_048_575
-"""Rows of a sheet below its heads: the format ends at 2^20."""
+MOST_ROWS = 1_048_575  # the format ends at 2^20
+"""Rows of a sheet below its heads."""
 LONGEST_TITLE = 31
 """Letters of the name of a sheet that the format allows."""
-_DATE = datetime(2000, 1, 1)
-"""Stands in the file in the place of the time of writing, so that equal results are equal to the byte."""
+_DATE = datetime(2000, 1, 1)  # in the place of the time of writing: equal results are equal to the byte
 _NOT_IN_TITLES, _NOT_IN_CELLS = re.compile(r"[\[\]:*?/\\]"), re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f]")
 _MODIFIED = re.compile(rb"(<dcterms:modified[^>]*>)[^<]*")
 NAME_WIDTH, TEXT_WIDTH = 18, 60
