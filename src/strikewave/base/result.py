@@ -1,4 +1,4 @@
-"""What every command comes to: one `Result` for pages, screens, files and JSON, and one `Notice` for all warnings."""
+"""The result of every command: one `Result` for pages, screens, files and JSON, and one `Notice` for all warnings."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ Severity = Literal["info", "warning", "failed"]
 INFO: Severity = "info"
 WARNING: Severity = "warning"
 FAILED: Severity = "failed"
-"""How much a notice weighs; see `Notice`."""
-BALANCE_LIMIT = 1e-6
-"""Energy or momentum missing beyond this share fails the check of its balance."""
+"""Severity of a notice; see `Notice`."""
+BALANCE_LIMIT = 1e-6  # a thousand times what usual runs leave (li-ma-2019: 4e-10): beyond it is a fault, not rounding
+"""Share of energy or momentum beyond which a missing one fails the check of its balance."""
 
 
 @declare.dataclass
 class Notice:
-    r"""Something the user should know.
+    r"""A fact, a warning or a failed check that the user should know.
 
     In its message a number is joined to its unit by a no-break space where readers may choose the unit
     (``5.2\xa0kN``).
@@ -92,28 +92,21 @@ FailOn = Literal["failed", "broken", "never"]
 EXIT_BROKEN = 3
 """Exit code of a command whose result, or one of whose runs, failed a check, or that missed its goal."""
 VERDICT = "verdict"
-"""Attribute of a NetCDF file that says what the checks of its result came to."""
-MOST_CODES = 3
+"""Attribute of a NetCDF file with the verdict of its result."""
+MOST_CODES = 3  # more would not be read; the notice has them all
 """Broken checks that a sentence names."""
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the checks of a run came to, decided where the run is made; a study keeps its text, faces ask it.
-
-    Attributes
-    ----------
-    status : str
-        "passed", "broken" (a check failed) or "failed" (the run could not be made).
-    codes : tuple of str
-        Codes of the checks that failed, such as ``blow-count``.
-    not_judged : tuple of str
-        Checks that the engine cannot make, such as ``momentum-balance`` of a fast run.
-    """
+    """Outcome of the checks of a run, decided where the run is made; a study keeps its text, faces ask it."""
 
     status: Status
+    """Word "passed", "broken" (a check failed) or "failed" (the run could not be made)."""
     codes: tuple[str, ...] = ()
+    """Codes of the checks that failed, such as ``blow-count``."""
     not_judged: tuple[str, ...] = ()
+    """Checks that the engine cannot make, such as ``momentum-balance`` of a fast run."""
 
     @classmethod
     def of(cls, notices: Iterable[Notice], not_judged: Sequence[str] = ()) -> Verdict:
@@ -158,7 +151,7 @@ def worse(first: str, second: str) -> str:
 
 @declare.dataclass
 class VerdictCounts:
-    """How many runs came to what."""
+    """Numbers of runs by their outcome."""
 
     passed: int = declare.count("runs that passed their checks")
     broken: int = declare.count("runs that failed one")
@@ -168,19 +161,9 @@ class VerdictCounts:
 class Verdicts:
     """Verdicts of the runs that a result is made of.
 
-    Parameters
-    ----------
-    texts : iterable of str
-        `Verdict.text` of each run; empty where none is known, as of runs kept by an older version.
-    noun : str, optional
-        Noun for the runs, in the plural.
-    reason : str, optional
-        Why one of the failed runs could not be made.
-    not_judged : sequence of str, optional
-        Checks that the engine cannot make.
-    deciding : iterable of str, optional
-        Verdicts of the runs that decide the exit code: of a search those of what it offers, for what was tried on the
-        way is no part of the answer; all of them by default.
+    The text of a run is empty where none is known, as of runs kept by an older version; ``noun`` is one for the runs,
+    in the plural, and ``reason`` says why one of the failed runs could not be made. The ``deciding`` verdicts, all of
+    them by default, make the exit code: of a search those of its offers, for a try on the way is no part of the answer.
 
     Examples
     --------
@@ -205,14 +188,10 @@ class Verdicts:
         self.statuses = tuple(map(status_of, self.texts))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Verdicts) and self._held == other._held
+        return isinstance(other, Verdicts) and vars(self) == vars(other)
 
     def __hash__(self) -> int:
-        return hash(self._held)
-
-    @property
-    def _held(self) -> tuple[object, ...]:
-        return self.texts, self.deciding, self.noun, self.reason, self.not_judged
+        return hash(tuple(vars(self).values()))
 
     def count(self, status: str) -> int:
         """Return how many runs have a status; those of "" are not judged."""
@@ -220,12 +199,12 @@ class Verdicts:
 
     @property
     def marked(self) -> tuple[bool, ...]:
-        """Which runs are to be marked: they broke a limit, or failed."""
+        """True for each run that is to be marked: it broke a limit, or failed."""
         return tuple(status in (RUN_BROKEN, RUN_FAILED) for status in self.statuses)
 
     @property
     def codes(self) -> dict[str, int]:
-        """The checks that failed, the most frequent first, and in how many runs."""
+        """The checks that failed, the most frequent first, with the number of runs."""
         codes = (code for text in self.texts for code in text.partition(": ")[2].split(", ") if code)
         return dict(Counter(codes).most_common())
 
@@ -237,7 +216,7 @@ class Verdicts:
 
     @property
     def words(self) -> str:
-        """How many broke a limit, or failed, in words; empty where none did."""
+        """The numbers of runs that broke a limit, or failed, in words; empty where none did."""
         parts = []
         if self.count(RUN_BROKEN):
             parts.append(f"{self.counted(RUN_BROKEN)} failed a check ({', '.join([*self.codes][:MOST_CODES])})")
@@ -251,10 +230,6 @@ class Verdicts:
         """The same as a sentence; empty where none did."""
         return f"{self.words[0].upper()}{self.words[1:]}." if self.words else ""
 
-    def _weight(self, status: Status) -> Severity:
-        """Return how much runs of a status weigh: a failed check where they decide, else a warning."""
-        return FAILED if status in map(status_of, self.deciding) else WARNING
-
     def document(self) -> dict[str, int]:
         """Return the counts for the JSON document."""
         return declare.content(VerdictCounts(*map(self.count, RUN_STATUSES)))
@@ -265,21 +240,18 @@ class Verdicts:
         return any(status_of(text) in statuses for text in self.deciding)
 
     def notices(self) -> tuple[Notice, ...]:
-        """Return what should be known of them: how many broke a limit or failed, and what was not judged."""
+        """Return notices on them: how many broke a limit or failed, and which checks were not made."""
+        several = len(self.texts) > 1
+        checks = ", ".join(f"{code} in {count}" if several else code for code, count in self.codes.items())
+        such = f", such as: {self.reason}" if self.reason else ""
         listed = []
-        if self.count(RUN_BROKEN):
-            several = len(self.texts) > 1
-            checks = ", ".join(f"{code} in {count}" if several else code for code, count in self.codes.items())
-            message = f"{self.counted(RUN_BROKEN)} failed a check: {checks}"
-            listed.append(
-                Notice("runs-broken", message, float(self.count(RUN_BROKEN)), severity=self._weight(RUN_BROKEN))
-            )
-        if self.count(RUN_FAILED):
-            such = f", such as: {self.reason}" if self.reason else ""
-            message = f"{self.counted(RUN_FAILED)} could not be made{such}"
-            listed.append(
-                Notice("runs-failed", message, float(self.count(RUN_FAILED)), severity=self._weight(RUN_FAILED))
-            )
+        for status, code, fault in (
+            (RUN_BROKEN, "runs-broken", f"failed a check: {checks}"),
+            (RUN_FAILED, "runs-failed", f"could not be made{such}"),
+        ):
+            if count := self.count(status):
+                severity = FAILED if status in map(status_of, self.deciding) else WARNING
+                listed.append(Notice(code, f"{self.counted(status)} {fault}", float(count), severity=severity))
         if self.count(""):
             message = (
                 f"{self.count('')} of {len(self.texts)} {self.noun} are from a version that kept no verdicts: "
@@ -315,7 +287,7 @@ class Comparison:
 
     @property
     def measured(self) -> Quantity:
-        """What both numbers measure."""
+        """The quantity of both numbers."""
         return PUBLISHED_QUANTITIES[self.quantity]
 
     @property
@@ -325,24 +297,14 @@ class Comparison:
 
 
 class BalanceCheck(NamedTuple):
-    """An error of a balance beside its limit, which is that of the analysis.
-
-    Attributes
-    ----------
-    name : str
-        Name of the balance, in words.
-    error : float
-        With its sign where that tells something, as a share.
-    limit : float
-        Beyond which the check fails.
-    share_of : str
-        Reference of both shares, where that is stated.
-    """
+    """An error of a balance beside its limit, which is that of the analysis."""
 
     name: str
     error: float
+    """Share that is missing, with its sign where that tells something."""
     limit: float = BALANCE_LIMIT
     share_of: str = ""
+    """Reference of both shares, where that is stated."""
 
     @property
     def holds(self) -> bool:
@@ -402,13 +364,9 @@ class Band:
 
     @classmethod
     def read(cls, document: Mapping[str, Any]) -> Band:
-        """Return the band of an entry of the JSON document."""
-        return cls(**{**document, "inputs": tuple(InputShare(**_without_null(one)) for one in document["inputs"])})
-
-
-def _without_null(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row without what is null: NaN in JSON."""
-    return {key: value for key, value in row.items() if value is not None}
+        """Return the band of an entry of the JSON document, in which NaN is null."""
+        rows = [{key: value for key, value in row.items() if value is not None} for row in document["inputs"]]
+        return cls(**{**document, "inputs": tuple([InputShare(**row) for row in rows])})
 
 
 @declare.dataclass
@@ -426,7 +384,7 @@ class MovedInput:
 
 @declare.dataclass
 class BandMethod:
-    """How the bands of a result were found."""
+    """Method by which the bands of a result were found."""
 
     engine: str = declare.word("what ran, in words")
     level: float = declare.number(NOT_MEASURED, "share of the draws within a band")
@@ -482,14 +440,14 @@ class BandMethod:
     @classmethod
     def read(cls, document: Mapping[str, Any]) -> BandMethod:
         """Return the method of an entry of the JSON document."""
-        told: dict[str, Any] = {k: tuple(value) if isinstance(value, list) else value for k, value in document.items()}
-        del told["words"]
-        return cls(**{**told, "inputs": tuple(MovedInput(**one) for one in document["inputs"])})
+        values: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in document.items()}
+        del values["words"]
+        return cls(**{**values, "inputs": tuple([MovedInput(**row) for row in document["inputs"]])})
 
 
 @declare.dataclass
 class BandContent:
-    """What a document says of bands."""
+    """The bands in a document."""
 
     band: Mapping[str, Band] = declare.named(Band, "band of each number that has one")
     band_method: BandMethod | None = declare.part(BandMethod, "how they were found; null where none were asked for")
@@ -497,7 +455,7 @@ class BandContent:
 
 @declare.dataclass
 class DocumentHead:
-    """What every document begins with."""
+    """Head of every document."""
 
     schema: int = declare.count("version of the documents; it rises when a key changes its meaning or goes")
     version: str = declare.word("version of strikewave")
@@ -511,38 +469,25 @@ class DocumentHead:
 
 @dataclass(frozen=True)
 class Source:
-    """Where the inputs of a result come from.
-
-    Attributes
-    ----------
-    kind : str
-        Kind of the inputs: case, set-up, records, command, paper.
-    name : str
-        Name of the inputs.
-    text : str
-        TOML that gives the result again or, of measured files, names them by their SHA-256. It marks the folder of
-        the result, and tells it from others.
-    file : str
-        Name of the file that holds the text there.
-    digests : mapping of str to str
-        SHA-256 of the files that were read, by their names.
-    asked : str
-        Command line that gives the result again, as it is to be typed, where the text alone does not.
-    test : mapping
-        Data stated of the test, where no case holds it: texts by the keys of [test], and tables of a test report.
-    """
+    """Inputs of a result."""
 
     kind: str
+    """Kind of the inputs: case, set-up, records, command, paper."""
     name: str
     text: str
+    """TOML that gives the result again or, of measured files, names them by their SHA-256; marks the folder."""
     file: str = "case.toml"
+    """Name of the file that holds the text there."""
     digests: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    """SHA-256 of the files that were read, by their names."""
     asked: str = ""
+    """Command line that gives the result again, as it is to be typed, where the text alone does not."""
     test: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    """Data stated of the test, where no case holds it: texts by the keys of [test], and tables of a test report."""
 
     @property
     def whole(self) -> bool:
-        """Whether the text alone gives the result again; else it takes the command line and the files."""
+        """True if the text alone gives the result again; else it takes the command line and the files."""
         return self.file == "case.toml"
 
     @property
@@ -556,23 +501,7 @@ class Source:
 
 @dataclass(frozen=True, kw_only=True)
 class Result(ABC):
-    """What a command came to: what page, screen, files and JSON take of it.
-
-    Attributes
-    ----------
-    notices : tuple of Notice
-        Notices for the user.
-    comparisons : tuple of Comparison
-        Comparisons of computed numbers with published ones.
-    citations : tuple of str
-        Keys of the sources of the models used.
-    band : mapping of str to Band
-        Band of each result that has one, by its name, such as ``first.rigid_peak``; empty where none was asked for.
-    band_method : BandMethod or None
-        How the bands were found.
-    verdicts : Verdicts
-        Verdicts of the runs that it is made of; of none where it is one run itself, or made of none.
-    """
+    """The result of a command, from which page, screen, files and JSON are made."""
 
     command: ClassVar[str]
     """The command that gives it."""
@@ -583,24 +512,28 @@ class Result(ABC):
 
     notices: tuple[Notice, ...] = ()
     comparisons: tuple[Comparison, ...] = ()
+    """Comparisons of computed numbers with published ones."""
     citations: tuple[str, ...] = ()
+    """Keys of the sources of the models used."""
     band: Mapping[str, Band] = dataclasses.field(default_factory=dict)
+    """Band of each number that has one, by its name, such as ``first.rigid_peak``; empty where none was asked for."""
     band_method: BandMethod | None = None
     verdicts: Verdicts = NO_RUNS
+    """Verdicts of the runs that it is made of; of none where it is one run itself, or made of none."""
 
     @property
     @abstractmethod
     def title(self) -> str:
-        """What page, tables and pictures are headed with."""
+        """The head of page, tables and pictures."""
 
     @property
     @abstractmethod
     def source(self) -> Source:
-        """Where the inputs come from."""
+        """The source of the inputs."""
 
     @property
     def test(self) -> Mapping[str, Any]:
-        """What was tested, by whom, where and when, as far as it is stated; see the table [test] of a case.
+        """Item, laboratory, place and time of the test, as far as they are stated; see the table [test] of a case.
 
         Of measured files, tables of a test report may stand beside those texts.
         """
@@ -608,12 +541,12 @@ class Result(ABC):
 
     @property
     def named_units(self) -> Mapping[str, str]:
-        """SI units of numbers that the document names by what they are of, such as published ones."""
+        """SI units of numbers that the document names by their subject, such as published ones."""
         return {}
 
     @property
     def given_units(self) -> declare.GivenUnits:
-        """SI unit and unit shown of numbers whose unit the data decide, by what their declaration says gives it."""
+        """SI unit and unit shown of numbers whose unit the data decide, by `Quantity.given_by`."""
         return {}
 
     @property
@@ -628,26 +561,23 @@ class Result(ABC):
 
     @property
     def balance_checks(self) -> tuple[BalanceCheck, ...]:
-        """Each error of a balance beside its limit: what every face shows of them.
-
-        By the usual limit of errors in ``balance`` (``energy_error``, ``momentum_error``), where a result has that.
-        """
+        """Each error of a balance (``energy_error``, ``momentum_error``) beside its limit, for all faces."""
         errors: Mapping[str, float] = getattr(self, "balance", {})
         return tuple(BalanceCheck(name.removesuffix("_error"), error) for name, error in errors.items())
 
     @property
     def broken(self) -> bool:
-        """Whether a check failed, or a goal was missed: the command exits with 3."""
+        """True if a check failed, or a goal was missed: the command exits with 3."""
         return any(notice.broken for notice in self.notices)
 
     @property
     def own_verdict(self) -> Verdict:
-        """What its own checks came to; the runs that it is made of have `verdicts`."""
+        """The verdict of its own checks; the runs that it is made of have `verdicts`."""
         return Verdict.of(self.notices)
 
     @property
     def state(self) -> str:
-        """What its checks came to, in words, as every face says it."""
+        """The outcome of its checks in words, for all faces."""
         codes = self.own_verdict.codes
         if codes:
             return failed_words(codes)
@@ -655,13 +585,10 @@ class Result(ABC):
         return f"{count} warning{'s' if count > 1 else ''}" if count else "all checks passed"
 
     def exit_code(self, fail_on: str = "broken") -> int:
-        """Return what its command ends with: `EXIT_BROKEN`, or 0.
+        """Return the exit code of its command, `EXIT_BROKEN` or 0.
 
-        Parameters
-        ----------
-        fail_on : str, optional
-            "broken": a check failed, a goal was missed, or a run failed a check or could not be made; "failed":
-            a run could not be made; "never": nothing.
+        It fails on "broken" where a check failed, a goal was missed, or a run failed a check or could not be made; on
+        "failed" where a run could not be made; on "never" nowhere.
         """
         own = fail_on == "broken" and (self.broken or self.own_verdict.status == RUN_BROKEN)
         return EXIT_BROKEN if own or self.verdicts.fails(fail_on) else 0
@@ -672,11 +599,11 @@ class Result(ABC):
         return {**{key: given.get(si, si) for key, si in declare.units(type(self)).items()}, **self.named_units}
 
     def content(self) -> dict[str, Any]:
-        """Return what the JSON document holds beside its head: its declared fields, and its bands."""
+        """Return the JSON document without its head: declared fields, and bands."""
         return {**declare.content(self), **(self.band_content() if self.may_have_bands else {})}
 
     def band_content(self) -> dict[str, Any]:
-        """Return what the JSON document says of the bands; see `Band` and `BandMethod`."""
+        """Return the bands of the JSON document; see `Band` and `BandMethod`."""
         return declare.content(BandContent(self.band, self.band_method))
 
     def document(self) -> dict[str, Any]:
@@ -699,19 +626,13 @@ class Result(ABC):
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:
-        """Its histories with units, as an xarray Dataset.
-
-        Raises
-        ------
-        AttributeError
-            If there are none.
-        """
+        """Its histories with units, as an xarray Dataset; an `AttributeError` where there are none."""
         if self.arrays is None:
             raise AttributeError(f"a result of `strikewave {self.command}` has no histories")
         return self.arrays.to_xarray()
 
     def datasets(self) -> dict[str, LabelledArrays]:
-        """Return what is kept as NetCDF, by the names of the files."""
+        """Return the NetCDF files, by their names."""
         if self.arrays is None:
             return {}
         attributes = {**self.arrays.attrs, VERDICT: self.own_verdict.text}
@@ -722,7 +643,7 @@ class Result(ABC):
         return {}
 
     def files(self) -> dict[str, str | LabelledArrays]:
-        """Return everything that is kept of it, but for page and pictures, by the names of the files."""
+        """Return all its files but for page and pictures, by their names."""
         source = self.source
         return {**self.datasets(), **self.tables(), **self.texts(), source.file: source.text}
 
@@ -732,13 +653,7 @@ class Result(ABC):
 
 
 def failed_words(codes: Sequence[str]) -> str:
-    """Say which checks failed.
-
-    Examples
-    --------
-    >>> failed_words(["no-blow"])
-    'check failed: no-blow'
-    """
+    """Name the checks that failed."""
     return f"check{'s' if len(codes) > 1 else ''} failed: {', '.join(codes)}"
 
 
