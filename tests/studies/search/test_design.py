@@ -15,8 +15,9 @@ from strikewave.base.errors import InputError, InputErrors
 from strikewave.studies.engine.pools import ProcessPool
 from strikewave.studies.engine.runner import Workers
 from strikewave.studies.engine.store import RunStore
+from strikewave.studies.search import design_report as report
 from strikewave.studies.search.design import design
-from strikewave.studies.search.design_report import design_picture, design_report, design_words
+from strikewave.studies.search.design_report import design_words
 from strikewave.studies.search.evolution import DesignRuns, margin_merit
 from strikewave.studies.search.goals import Goal, Objective, evaluation_of, read_aim
 from strikewave.studies.search.plan import plan_of
@@ -91,7 +92,7 @@ def test_goals_that_exclude_each_other_are_named_with_what_each_comes_to():
     # at the nearest setting both are missed by the same share: (4 - v)/4 = (F - 15 kN)/15 kN
     shares = study.candidates[0].shares
     assert shares[0] == pytest.approx(shares[1], abs=0.01)
-    assert "exclude each other" in design_report(study)
+    assert "exclude each other" in report.page(study)
 
 
 def test_a_goal_that_cannot_be_reached_alone_says_what_it_comes_to():
@@ -220,7 +221,7 @@ def test_the_fast_run_of_a_machine_is_verified_by_the_full_one():
     share = study.plan.goals[0].share(np.array([full.rigid_peak]))[0]
     assert first.verified[0] == pytest.approx(share, abs=1e-6)
     assert math.isnan(first.verified[2])  # the full run names no force of the stop
-    assert len(design_picture(study).axes) == 3
+    assert len(report.picture(study).axes) == 3
 
 
 @pytest.mark.parametrize(
@@ -350,7 +351,7 @@ def test_two_objectives_give_a_front_of_runs(two_aims):
     assert (np.diff(speed) > 0.0).all()
     assert speed[-1] == pytest.approx(math.sqrt(2.0 * G * 2.0), rel=0.01)  # of two generations
     assert force[0] == pytest.approx(force_at(2.0), rel=0.02)
-    assert "Pareto-optimal" in design_report(study)
+    assert "Pareto-optimal" in report.page(study)
 
 
 def test_a_clipping_number_is_the_reading_over_the_range():

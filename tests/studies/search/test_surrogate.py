@@ -10,8 +10,8 @@ from scipy.stats import multivariate_normal, qmc
 
 from strikewave import load_case
 from strikewave.base.errors import InputError
+from strikewave.studies.search import design_report as report
 from strikewave.studies.search.design import design
-from strikewave.studies.search.design_report import design_report
 from strikewave.studies.search.gaussian_process import LENGTHS, NUGGET, GaussianProcess, correlations, fitted_process
 from strikewave.studies.search.plan import plan_of
 
@@ -84,7 +84,7 @@ def test_few_runs_find_the_height_of_free_fall():
     (error,) = study.surrogate
     assert error.name == "approach_speed"
     assert 0.0 < error.share < 0.05
-    assert "leave-one-out error" in design_report(study)
+    assert "leave-one-out error" in report.page(study)
     assert "dubrule-1983" in study.citations
 
 

@@ -1,4 +1,4 @@
-"""A design: settings of a case at which its numbers are as they shall be, ranked and verified; or why there is none."""
+"""A design: settings of a case that meet goals, ranked and verified, or the goals that exclude each other."""
 
 from __future__ import annotations
 
@@ -52,13 +52,11 @@ Array = NDArray[np.float64]
 SOURCES: tuple[str, ...] = ("storn-price-1997", "deb-2000")
 """Keys of the sources of the search."""
 SURROGATE_SOURCES: tuple[str, ...] = ("sacks-1989", "dubrule-1983", "jones-1998", "deb-2000")
-"""The same by surrogate."""
+"""Keys of the sources of the search by surrogate."""
 OPTUNA_SOURCES: tuple[str, ...] = ("ozaki-2022", "akiba-2019")
-"""Those of the search for a whole front."""
-MOST_SETTINGS, MOST_NUMBERS = 6, 4
-"""Settings, and numbers, that the table of ranked settings shows; the CSV file has all."""
-AT_LIMIT = 0.95
-"""Share of its limit from which on the number of a check is said to limit what a goal comes to."""
+"""Keys of the sources of the search for a whole front."""
+MOST_SETTINGS, MOST_NUMBERS = 6, 4  # that the table of ranked settings shows: a screen; the CSV file has all
+AT_LIMIT = 0.95  # share of its limit from which a check is said to limit a goal: chosen, its slack is then below 5 %
 
 
 @declare.dataclass
@@ -75,7 +73,7 @@ class GoalAtFirst(OfKept):
 
 @declare.dataclass
 class NumberChange(OfKept):
-    """How a number moves with a setting."""
+    """Change of a number with a setting."""
 
     setting: str = declare.word("path of the setting", column=KEY, order=-1)
     number: str = declare.word("which number", column=KEY, order=-1)
@@ -87,13 +85,13 @@ class NumberChange(OfKept):
 
     @declare.phrase("change per 1 % of its range", quantity=OF_NUMBER, column=MAIN, order=-1)
     def change(self) -> str:
-        """Say by how much it moves, with its sign."""
+        """Return the change with its sign."""
         return f"{'-' if self.size < 0.0 else '+'}{self.kept.words(abs(self.size)) if self.size else '0'}"
 
 
 @declare.dataclass
 class ChosenSetting:
-    """A value of the first setting, as a case file has it."""
+    """Value of the first setting, as a case file has it."""
 
     name: str = declare.word("path of the setting")
     value: str = declare.word("its value", headline="{name}")
@@ -101,7 +99,7 @@ class ChosenSetting:
 
 @declare.dataclass(eq=False)
 class DesignStudy(SearchStudy):
-    """A design; see `Result` for what it shares with others.
+    """Ranked settings of a case for goals; see `Result` for the members that all results share.
 
     Attributes
     ----------
@@ -129,7 +127,7 @@ class DesignStudy(SearchStudy):
 
     @property
     def case(self) -> Case:
-        """What was designed, as it came."""
+        """Designed case, as given."""
         return self.plan.case
 
     @property
@@ -160,7 +158,7 @@ class DesignStudy(SearchStudy):
         return float(self.numbers[run, self.plan.evaluation.names.index(name)])
 
     def lacks(self, name: str) -> bool:
-        """Tell whether no run has a number, such as where all failed, or a theory allows none to be quoted."""
+        """Tell whether no run has a number, as where all failed, or the theory allows none to be quoted."""
         return bool(np.isnan(self.numbers[:, self.plan.evaluation.names.index(name)]).all())
 
     def value_words(self, name: str, value: float) -> str:
@@ -199,7 +197,7 @@ class DesignStudy(SearchStudy):
         )
     )
     def met(self) -> int:
-        """How many runs meet all goals, and fail no check."""
+        """Number of runs that meet all goals, and fail no check."""
         return int(np.sum((self.margins >= 0.0) & ~self._failed_check))
 
     is_met = declare.computed(declare.word("whether one does", key="met"))(lambda study: not study.broken)
@@ -244,7 +242,7 @@ class DesignStudy(SearchStudy):
 
     @declare.computed(declare.rows(GoalAtFirst, "goals at the first setting", in_document=False))
     def goals_at_first(self) -> list[GoalAtFirst]:
-        """What each goal comes to at the first setting."""
+        """Number and margin of each goal at the first setting."""
         first = self.candidates[0]
         checked = [None] * len(self.plan.goals) if first.verified is None else first.verified.tolist()
         return [
@@ -254,7 +252,7 @@ class DesignStudy(SearchStudy):
 
     @declare.computed(declare.rows(NumberChange, "sensitivities at the first setting", in_document=False))
     def number_changes(self) -> list[NumberChange]:
-        """How the numbers of the aims move with each setting, and between which values of it all goals stay met."""
+        """Change of the numbers of the aims with each setting, and the range in which all goals stay met."""
         wanted = dict.fromkeys(aim.number for aim in self.plan.aims)
         return [
             NumberChange(self.kept(name), sensitivity.path, name, sensitivity.changes[name], *self._room(sensitivity))
@@ -264,7 +262,7 @@ class DesignStudy(SearchStudy):
 
     @declare.computed(declare.rows(Reach, "goals that exclude each other", in_document=False))
     def reaches(self) -> tuple[Reach, ...]:
-        """What each of the goals that exclude each other comes to at best while the others are met."""
+        """Best number of each goal that the others exclude, while those are met."""
         return self.conflict.reaches if self.conflict else ()
 
     vary = declare.computed(declare.rows(StudyVariable, "what may be chosen", in_document=False))(
@@ -273,7 +271,7 @@ class DesignStudy(SearchStudy):
 
     @declare.computed(declare.table("the ranked settings"))
     def rank_table(self) -> list[Column]:
-        """The ranked settings: what was chosen, what comes of it, what verifies it, and draws."""
+        """The ranked settings: chosen values, numbers, verification, and draws."""
         ranked, goals = self.candidates, self.plan.goals
         columns = [Column("place", range(1, len(ranked) + 1), shown=""), *self._columns([one.run for one in ranked])]
         if goals:
@@ -301,7 +299,7 @@ class DesignStudy(SearchStudy):
 
     @property
     def met_broken(self) -> int:
-        """How many runs meet all goals, but fail a check."""
+        """Number of runs that meet all goals, but fail a check."""
         return int(np.sum((self.margins >= 0.0) & self._failed_check))
 
     @property
@@ -315,7 +313,7 @@ class DesignStudy(SearchStudy):
         return int(able[np.argmax(self.margins[able])]) if able.size else None
 
     def found_notices(self) -> tuple[Notice, ...]:
-        """Return what should be known: goals that are not met, settings that do not hold, runs that failed."""
+        """Return the notices: goals that are not met, settings that do not hold, runs that failed."""
         notices = []
         first = self.candidates[0]
         if first.margin < 0.0 or math.isnan(first.margin):
@@ -331,7 +329,7 @@ class DesignStudy(SearchStudy):
         return (*notices, *self.verdicts.notices())
 
     def _room(self, one: Sensitivity) -> Iterator[str | None]:
-        """Yield to where a setting may be moved down and up, till the first goal is missed."""
+        """Yield the lowest and highest value of a setting until the first goal is missed, in words."""
         k = [variable.path for variable in self.plan.variables].index(one.path)
         variable, value = self.plan.variables[k], self.candidates[0].row[k]
         ends = variable.axis.values[0], variable.axis.values[-1]
@@ -365,23 +363,21 @@ def _least(shares: Array | None) -> float | None:
 
 
 def conflict_words(study: DesignStudy) -> str:
-    """Say which goals exclude each other, and what each comes to under the others."""
+    """Return the sentence on goals that exclude each other, and their best numbers under the others."""
     conflict = study.conflict
     if conflict is None:
         return "the search ended too soon"
     lacking = dict.fromkeys(goal.number for goal in conflict.goals if study.lacks(goal.number))
     if lacking:
         return f"no run has {' or '.join(lacking)}"
-    words = []
-    for reach in conflict.reaches:
-        words.append(f'"{reach.goal.typed}" {_reach_words(study, reach, conflict.goals)}')
+    words = [f'"{reach.goal.typed}" {_reach_words(study, reach, conflict.goals)}' for reach in conflict.reaches]
     which = " and ".join(f'"{goal.typed}"' for goal in conflict.goals)
     head = f"{which} exclude each other" if len(conflict.goals) > 1 else f"{which} cannot be reached alone"
     return f"{head}: {'; '.join(words)}"
 
 
 def all_broken_words(study: DesignStudy) -> str:
-    """Say that all runs that meet the goals failed a check, and which that passed comes nearest to the goals."""
+    """Return the sentence on runs that meet the goals and all fail a check, and on the nearest that passes."""
     goals = " meets all goals" if study.plan.goals else " was found"
     count = study.met_broken
     others = f"{count} runs that fail one do" if count > 1 else "one run that fails one does"
@@ -396,7 +392,7 @@ def all_broken_words(study: DesignStudy) -> str:
 
 
 def _reach_words(study: DesignStudy, reach: Reach, stated: tuple[Goal, ...]) -> str:
-    """Say what the number of a goal comes to at best, or that no run met the other goals that are stated with it."""
+    """Return the best number of a goal in words, or that no run met the other goals that are stated with it."""
     if not math.isfinite(reach.value):
         return "is unknown: no run met the others"
     value = study.value_words(reach.goal.number, reach.value)
@@ -413,7 +409,7 @@ def _reach_words(study: DesignStudy, reach: Reach, stated: tuple[Goal, ...]) -> 
 def make_design(
     plan: DesignPlan, store: RunStore, pool: Pool | None = None, advance: Advance | None = None
 ) -> DesignStudy:
-    """Search for settings, rank and verify them; where none meets all goals, find out which exclude each other."""
+    """Search for settings, rank and verify them; where none meets all goals, find those that exclude each other."""
     with ProcessPool(1) if pool is None else pool as open_pool:
         runs = DesignRuns(plan, store, open_pool, advance)
         conflict = None if goals_met(runs) else conflict_of(runs)
@@ -450,7 +446,7 @@ def make_design(
 def _ranked(
     runs: DesignRuns, store: RunStore, pool: Pool
 ) -> tuple[tuple[DesignCandidate, ...], tuple[Sensitivity, ...]]:
-    """Return the ranked settings, and the sensitivities of the first one, which take runs beside it."""
+    """Return the ranked settings, and the sensitivities of the first, which take runs beside it."""
     merit = ranking(runs)
     candidates = ranked_candidates(runs, chosen_runs(runs, merit(runs.numbers)), store, pool)
     return candidates, sensitivities(runs, candidates[0].run)

@@ -1,10 +1,10 @@
-"""A design as a command, page and picture: ranked settings, goals, sensitivities, or which goals exclude each other."""
+"""A design as a command, page and picture: ranked settings, goals, sensitivities, goals that exclude each other."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 MOST_FRONT = 20
-"""Runs of a front that a table lists, evenly spread over it."""
+"""Runs of a front that a table lists, evenly spread over it: a page of them."""
 TIMED = 3
 """Runs that are timed for an estimate, after one that loads what a process needs: both ends and the middle."""
 WIDTH, HEIGHT, BAR = 9.0, 3.9, 0.3
@@ -39,39 +39,18 @@ WIDTH, HEIGHT, BAR = 9.0, 3.9, 0.3
 MOST_BARS = 8
 """Goals whose margins are drawn: the first ones."""
 DRAWN = (1.0, 99.0)
-"""Percentiles of the runs between which axes reach, widened to all limits and ranked settings: early runs of a search
-lie far off."""
+"""Percentiles of the runs that axes reach, widened to all limits and ranked settings: early runs lie far off."""
 AREA = {"color": BLUE, "alpha": 0.12, "linewidth": 0.0, "zorder": 0}
-"""How the area in which a goal is met is drawn."""
-
-
-def design_report(study: DesignStudy) -> str:
-    """Return the report of a design as one HTML page: no script, nothing fetched, the same bytes each time."""
-    caption = (
-        "Each dot is a run: over two of the numbers, with the area in which their goals are met, and over two of the "
-        "settings. Diamonds are the ranked settings with their places. Red marks are runs that failed a check, "
-        "or failed."
-    )
-    sections = [
-        picture_section("Picture", design_picture(study), caption),
-        *([_conflict_section(study)] if study.conflict is not None else []),
-        _ranked_section(study),
-        *([_front_section(study)] if study.front else []),
-        *([_sensitivity_section(study)] if study.sensitivities else []),
-        *([_surrogate_section(study)] if study.surrogate else []),
-        chapters.warnings(study.notices),
-        _question_section(study),
-        chapters.inputs(study.case_of()),
-    ]
-    summary = chapters.Summary("Report of a design", design_words(study), study.highlights())
-    return chapters.result_page(study, summary, sections)
+"""Look of the area in which a goal is met."""
 
 
 def design_words(study: DesignStudy) -> str:
-    """Say in words what came out."""
-    first = study.candidates[0]
+    """Return the sentences on the outcome."""
+    first, more = study.candidates[0], study.met_broken
     broken = f" {study.verdicts.sentence}" if study.verdicts.words else ""
-    count = f"{len(study.rows)} runs, {study.met} of them meet all goals{_also_broken(study)}.{broken}"
+    also = f", {more} more meet them but fail a check" if more else ""
+    also = ", 1 more meets them but fails a check" if more == 1 else also
+    count = f"{len(study.rows)} runs, {study.met} of them meet all goals{also}.{broken}"
     if study.conflict is not None:
         nearest = f"Nearest: {study.plan.at(first.row)}.{broken}"
         return f"No setting was found that meets all goals: {conflict_words(study)}. {nearest}"
@@ -88,82 +67,74 @@ def design_words(study: DesignStudy) -> str:
     return f"Best: {study.plan.at(first.row)}{held}{limits}. {count}{robust}"
 
 
-def _also_broken(study: DesignStudy) -> str:
-    """Say how many runs besides meet the goals, but fail a check; nothing where none does."""
-    more = study.met_broken
-    words = "1 more meets them but fails a check" if more == 1 else f"{more} more meet them but fail a check"
-    return f", {words}" if more else ""
-
-
-def _conflict_section(study: DesignStudy) -> Section:
-    text = (
-        "Of these goals no one can be met together with all the others, and without any one of them the others can, as "
-        "far as the searches found. The table says what each comes to at best while the others are met."
+def page(study: DesignStudy) -> str:
+    """Return the report of a design as one HTML page: no script, nothing fetched, the same bytes each time."""
+    plan, conflict = study.plan, study.conflict
+    caption = (
+        "Each dot is a run: over two of the numbers, with the area in which their goals are met, and over two of the "
+        "settings. Diamonds are the ranked settings with their places. Red marks are runs that failed a check, "
+        "or failed."
     )
-    alone = "This goal cannot be reached by itself. The table says what it comes to at best."
-    single = study.conflict is not None and len(study.conflict.goals) == 1
-    return Section("Goals that exclude each other", alone if single else text, [face_table(study, "reaches")])
+    sections = [picture_section("Picture", picture(study), caption)]
+    if conflict is not None:
+        text = (
+            "Of these goals no one can be met together with all the others, and without any one of them the others "
+            "can, as far as the searches found. The table says what each comes to at best while the others are met."
+        )
+        if len(conflict.goals) == 1:
+            text = "This goal cannot be reached by itself. The table says what it comes to at best."
+        sections.append(Section("Goals that exclude each other", text, [face_table(study, "reaches")]))
 
-
-def _ranked_section(study: DesignStudy) -> Section:
-    by = "the objective" if len(study.plan.objectives) == 1 else "the least of the margins"
+    by = "the objective" if len(plan.objectives) == 1 else "the least of the margins"
     text = (
         f"Ranked by {by}. A margin is the distance of a number to its nearer limit, as a share of half the band, or of "
         "the limit where there is one. Ranked settings differ by at least a tenth of a range."
     )
-    if study.plan.verifying is not None:
-        text += f" Each was verified by {study.plan.verifying[1]}."
-    if study.plan.robust:
-        text += f" The most robust of {study.plan.robust} draws each comes first; shares with their interval of 95 %."
-    parts: list[Part] = [Table("Ranked settings", *shown_table(study))]
-    if study.plan.goals:
-        parts.append(face_table(study, "goals_at_first"))
-    parts.append(Link("runs.csv", "All runs, runs.csv"))
-    return Section("Settings", text, parts)
+    text += f" Each was verified by {plan.verifying[1]}." if plan.verifying is not None else ""
+    if plan.robust:
+        text += f" The most robust of {plan.robust} draws each comes first; shares with their interval of 95 %."
+    goals = [face_table(study, "goals_at_first")] if plan.goals else []
+    parts: list[Part] = [Table("Ranked settings", *shown_table(study)), *goals, Link("runs.csv", "All runs, runs.csv")]
+    sections.append(Section("Settings", text, parts))
 
-
-def _front_section(study: DesignStudy) -> Section:
-    names = [objective.number for objective in study.plan.objectives]
-    places = sorted({round(k * (len(study.front) - 1) / (MOST_FRONT - 1)) for k in range(MOST_FRONT)})
-    rows: list[list[Cell]] = [
-        [study.plan.at(study.rows[run]), *(study.value_words(name, study.value(run, name)) for name in names)]
-        for run in (study.front[place] for place in places)
-    ]
-    text = (
-        f"{len(study.front)} runs that meet all goals are Pareto-optimal among all runs: none is better in one "
-        "objective without being worse in another. Its ends were searched for, and of two objectives points between."
-    )
-    return Section("Trade-off", text, [Table("Pareto-optimal runs", ["settings", *names], rows)])
-
-
-def _sensitivity_section(study: DesignStudy) -> Section:
-    text = (
-        "By runs one hundredth of a range to either side of the first setting. The last columns say how far a setting "
-        "alone may be moved till the first goal is missed, if the numbers go on as they do here."
-    )
-    return Section("Sensitivity", text, [face_table(study, "number_changes")])
-
-
-def _surrogate_section(study: DesignStudy) -> Section:
-    text = (
-        "The runs were chosen by Gaussian processes of those before. The table says how well such a process knows each "
-        "number: what it is off, root mean square, where all other runs foretell a run. Where that is as large as what "
-        "a goal allows, more runs may find better settings. The ranked settings themselves are runs."
-    )
-    return Section("Surrogate", text, [face_table(study, "surrogate", caption="Surrogate")])
-
-
-def _question_section(study: DesignStudy) -> Section:
-    plan = study.plan
+    if study.front:
+        names = [objective.number for objective in plan.objectives]
+        places = sorted({round(k * (len(study.front) - 1) / (MOST_FRONT - 1)) for k in range(MOST_FRONT)})
+        rows: list[list[Cell]] = [
+            [plan.at(study.rows[run]), *(study.value_words(name, study.value(run, name)) for name in names)]
+            for run in (study.front[place] for place in places)
+        ]
+        text = (
+            f"{len(study.front)} runs that meet all goals are Pareto-optimal among all runs: none is better in one "
+            "objective without being worse in another. Its ends were searched for, and of two objectives points "
+            "between."
+        )
+        sections.append(Section("Trade-off", text, [Table("Pareto-optimal runs", ["settings", *names], rows)]))
+    if study.sensitivities:
+        text = (
+            "By runs one hundredth of a range to either side of the first setting. The last columns say how far a "
+            "setting alone may be moved till the first goal is missed, if the numbers go on as they do here."
+        )
+        sections.append(Section("Sensitivity", text, [face_table(study, "number_changes")]))
+    if study.surrogate:
+        text = (
+            "The runs were chosen by Gaussian processes of those before. The table says how well such a process knows "
+            "each number: what it is off, root mean square, where all other runs foretell a run. Where that is as "
+            "large as what a goal allows, more runs may find better settings. The ranked settings themselves are runs."
+        )
+        sections.append(Section("Surrogate", text, [face_table(study, "surrogate", caption="Surrogate")]))
     way = "Gaussian processes with expected improvement" if plan.by_surrogate else "Differential evolution"
     text = (
         f"Each run is {ANALYSES[plan.analysis]}. {way}, up to {plan.runs} runs a search, random seed "
         f"{plan.seed}. Goals: {'; '.join(aim.typed for aim in plan.aims)}."
     )
-    return Section("What was asked", text, [face_table(study, "vary", "range")])
+    asked = Section("What was asked", text, [face_table(study, "vary", "range")])
+    sections += [chapters.warnings(study.notices), asked, chapters.inputs(study.case_of())]
+    summary = chapters.Summary("Report of a design", design_words(study), study.highlights())
+    return chapters.result_page(study, summary, sections)
 
 
-def design_picture(study: DesignStudy) -> Figure:
+def picture(study: DesignStudy) -> Figure:
     """Draw the runs over the numbers of two goals, over two settings, and the margins of the ranked settings."""
     from matplotlib.figure import Figure
 
@@ -180,7 +151,7 @@ def design_picture(study: DesignStudy) -> Figure:
 
 
 def drawn_numbers(study: DesignStudy) -> list[str]:
-    """Return the names of the two numbers that runs are drawn over: of goals that exclude each other, or the first."""
+    """Return the two numbers that runs are drawn over: those of goals that exclude each other, or the first two."""
     first = [reach.goal.number for reach in study.conflict.reaches] if study.conflict is not None else []
     names = [
         *first,
@@ -191,7 +162,7 @@ def drawn_numbers(study: DesignStudy) -> list[str]:
 
 
 def _numbers(axes: Any, study: DesignStudy) -> None:
-    """Draw runs over two numbers, with the area in which both goals are met; over their order where there is one."""
+    """Draw runs over two numbers, or one number over their order, with the area in which the goals are met."""
     names = drawn_numbers(study)
     kept = [study.kept(name) for name in names]
     columns = [study.numbers[:, study.plan.evaluation.names.index(name)] / study.kept(name).scale for name in names]
@@ -211,7 +182,7 @@ def _numbers(axes: Any, study: DesignStudy) -> None:
 
 
 def _extent(study: DesignStudy, values: Array, name: str) -> tuple[float, float]:
-    """Return between what an axis reaches; see `DRAWN`."""
+    """Return the ends of an axis; see `DRAWN`."""
     known = values[np.isfinite(values)]
     if not known.size:
         return 0.0, 0.0
@@ -225,7 +196,7 @@ def _extent(study: DesignStudy, values: Array, name: str) -> tuple[float, float]
 
 
 def _settings(axes: Any, study: DesignStudy) -> None:
-    """Draw runs over the first two settings; over their order where there is one alone."""
+    """Draw runs over the first two settings, or the only one over their order."""
     variables = study.plan.variables[:2]
     columns = [
         study.settings[:, k] if variable.words else np.asarray(variable.axis.shown(study.settings[:, k]))
@@ -247,7 +218,7 @@ def _settings(axes: Any, study: DesignStudy) -> None:
 
 
 def _dots(axes: Any, study: DesignStudy, x: Array, y: Array, legend: bool = False) -> None:
-    """Draw runs that miss a goal, that meet all, that are Pareto-optimal, and the ranked ones with their places."""
+    """Draw runs that miss a goal, meet all, or are Pareto-optimal, and the ranked ones with their places."""
 
     def label(words: str) -> str:
         return words if legend else "_"
@@ -286,51 +257,22 @@ def _margins(axes: Any, study: DesignStudy, count: int) -> None:
     quiet(axes, "Margins: bar, the first setting; line, its verification; dots, the others", "margin (%)", "")
 
 
-picture, page = design_picture, design_report
-"""Picture and page of a result in Python, see `strikewave.reporting.shown_result`."""
-
-
-class DesignEstimate(NamedTuple):
-    """How long a design takes.
-
-    Attributes
-    ----------
-    runs : int
-        Most runs of the first search.
-    at_most : int
-        Most runs of all searches, draws and what verifies, where nothing meets all goals or there are objectives.
-    run_seconds : float
-        About how long one takes, s.
-    seconds : float
-        About how long the first search takes at most, s.
-    """
-
-    runs: int
-    at_most: int
-    run_seconds: float
-    seconds: float
-
-
-def estimated(plan: DesignPlan, workers: int) -> DesignEstimate:
-    """Return how long a design takes, by some runs that are made and thrown away."""
+def show_estimate(plan: DesignPlan, workers: int, output: Output) -> int:
+    """Print the goals of a design and the time that it takes by some runs, and return the exit code."""
     places = [[low + share * (high - low) for low, high in plan.bounds] for share in np.linspace(0.0, 1.0, TIMED)]
     rows = [plan.row_at(place) for place in places]
-    plan.job(rows[:1])
+    plan.job(rows[:1])  # it loads all that a process needs, and is not timed
     each = float(np.mean([outcome.seconds for outcome in plan.job(rows)]))
+    # where goals exclude each other two searches a goal follow; objectives take their ends and one between
     later = max(2 * len(plan.goals), 2 * len(plan.objectives) + 1 if plan.objectives else 0)
-    return DesignEstimate(plan.runs, plan.runs + later * plan.later_runs, each, each * plan.runs / workers)
-
-
-def show_estimate(plan: DesignPlan, workers: int, output: Output) -> int:
-    """Print what a design is of and about how long it takes, and return the exit code."""
-    found = estimated(plan, workers)
+    seconds, at_most = each * plan.runs / workers, plan.runs + later * plan.later_runs
     processes = f"{workers} processes" if workers > 1 else "one process"
     words = (
-        f"{plan.words}. Up to {found.runs} runs of a search: about {lasting(found.seconds)}, "
-        f"{found.run_seconds:.2g} s each on {processes}; with further searches where nothing meets all "
-        f"goals or objectives compete, up to {found.at_most} runs."
+        f"{plan.words}. Up to {plan.runs} runs of a search: about {lasting(seconds)}, {each:.2g} s each on "
+        f"{processes}; with further searches where nothing meets all goals or objectives compete, up to {at_most} runs."
     )
-    return print_estimate(found._asdict(), words, output)
+    estimate = {"runs": plan.runs, "at_most": at_most, "run_seconds": each, "seconds": seconds}
+    return print_estimate(estimate, words, output)
 
 
 @dataclass
@@ -345,16 +287,16 @@ class DesignCommand(StudyCommand[DesignStudy]):
 
     @property
     def marked_text(self) -> str:
-        """What is asked: only the design knows the case."""
+        """The question alone: only the design knows the case."""
         return self.plan.asked_line
 
     def announced(self, store: RunStore) -> float:
-        """Say what is sought."""
+        """Print the goals."""
         say(self.plan.words)
         return 0.0
 
     def finished(self, store: RunStore) -> str:
-        """Say what of it a store has."""
+        """Return the finished part of it in a store, in words."""
         return super().finished(store) or ("" if store.empty else "states of runs")
 
     def made(self, store: RunStore, report: Report) -> DesignStudy:
@@ -366,11 +308,11 @@ class DesignCommand(StudyCommand[DesignStudy]):
         return make_design(self.plan, store, self.pool, advance)
 
     def summary(self, result: DesignStudy) -> str:
-        """Say which settings are best, or which goals exclude each other."""
+        """Return the sentences on the outcome."""
         return design_words(result)
 
     def show(self, result: DesignStudy) -> None:
-        """Print ranked settings, goals, sensitivities, and what excludes what."""
+        """Print ranked settings, goals, sensitivities, and goals that exclude each other."""
         heads, rows = shown_table(result)
         objectives = [result.kept(objective.number).label for objective in result.plan.objectives]
         numbers = [result.kept(name).label for name in result.plan.evaluation.names]

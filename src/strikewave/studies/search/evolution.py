@@ -1,19 +1,18 @@
-"""The search for settings: runs in the order in which they are asked for, and where the next ones are worth it.
+"""The search for settings of a case: runs in the order in which they are asked for, and where the next ones pay.
 
-Every run is kept, so that a search that was stopped asks for the same rows again and finds them, a later search of the
-same case begins with what earlier ones found, and runs of a generation share the processes. With goals alone the least
-of the margins is made as large as it can be: below zero it says by how much all limits at once must be widened. With an
-objective a setting that meets all goals beats any that does not, of two that do the better one wins, and of two that do
-not the one whose worst goal is missed by less (Deb 2000).
+Every run is kept: a search that was stopped asks for the same rows again and finds them, a later search of the same
+case begins with all earlier runs, and runs of a generation share the processes. With goals alone the least of the
+margins is maximized: below zero it says by how much all limits at once must be widened. With an objective a setting
+that meets all goals beats any that does not; of two that do the better one wins, and of two that do not the one whose
+worst goal is missed by less (Deb 2000).
 
-Differential evolution fills the ranges by generations, and says which valley is the deepest; to the ends of the ranges,
-along a ridge where two goals are missed alike, and to the last per cent of a valley it comes slowly. So its last runs
-go on from the best setting: there the numbers, not the merit, are taken as parabolas, for they are smooth where the
-merit has edges, and the best of these is run, within a box that grows where the model was right and shrinks where it
-was not. Where runs are dear a Gaussian process of each number says where the next ones are worth it: of some that are
-chosen together, so that workers share them, the first lies where the numbers are expected best, the others where the
-merit is expected to improve most (expected improvement, Jones et al. 1998), by draws of the numbers, since a merit of
-several is none of a normal distribution.
+Differential evolution fills the ranges by generations and finds the deepest valley; it is slow at the ends of ranges,
+along a ridge where two goals are missed alike, and in the last per cent of a valley. So its last runs refine the best
+setting: parabolas describe the numbers, which are smooth where the merit has edges; the best of these is run, within a
+box that grows where the model was right and shrinks where it was not. For expensive runs a Gaussian process of each
+number proposes the next ones: of some that are chosen together, so that workers share them, the first has the best
+expected numbers, the others the largest expected improvement (Jones et al. 1998), by draws of the numbers, since a
+merit of several is not normal.
 """
 
 from __future__ import annotations
@@ -38,57 +37,34 @@ from strikewave.studies.search.plan import RESOLUTION, DesignPlan
 
 Array = NDArray[np.float64]
 Merit = Callable[[Array], Array]
-"""Merit of runs by their numbers, which is to be made small."""
+"""Merit of runs by their numbers, to be minimized."""
 
-FAR = 1e9
-"""Merit of a run that failed or has not all numbers: worse than any that has them."""
-INFEASIBLE = 1e6
-"""Penalty added to the merit of a setting that misses a goal, so that any that meets all is better."""
-BROKEN = 1e5
-"""Penalty added to the merit of a setting that fails a check of the run, so that any that passes is nearer."""
+FAR = 1e9  # of a run that failed or lacks a number: worse than any that has them all
+INFEASIBLE = 1e6  # added where a goal is missed: any setting that meets all goals is better
+BROKEN = 1e5  # added where a check of the run fails: any setting that passes is nearer
 PER_SETTING, SMALLEST = 8, 16
-"""Settings of a generation for each one that is varied, and at least: the ten for each of Storn & Price 1997, as the
-power of two that fills the ranges evenly."""
-SETTLED = 1e-3
-"""Spread of the merits of a generation over their mean at which a search ends."""
+"""Settings of a generation for each varied one, and at least: the ten of Storn & Price 1997, as the power of two that
+fills the ranges evenly."""
+SETTLED = 1e-3  # spread of the merits of a generation over their mean at which a search ends: chosen
 SHARE = 4
-"""Share of the runs of a search, one in so many, that is left for its last steps at least. Chosen: of 150 runs over two
-settings a quarter came to the same best setting with each of the seeds that were tried."""
+"""Part of the runs, one in so many, that refines. Chosen: of 150 runs over two settings a quarter came to the same best
+setting with each seed that was tried."""
 WIDEST, GROWS, SHRINKS = 0.2, 2.0, 0.4
-"""Half width of the first box and of the widest, in shares of the ranges; by what it grows and shrinks."""
-STENCIL = 0.5
-"""Distance of the runs that the parabolas go through from the middle, over the half width of the box."""
-BOX_DRAWS = 4096
-"""Settings of the box of which the model says the best: a few per cent of its width apart in three settings."""
-BEYOND = 1.3
-"""How far draws reach beyond the box, to be set back to its faces: the best often lies there, at the end of a range."""
-TRIED = 3
-"""Settings that are run of those that the model calls the best: a model errs, and runs share the processes."""
+"""Half width of the first and widest box, in shares of the ranges, and its factors: chosen."""
+STENCIL = 0.5  # distance of the runs of the parabolas over the half width of the box: inside, where they shall hold
+BOX_DRAWS = 4096  # settings of the box by the model: a few per cent of its width apart in three settings
+BEYOND = 1.3  # draws reach beyond the box and are set back to its faces: the best often lies at the end of a range
+TRIED = 3  # runs of the settings that the model calls the best: a model errs, and runs share the processes
 BEGIN_PER_SETTING, BEGIN_LEAST = 4, 8
 """Runs that fill the ranges before anything is expected, for each setting and at least, as a power of two. Chosen: less
 than half of the ten for each that are usual where a process shall be right everywhere."""
-TOGETHER = 4
-"""Runs that are chosen together: the same whatever the workers, so that they change no bit."""
-DRAWS = 32
-"""Draws of the numbers at a place: the mean improvement is then known to a fifth, far better than the process is."""
-GENERATIONS, MEMBERS = 40, 12
-"""Generations and members of the search over the process, which costs a hundredth of a second each."""
+TOGETHER = 4  # runs that are chosen together, whatever the workers: their number changes no bit
+DRAWS = 32  # of the numbers at a place: the mean improvement is then known to a fifth, better than the process is
+GENERATIONS, MEMBERS = 40, 12  # of the search over the process: a hundredth of a second each
 
 
 class DesignRuns:
-    """The runs of a design, in the order in which they were asked for.
-
-    Parameters
-    ----------
-    plan : DesignPlan
-        Plan of the runs.
-    store : RunStore
-        Finished runs.
-    pool : Pool
-        Who runs the others.
-    advance : callable, optional
-        Called as runs come back, with how many there are.
-    """
+    """Runs of a design, in the order in which they were asked for; ``store`` has finished ones."""
 
     def __init__(self, plan: DesignPlan, store: RunStore, pool: Pool, advance: Advance | None = None) -> None:
         self.plan, self._store, self._pool, self._advance = plan, store, pool, advance
@@ -109,7 +85,7 @@ class DesignRuns:
         new = [row for row in dict.fromkeys(rows) if row not in self._places]
         if new:
             names = self.plan.evaluation.names
-            finished = carry_out(self.plan.job, new, self._store, self._pool, self._told)
+            finished = carry_out(self.plan.job, new, self._store, self._pool, self._report)
             numbers, failures = self._store.table(names, finished.keys)
             verdicts = self._store.verdicts(finished.keys).texts
             for row, number, failure, verdict in zip(new, numbers, failures, verdicts, strict=True):
@@ -120,7 +96,7 @@ class DesignRuns:
                 self.verdicts.append(verdict)
         return np.array([self._numbers[self._places[row]] for row in rows])
 
-    def _told(self, done: StudyProgress) -> None:
+    def _report(self, done: StudyProgress) -> None:
         if self._advance is not None:
             count, failed = len(self.rows) + done.done, sum(map(bool, self.failures)) + done.failed
             self._advance(StudyProgress(max(self.most, count), count, failed, done.rate))
@@ -130,7 +106,7 @@ class DesignRuns:
         return self._places[row]
 
     def meet(self) -> bool:
-        """Tell whether one of the runs meets all goals."""
+        """Tell whether a run meets all goals."""
         shares = shares_of(self.plan.goals, self.plan.evaluation.names, self.numbers)
         return bool((shares.min(axis=1, initial=np.inf) >= 0.0).any())
 
@@ -140,7 +116,7 @@ class DesignRuns:
 
 
 def margin_merit(goals: Sequence[Goal], names: Sequence[str]) -> Merit:
-    """Return the merit whose smallest value has the largest least margin, of settings that pass all checks."""
+    """Return the merit that is smallest at the largest least margin of settings that pass all checks."""
     checks, others = [goal for goal in goals if goal.is_check], [goal for goal in goals if not goal.is_check]
 
     def missed(of: Sequence[Goal], numbers: Array) -> Array:
@@ -178,7 +154,7 @@ def reach_merit(goal: Goal, others: Sequence[Goal], names: Sequence[str]) -> Mer
 
 
 def under(value: Array, goals: Sequence[Goal], names: Sequence[str], numbers: Array) -> Array:
-    """Return values where all goals are met, and else how far the worst of them is missed, above all values."""
+    """Return values where all goals are met; elsewhere the miss of the worst goal, above all values."""
     if not goals:
         return value
     worst = margin_merit(goals, names)(numbers)
@@ -186,12 +162,10 @@ def under(value: Array, goals: Sequence[Goal], names: Sequence[str], numbers: Ar
 
 
 def search(runs: DesignRuns, merit: Merit, enough: float = -np.inf, salt: int = 0) -> int:
-    """Search for the smallest merit, and return the number of the best run.
+    """Search for the smallest merit, or one of ``enough``, and return the number of the best run.
 
-    It begins with the best runs that there are, and with settings that fill the ranges evenly. Where the plan has few
-    runs, Gaussian processes say where.
-
-    Source: ``storn-price-1997``.
+    It begins with the best earlier runs, and settings that fill the ranges evenly. ``salt`` separates the random
+    numbers of several searches. Source: ``storn-price-1997``.
     """
     if runs.plan.by_surrogate:
         surrogate_search(runs, merit, enough, salt)
@@ -231,7 +205,7 @@ def search(runs: DesignRuns, merit: Merit, enough: float = -np.inf, salt: int = 
 
 
 def _first_generation(runs: DesignRuns, merit: Merit, salt: int) -> Array:
-    """Return the places that a search begins with: a quarter of them the best there are, the others spread evenly."""
+    """Return the first places: a quarter of them the best earlier runs, the others spread evenly."""
     plan = runs.plan
     count = SMALLEST
     while count < PER_SETTING * len(plan.variables):
@@ -248,7 +222,7 @@ def _first_generation(runs: DesignRuns, merit: Merit, salt: int) -> Array:
 
 
 def refine(runs: DesignRuns, merit: Merit, enough: float, most: int) -> None:
-    """Go on from the best run while a better one is found, or until so many runs are made."""
+    """Refine the best run until its merit is ``enough``, no better one is found, or ``most`` runs are made in all."""
     plan = runs.plan
     free = [k for k, whole in enumerate(plan.whole) if not whole]
     width = WIDEST
@@ -258,11 +232,13 @@ def refine(runs: DesignRuns, merit: Merit, enough: float, most: int) -> None:
         if before <= enough or len(runs.rows) + 2 * len(free) + TRIED > most:
             return
         place = plan.place_of(runs.rows[best])
-        ends = [_moved(place, k, way * STENCIL * width) for k in free for way in (-1.0, 1.0)]
+        moves = [way * STENCIL * width * axis for axis in np.eye(place.size)[free] for way in (-1.0, 1.0)]
+        ends = [np.where(move != 0.0, np.clip(place + move, 0.0, 1.0), place) for move in moves]
         about = runs.of([plan.row_at(end) for end in ends])
         places = np.array([plan.place_of(plan.row_at(end)) for end in ends])[:, free]
         slopes, curves = _parabolas(place[free], runs.numbers[best], places, about)
-        steps = _steps(place[free], width, len(free), plan.seed + len(runs.rows))
+        even = BEYOND * width * (2.0 * sobol_sequence(len(free), BOX_DRAWS, plan.seed + len(runs.rows)) - 1.0)
+        steps = np.clip(place[free] + np.clip(even, -width, width), 0.0, 1.0) - place[free]
         model = runs.numbers[best] + steps @ slopes + steps**2 @ curves
         order = np.argsort(merit(model), kind="stable")
         rows = []
@@ -277,19 +253,6 @@ def refine(runs: DesignRuns, merit: Merit, enough: float, most: int) -> None:
         runs.of(rows)
         better = float(merit(runs.numbers).min()) < before
         width = min(width * GROWS, WIDEST) if better else width * SHRINKS
-
-
-def _moved(place: Array, setting: int, way: float) -> Array:
-    """Return a place with one setting moved within its range."""
-    moved = place.copy()
-    moved[setting] = min(max(moved[setting] + way, 0.0), 1.0)
-    return moved
-
-
-def _steps(place: Array, width: float, settings: int, seed: int) -> Array:
-    """Return steps in a box about a place and in the ranges, evenly and on the faces; shape (draws, settings)."""
-    even = BEYOND * width * (2.0 * sobol_sequence(settings, BOX_DRAWS, seed) - 1.0)
-    return np.asarray(np.clip(place + np.clip(even, -width, width), 0.0, 1.0) - place)
 
 
 def _parabolas(middle: Array, value: Array, places: Array, values: Array) -> tuple[Array, Array]:
@@ -320,7 +283,7 @@ def _parabolas(middle: Array, value: Array, places: Array, values: Array) -> tup
 
 @declare.dataclass
 class KnownNumber(OfKept):
-    """How well a number is known by the other runs; NaN where too few of them have it."""
+    """Error of a number predicted by the other runs; NaN where too few of them have it."""
 
     name: str = declare.word("which number", label="number", column=KEY)
     error: float = declare.number(
@@ -332,14 +295,14 @@ class KnownNumber(OfKept):
 
 
 def unit_places(plan: DesignPlan, rows: Sequence[tuple[float, ...]]) -> Array:
-    """Return rows as places of which each coordinate goes from 0 to 1."""
+    """Return rows as places in the unit cube."""
     ends = np.array(plan.bounds)[:, 1]
     places = np.array([plan.place_of(row) for row in rows]).reshape(len(rows), len(plan.variables))
     return np.asarray(places / np.maximum(ends, 1.0))
 
 
 def processes(runs: DesignRuns) -> list[GaussianProcess] | None:
-    """Return a process of each number by the runs that have it; None where they are too few of one."""
+    """Return a process of each number by the runs that have it; None where one has too few."""
     places, numbers, found = unit_places(runs.plan, runs.rows), runs.numbers, list[GaussianProcess]()
     for values in numbers.T:
         known = np.isfinite(values)
@@ -363,10 +326,7 @@ def known_numbers(runs: DesignRuns) -> list[KnownNumber]:
 
 
 def surrogate_search(runs: DesignRuns, merit: Merit, enough: float, salt: int) -> None:
-    """Search for the smallest merit; what is run is added to the runs.
-
-    Source: ``jones-1998``.
-    """
+    """Search for the smallest merit by Gaussian processes. Source: ``jones-1998``."""
     plan = runs.plan
     most = len(runs.rows) + (plan.later_runs if runs.rows else plan.runs)
     runs.most = most
@@ -384,19 +344,19 @@ def surrogate_search(runs: DesignRuns, merit: Merit, enough: float, salt: int) -
             asked = _chosen(runs, merit, found, count, source)
         before = len(runs.rows)
         runs.of(asked)
-        if len(runs.rows) == before:  # it stands where it was
+        if len(runs.rows) == before:  # only settings that were run before: it stands still
             return
 
 
 def _row(plan: DesignPlan, place: Array) -> tuple[float, ...]:
-    """Return the row of a place of which each coordinate goes from 0 to 1."""
+    """Return the row of a place in the unit cube."""
     return plan.row_at(place * np.maximum(np.array(plan.bounds)[:, 1], 1.0))
 
 
 def _chosen(
     runs: DesignRuns, merit: Merit, found: list[GaussianProcess], count: int, source: np.random.Generator
 ) -> list[tuple[float, ...]]:
-    """Return rows that are worth a run, each as if those before it had come to what is expected."""
+    """Return rows that are worth a run, each as if those before it had given the expected numbers."""
     plan, best, rows = runs.plan, float(merit(runs.numbers).min()), list[tuple[float, ...]]()
     normal = source.standard_normal((DRAWS, len(found)))
 
@@ -420,7 +380,7 @@ def _chosen(
 
 
 def _least(plan: DesignPlan, function: Merit, source: np.random.Generator) -> Array:
-    """Return the place where a function of places is least; those of lists lie on their values."""
+    """Return the place of the smallest value of a function; places of lists lie on their values."""
     from scipy.optimize import differential_evolution
 
     ends, whole = np.array(plan.bounds)[:, 1], np.array(plan.whole)

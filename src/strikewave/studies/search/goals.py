@@ -67,7 +67,7 @@ DERIVED = Quantity(NO_UNIT, "%", decimals=2, digits=0)
 
 @declare.dataclass
 class Goal:
-    """What a number of a run must lie within.
+    """Limits of a number of a run.
 
     Attributes
     ----------
@@ -83,7 +83,7 @@ class Goal:
 
     @property
     def scale(self) -> float:
-        """What a margin is a share of: half the distance of the limits, or the one limit; 1 where that is 0."""
+        """Unit of margins: half the distance of the limits, or the one limit; 1 where that is 0."""
         half = 0.5 * (self.high - self.low)
         limit = self.high if math.isfinite(self.high) else self.low
         return half if math.isfinite(half) else abs(limit) or 1.0
@@ -91,15 +91,14 @@ class Goal:
     def share(self, values: Array) -> Array:
         """Return the margins of values: the distance to the nearer limit over `scale`, below 0 outside.
 
-        It is what clauses of specifications have as theirs. A run without the number has none: NaN. That of a check
-        that passes is infinite.
+        Clauses of specifications have the same margins. It is NaN without the number, and infinite for a passed check.
         """
         margins = np.asarray(np.minimum(values - self.low, self.high - values) / self.scale)
         return np.where(margins > 0.0, math.inf, margins) if self.is_check else margins
 
 
 class Objective(NamedTuple):
-    """A number that shall be as small (``sign`` 1) or as large (-1) as the goals let it be."""
+    """A number to be as small (``sign`` 1) or as large (-1) as the goals allow."""
 
     typed: str
     number: str
@@ -127,7 +126,7 @@ def read_aim(case: Case, analysis: str, text: str, field: str = "goals") -> Aim:
 
 
 def checks_of(case: Case, analysis: str) -> tuple[Goal, ...]:
-    """Return the checks of a run that a setting must pass beside the goals: that no pad is pressed solid."""
+    """Return the checks of a run beside the goals: no pad may be pressed solid."""
     if analysis != "run" or case.contact is None or case.contact.law != CUSHION:
         return ()
     limit = f"{100.0 * LARGEST_STRAIN:g} %"
@@ -236,7 +235,7 @@ def shares_of(goals: Sequence[Goal], names: Sequence[str], numbers: Array) -> Ar
 
 
 def is_derived(name: str) -> bool:
-    """Tell whether a number is none of the analysis itself.
+    """Tell whether the analysis itself does not give a number.
 
     Examples
     --------
@@ -276,7 +275,7 @@ class DesignEvaluation:
 
 
 def evaluation_of(case: Case, analysis: str, names: Iterable[str], device: str | None = None) -> DesignEvaluation:
-    """Return the evaluation that gives some numbers, with those that they follow from; on a device, of elements."""
+    """Return the evaluation of some numbers, and of those that they follow from; ``device`` takes steps of elements."""
     wanted = tuple(dict.fromkeys(names))
     needed = [name for name in wanted if not is_derived(name)]
     for name in wanted:
@@ -305,7 +304,7 @@ def stress_names(case: Case) -> list[str]:
 
 
 def yield_of(case: Case, name: str) -> float | None:
-    """Return the stress or contact force at which what a number is of first yields, SI; None where it is not known."""
+    """Return the stress or contact force at which the material of a number first yields, SI; None where unknown."""
     kind, _, rest = name.partition(".")
     place, _, what = rest.rpartition(".")
     if kind == "tap" and what == "peak_stress":
@@ -327,7 +326,7 @@ def _strength(name: str | None) -> float | None:
 
 
 def _derived(name: str, case: Case, numbers: Mapping[str, float], simulation: Simulation) -> float:
-    """Return a number that is none of the analysis itself; NaN where the run has none."""
+    """Return a number that the analysis itself does not give; NaN where the run has none."""
     if name.startswith(SPEC):
         return _least_margin(name.removeprefix(SPEC), case, simulation)
     if name.endswith(OF_YIELD):
@@ -357,9 +356,9 @@ def _least_margin(asked: str, case: Case, simulation: Simulation) -> float:
 
 
 def _clipping(sensor: str, case: Case, simulation: Simulation) -> float:
-    """Return the largest of what a sensor would put out over what it or its recorder can; of all without a name.
+    """Return the largest reading of a sensor over its range or that of its recorder; of all sensors without a name.
 
-    NaN where a reading ends before its pulse does: what comes later may clip.
+    It is NaN where a reading ends before its pulse does: the rest may clip.
     """
     if case.command == "run":
         observed = simulation.observed

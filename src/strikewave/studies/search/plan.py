@@ -1,4 +1,4 @@
-"""What a design is of: a case, what may be chosen, goals and objectives, as its file states them; places as rows."""
+"""The plan of a design: its case, variables, goals and objectives, as its file states them; places and rows."""
 
 from __future__ import annotations
 
@@ -45,34 +45,24 @@ from strikewave.studies.study_file import Settings, case_place, read_study, stat
 Array = NDArray[np.float64]
 
 NOTE = "chosen by strikewave design"
-"""Note in a case of a value that a design has chosen."""
+"""Note in a case of a chosen value."""
 RUNS = 600
-"""Runs of a search where no number of them is stated. Chosen: forty generations of fifteen settings of the one or two
-that most designs vary, in which the best margin settles to a hundredth."""
-MOST_RUNS = 100_000
-"""Most runs of a search."""
-SURROGATE_RUNS = 40
-"""The same by surrogate. Chosen: what elements of a minute each do overnight, with all further searches."""
-LEAST_RUNS = 16
-"""Fewest: one generation of the smallest search."""
+"""Default runs of a search. Chosen: forty generations of fifteen settings of the one or two that most designs vary, in
+which the best margin settles to a hundredth."""
+MOST_RUNS = 100_000  # a search of more is a typing error
+SURROGATE_RUNS = 40  # default by surrogate. Chosen: elements of a minute each take a night, with all further searches
+LEAST_RUNS = 16  # one generation of the smallest search
 EVOLUTION, SURROGATE, OPTUNA = SEARCHES = ("evolution", "surrogate", "optuna")
-"""How settings are sought: by generations of many runs, by few, each where a Gaussian process expects the most, or the
-whole front of several objectives at once."""
-LATER = 4
-"""Share of the runs, one in so many, that a search by surrogate has after others: it begins with all of theirs."""
+"""Methods of search: generations of many runs, few runs chosen by Gaussian processes, or a whole front at once."""
+LATER = 4  # a later search by surrogate has one in so many runs: it begins with those of all before
 SLOW = ("fem",)
-"""Analyses of which a run takes seconds and more: their settings are sought by surrogate where nothing is stated."""
+"""Analyses of which a run takes seconds and more: their settings are sought by surrogate by default."""
 RESOLUTION = 1000.0
-"""Steps of a linear range between which no settings are tried: no part is made more exactly, and what is found reads
-as it would be typed."""
-DIGITS = 4
-"""Significant digits of a setting on a logarithmic range, for the same reason."""
-MOST_AIMS = 30
-"""Most goals and objectives: where none can be met, each of them takes a search of its own."""
-MOST_DRAWS = 10_000
-"""Most draws within tolerances for each of the settings that are ranked."""
-FINER = 0.1
-"""Tolerance of a run that verifies another, over that of the other."""
+"""Steps of a linear range: no part is made more exactly, and a chosen value reads as it would be typed."""
+DIGITS = 4  # significant digits of a setting on a logarithmic range, for the same reason
+MOST_AIMS = 30  # goals and objectives: where none can be met, each takes a search of its own
+MOST_DRAWS = 10_000  # within tolerances for each ranked setting: shares are then known to 1 %
+FINER = 0.1  # tolerance of a run that verifies another, over that of the other: chosen
 ALLOWED = "a TOML file with the case, goals and [vary]"
 
 
@@ -102,7 +92,7 @@ class SearchMethod:
 
 @dataclass(frozen=True)
 class DesignPlan:
-    """What a design is of.
+    """Plan of a design.
 
     Attributes
     ----------
@@ -145,7 +135,7 @@ class DesignPlan:
 
     @property
     def by_surrogate(self) -> bool:
-        """Whether few runs are to do."""
+        """True if a Gaussian process chooses few runs."""
         return self.search == SURROGATE
 
     @property
@@ -155,7 +145,7 @@ class DesignPlan:
 
     @cached_property
     def goals(self) -> tuple[Goal, ...]:
-        """What must be met."""
+        """Goals, all of which must be met."""
         return tuple(aim for aim in self.aims if isinstance(aim, Goal))
 
     def goal_of(self, name: str) -> Goal | None:
@@ -164,17 +154,17 @@ class DesignPlan:
 
     @cached_property
     def objectives(self) -> tuple[Objective, ...]:
-        """What shall be small or large where all goals are met."""
+        """Objectives: numbers to be small or large where all goals are met."""
         return tuple(aim for aim in self.aims if isinstance(aim, Objective))
 
     @cached_property
     def evaluation(self) -> DesignEvaluation:
-        """What is kept of each run."""
+        """Evaluation of each run."""
         return evaluation_of(self.case, self.analysis, [aim.number for aim in self.aims], self.device)
 
     @property
     def job(self) -> Job:
-        """What is run."""
+        """Job of its runs."""
         return Job(self.variation, self.evaluation)
 
     @cached_property
@@ -187,7 +177,7 @@ class DesignPlan:
 
     @property
     def whole(self) -> list[bool]:
-        """Which places are whole numbers."""
+        """True for places that are whole numbers."""
         return [not variable.is_range for variable in self.variables]
 
     def row_at(self, place: Sequence[float] | Array) -> Row:
@@ -247,9 +237,9 @@ class DesignPlan:
 
     @cached_property
     def verifying(self) -> tuple[DesignPlan, str] | None:
-        """The plan by which the best settings are verified, and what it is; None where there is nothing better.
+        """Plan by which the best settings are verified, and its name; None where there is no better one.
 
-        Of a fast run the full one; of a full run of a machine one of a tenth of its tolerance.
+        A full run verifies a fast one; a run of a tenth of the tolerance verifies a full one.
         """
         if self.analysis == "fast":
             return self._with("run", self.case), "a full run"
@@ -267,13 +257,13 @@ class DesignPlan:
 
     @property
     def words(self) -> str:
-        """What is asked, in words."""
+        """Goals, variables and analysis, in words."""
         over = first_few([variable.path for variable in self.variables], 3)
         return f"{'; '.join(aim.typed for aim in self.aims)}; over {over} ({self.analysis})"
 
     @cached_property
     def asked_line(self) -> str:
-        """The first line of the written case: what was asked, and a mark of everything that it was asked of."""
+        """First line of the written case: the question, and a mark of all that was asked."""
         asked = repr((self.aims, self.runs, self.seed, self.robust, self.analysis, self.search))
         asked += repr([(variable.axis, variable.words) for variable in self.variables]) + dump_case(self.case)
         key = hashlib.sha256(asked.encode()).hexdigest()[:12]
@@ -318,7 +308,7 @@ def plan_of(
 
 
 def _check_optuna(objectives: int) -> None:
-    """Refuse the search for a trade-off where there is none, or optuna is not installed."""
+    """Refuse the search for a trade-off without two objectives, or without optuna."""
     if objectives < 2:
         raise InputError("search", OPTUNA, "two objectives or more", f"{EVOLUTION} or {SURROGATE} for a single one")
     if importlib.util.find_spec("optuna") is None:
@@ -344,7 +334,7 @@ FORM = Form(DesignFile, "design", 'goals="cv < 3 %"')
 
 
 class DesignRequest(NamedTuple):
-    """A file of a design that was read: its case, what is set in it, and the file; options have replaced its keys."""
+    """A read file of a design: its case and changes; options have replaced its keys."""
 
     case: Case
     changes: tuple[str, ...]

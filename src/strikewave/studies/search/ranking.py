@@ -1,12 +1,12 @@
-"""What is ranked: settings apart from each other and verified, fronts of objectives, and goals that exclude each other.
+"""The ranking of a design: verified settings, Pareto fronts, and goals that exclude each other.
 
-A front of several objectives is searched for at its ends and between, or at once by optuna: of each setting two
-densities are estimated, of the runs nearest the front and of the others, and what is likely by the first and not by the
-second is run next (tree-structured Parzen estimator); runs that miss a goal rank behind all that meet theirs, by how
-much they miss. Where nothing meets all goals they are left out one after the other: one without which the others still
-cannot be met stays out (the deletion filter of Chinneck & Dravnieks 1991). What is left cannot be met together, and
-would without any one of them, as far as the searches find: a global search finds no proof that nothing is there. What a
-goal comes to is that of runs that pass their checks, whether these are among the fewest or not.
+A front of several objectives is searched for at its ends and between, or at once by optuna: its tree-structured Parzen
+estimator describes the settings of runs near the front and of the others by two densities, and proposes settings likely
+by the first and not by the second; runs that miss a goal rank behind all that meet theirs, by their miss. Where nothing
+meets all goals they are left out one after the other: one without which the others still cannot be met stays out (the
+deletion filter of Chinneck & Dravnieks 1991). The rest cannot be met together, and would without any one of them, as
+far as the searches find: a global search proves no absence. A goal comes to the number of runs that pass their checks,
+whether these are among the fewest or not.
 """
 
 from __future__ import annotations
@@ -48,24 +48,20 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MOST_CANDIDATES = 8
-"""Settings that are ranked: a table of a screen."""
+MOST_CANDIDATES = 8  # ranked settings: a table of a screen
 APART = 0.1
-"""Least distance of two ranked settings, in shares of the range of one of them: nearer ones are the same to a maker.
-Of values of a list, any other one counts."""
+"""Least distance of two ranked settings, in shares of the range of one of them: nearer ones are the same to a maker. Of
+a list any other value counts."""
 STEP = 0.01
-"""Step of a setting by which slopes are found, as a share of its range: ten of the steps between which no settings are
-tried, so that the rounding of settings is a tenth of it at most."""
-WEIGHTS = (0.25, 0.5, 0.75)
-"""Weights of the first of two objectives, between the ends of their front, at which it is searched for besides."""
-TOGETHER = 8
-"""Runs that are chosen together: the same whatever the workers, so that they change no bit."""
+"""Step of slopes, as a share of the range: ten of the steps of `RESOLUTION`, so that rounding is a tenth at most."""
+WEIGHTS = (0.25, 0.5, 0.75)  # of the first of two objectives: points between the ends of the front, evenly
+TOGETHER = 8  # runs that optuna proposes together, whatever the workers: their number changes no bit
 MARGIN = Quantity(NO_UNIT, "%", "margin", 1, 0)
 
 
 @declare.dataclass
 class Robustness:
-    """Of draws within the tolerances of a setting, how many meet all goals."""
+    """Draws within the tolerances of a setting, and those that meet all goals."""
 
     met: int = declare.count("draws that meet all goals")
     drawn: int = declare.count("draws")
@@ -79,7 +75,7 @@ class Robustness:
 
     @declare.computed(declare.word("of the share that would meet them, 95 % (Clopper & Pearson)"))
     def interval(self) -> list[float]:
-        """Low and high end."""
+        """Low and high end of the interval."""
         return [self.low, self.high]
 
 
@@ -115,7 +111,7 @@ class DesignRun:
 
 @declare.dataclass(eq=False)
 class DesignCandidate(DesignRun):
-    """A setting that is ranked.
+    """A ranked setting.
 
     Attributes
     ----------
@@ -127,7 +123,7 @@ class DesignCandidate(DesignRun):
 
     @declare.computed(declare.word("whether it meets all goals"))
     def meets(self) -> bool:
-        """Whether it meets all goals, and does so when it is verified."""
+        """True if it meets all goals, also when it is verified."""
         return self.margin >= 0.0 and self.holds
 
     @declare.computed(
@@ -162,25 +158,24 @@ class DesignCandidate(DesignRun):
 
     @property
     def holds(self) -> bool:
-        """Whether its runs failed no check, and no margin falls below zero when it is verified."""
+        """True if its runs failed no check, and no margin falls below zero when it is verified."""
         return self.confirmed and not self.breaks
 
     @property
     def confirmed(self) -> bool:
-        """Whether no margin falls below zero by the run that verifies it, whatever the checks of its runs say."""
+        """True if no margin falls below zero by the run that verifies it, whatever its checks say."""
         return not self.failure and (self.verified is None or not bool((self.verified < 0.0).any()))
 
     @property
     def breaks(self) -> bool:
-        """Whether one of its runs failed a check."""
+        """True if one of its runs failed a check."""
         return status_of(self.verdict) == RUN_BROKEN
 
 
 def chosen_runs(runs: DesignRuns, merit: Array) -> list[int]:
-    """Return the runs that are ranked, the smallest merit first, each `APART` from those before it.
+    """Return the ranked runs, the smallest merit first, each `APART` from those before it.
 
-    Those that meet no goal are only taken where none does, and then the nearest alone; those that failed a check
-    where all that meet the goals did.
+    Where no run meets all goals it is the nearest alone; runs that failed a check count where all that meet them did.
     """
     plan = runs.plan
     names = plan.evaluation.names
@@ -210,7 +205,7 @@ def _sound(runs: DesignRuns, able: NDArray[np.intp]) -> NDArray[np.intp]:
 def verified(
     plan: DesignPlan, rows: Sequence[Row], store: RunStore, pool: Pool
 ) -> tuple[Array | None, list[str], Sequence[str]]:
-    """Return the margins of rows by the runs that verify them, shape (rows, goals), why some failed, and verdicts."""
+    """Return margins of rows by the runs that verify them, shape (rows, goals), their failures, and verdicts."""
     if plan.verifying is None:
         return None, [""] * len(rows), [""] * len(rows)
     better, _ = plan.verifying
@@ -224,7 +219,7 @@ def verified(
 
 
 def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Robustness:
-    """Return how many draws within the tolerances of a setting meet all goals, and fail no check.
+    """Return the count of draws within the tolerances of a setting that meet all goals, and fail no check.
 
     Source: ``clopper-pearson-1934``.
     """
@@ -244,7 +239,7 @@ def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Ro
 
 @declare.dataclass(eq=False)
 class Sensitivity:
-    """How the numbers move with a setting, about the best one.
+    """Change of the numbers with a setting, about the best run.
 
     Attributes
     ----------
@@ -294,7 +289,7 @@ def sensitivities(runs: DesignRuns, best: int) -> tuple[Sensitivity, ...]:
 
 
 def _room(goals: Sequence[Goal], names: Sequence[str], numbers: Array, slopes: Array) -> tuple[float, float]:
-    """Return how far a setting may go down and up till the first goal is missed; NaN where one is missed already.
+    """Return the room of a setting down and up until the first goal is missed; NaN where one is missed already.
 
     Examples
     --------
@@ -315,9 +310,9 @@ def _room(goals: Sequence[Goal], names: Sequence[str], numbers: Array, slopes: A
 
 
 def front(runs: DesignRuns, objectives: Sequence[Objective]) -> list[int]:
-    """Return the runs that meet all goals and that no other such run beats in all objectives, by the first of them.
+    """Return the Pareto-optimal runs that meet all goals, sorted by the first objective.
 
-    Those that failed a check are taken where all that meet the goals did.
+    Runs that failed a check count where all that meet the goals did.
     """
     plan, names = runs.plan, runs.plan.evaluation.names
     least = shares_of(plan.goals, names, runs.numbers).min(axis=1, initial=math.inf)
@@ -334,7 +329,7 @@ def _beaten(value: Array, others: Array) -> bool:
 
 
 def ranked_candidates(runs: DesignRuns, ranked: list[int], store: RunStore, pool: Pool) -> tuple[DesignCandidate, ...]:
-    """Return the ranked settings with what verifies them; those that hold first, the most robust of them first."""
+    """Return the ranked settings with their verification: those that hold first, of these the most robust."""
     plan = runs.plan
     rows = [runs.rows[run] for run in ranked]
     margins, failures, verdicts = verified(plan, rows, store, pool)
@@ -358,7 +353,7 @@ def ranked_candidates(runs: DesignRuns, ranked: list[int], store: RunStore, pool
 
 @declare.dataclass(eq=False)
 class Reach(OfKept):
-    """A goal that others exclude, and what its number comes to where they are met.
+    """A goal that others exclude, and its best number where they are met.
 
     Attributes
     ----------
@@ -377,7 +372,7 @@ class Reach(OfKept):
 
     @declare.computed(declare.number(OF_NUMBER, "what its limit lacks", label="its limit would move by", column=MAIN))
     def lacks(self) -> float:
-        """By how much its limit would have to be moved, SI."""
+        """Distance by which its limit would have to move, SI."""
         return max(self.goal.low - self.value, self.value - self.goal.high)
 
     run: DesignRun = declare.part(DesignRun, "where", inline=True)
@@ -389,7 +384,7 @@ class Reach(OfKept):
 
 @declare.dataclass(eq=False)
 class Conflict:
-    """Goals that exclude each other: the fewest, for without any one of them the others can be met.
+    """Goals that exclude each other: the fewest, since without any one of them the others can be met.
 
     Attributes
     ----------
@@ -406,20 +401,23 @@ class Conflict:
 
 
 def conflict_of(runs: DesignRuns) -> Conflict:
-    """Return which goals exclude each other.
-
-    Source: ``chinneck-dravnieks-1991``.
-    """
+    """Return the goals that exclude each other. Source: ``chinneck-dravnieks-1991``."""
     goals = list(runs.plan.goals)
-    for salt, goal in enumerate(runs.plan.goals, 1):
-        rest = [one for one in goals if one is not goal]
-        if rest and not _can_be_met(runs, rest, salt):
-            goals = rest
     names = runs.plan.evaluation.names
+    for salt, goal in enumerate(runs.plan.goals, 1):
+        rest = [other for other in goals if other is not goal]
+        if not rest:
+            continue
+        merit = margin_merit(rest, names)
+        least = float(merit(runs.numbers).min())
+        if least > 0.0:  # no run meets the rest yet: a search ends where one does
+            best = search(runs, merit, 0.0, salt)
+            least = float(merit(runs.numbers)[best])
+        goals = rest if least > 0.0 else goals
     reaches = []
     for salt, goal in enumerate(goals, len(runs.plan.goals) + 1):
-        checks = [one for one in runs.plan.goals if one.is_check and one not in goals]
-        others = [*(one for one in goals if one is not goal), *checks]
+        checks = [check for check in runs.plan.goals if check.is_check and check not in goals]
+        others = [*(other for other in goals if other is not goal), *checks]
         merit = reach_merit(goal, others, names)
         run = search(runs, merit, salt=salt)
         met = float(merit(runs.numbers)[run]) < INFEASIBLE
@@ -429,17 +427,8 @@ def conflict_of(runs: DesignRuns) -> Conflict:
     return Conflict(tuple(goals), tuple(reaches))
 
 
-def _can_be_met(runs: DesignRuns, goals: Sequence[Goal], salt: int) -> bool:
-    """Tell whether some goals can be met together: by what was run, or else by a search that ends where they are."""
-    merit = margin_merit(goals, runs.plan.evaluation.names)
-    if float(merit(runs.numbers).min()) <= 0.0:
-        return True
-    best = search(runs, merit, 0.0, salt)
-    return float(merit(runs.numbers)[best]) <= 0.0
-
-
 def trade_off_search(runs: DesignRuns, salt: int) -> None:
-    """Search for the front of all objectives; what is run is added to the runs.
+    """Search for the front of all objectives by optuna; ``salt`` separates the random numbers of searches.
 
     Source: ``ozaki-2022``.
     """
@@ -467,7 +456,7 @@ def trade_off_search(runs: DesignRuns, salt: int) -> None:
 
 
 def _distributions(plan: DesignPlan) -> dict[str, Any]:
-    """Return where each variable may lie: places of a range, numbers of a list, words without an order."""
+    """Return the distribution of each variable: places of a range, numbers of a list, words without an order."""
     from optuna.distributions import CategoricalDistribution, FloatDistribution, IntDistribution
 
     found: dict[str, Any] = {}
@@ -482,7 +471,7 @@ def _distributions(plan: DesignPlan) -> dict[str, Any]:
 
 
 def _judged(runs: DesignRuns, numbers: Array) -> tuple[list[float] | None, dict[str, float]]:
-    """Return the objectives of a run, all to be small, if it has them all, and by how much it misses each goal."""
+    """Return the objectives of a run, to be minimized, if it has them all, and its miss of each goal."""
     plan, names = runs.plan, runs.plan.evaluation.names
     values = [objective.sign * float(numbers[names.index(objective.number)]) for objective in plan.objectives]
     missed = np.nan_to_num(-shares_of(plan.goals, names, numbers[None])[0], nan=FAR)
@@ -492,7 +481,7 @@ def _judged(runs: DesignRuns, numbers: Array) -> tuple[list[float] | None, dict[
 def _finished(
     plan: DesignPlan, row: tuple[Any, ...], where: dict[str, Any], values: Sequence[float], missed: dict[str, float]
 ) -> optuna.trial.FrozenTrial:
-    """Return a run that was made before as the search takes it."""
+    """Return a finished run as optuna takes it."""
     import optuna
 
     places = zip(where, plan.place_of(row), plan.whole, strict=True)
@@ -501,7 +490,7 @@ def _finished(
 
 
 def goals_met(runs: DesignRuns) -> bool:
-    """Search for what meets all goals, and tell whether it was found; without objectives, with the largest margin."""
+    """Search for a setting that meets all goals, and tell whether there is one; its margin is maximized alone."""
     plan = runs.plan
     if not plan.goals:
         return True
