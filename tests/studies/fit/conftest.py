@@ -14,7 +14,7 @@ from .closed_runs import CASE, FORCE, Closed
 def studied(monkeypatch):
     """Return what makes the study of a fit of what was measured, run in closed form."""
     monkeypatch.setattr("strikewave.studies.fit.study.Problem", lambda tests, fields: Problem(tests, fields, Closed))
-    monkeypatch.setattr("strikewave.studies.fit.solving.Simulation", Closed)
+    monkeypatch.setattr("strikewave.studies.fit.problem.Simulation", Closed)
     monkeypatch.setattr("strikewave.studies.fit.study.speed_notices", lambda *words: ())
 
     def study(*measured, free=(FORCE,)):

@@ -22,8 +22,7 @@ from strikewave.studies.fit.checking import (
 )
 from strikewave.studies.fit.covariance import Excess
 from strikewave.studies.fit.free_fields import free_fields
-from strikewave.studies.fit.problem import Experiment, Problem
-from strikewave.studies.fit.solving import solve
+from strikewave.studies.fit.problem import Experiment, Problem, solve
 
 from .closed_runs import CASE, FORCE, Closed, number, problem, pulse
 

@@ -14,9 +14,17 @@ from strikewave.studies.fit.covariance import Estimate, Excess
 from strikewave.studies.fit.free_fields import free_fields
 from strikewave.studies.fit.measured import MeasuredNumber
 from strikewave.studies.fit.posterior import Posterior, adjustment, log_likelihood, widened
-from strikewave.studies.fit.problem import Experiment, Problem, more_than_noise
+from strikewave.studies.fit.problem import (
+    Experiment,
+    Problem,
+    _check_felt,
+    _nearest,
+    _others,
+    more_than_noise,
+    separating,
+    solve,
+)
 from strikewave.studies.fit.result import FittedParameter, combination_words, separating_words
-from strikewave.studies.fit.solving import _check_felt, _nearest, _others, separating, solve
 
 from .closed_runs import CASE, FORCE, HEIGHT, LOSS, Closed, number, problem, pulse
 
@@ -260,7 +268,7 @@ def test_a_number_separates_what_a_product_leaves_open():
     solved = solve(begun)
     assert solved.estimate.groups() == [[0, 1]]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("strikewave.studies.fit.solving.Simulation", Closed)
+        patch.setattr("strikewave.studies.fit.problem.Simulation", Closed)
         rows = separating(solved)
     assert [one.number for one in rows] == ["first.width"]
     assert rows[0].group == (FORCE, HEIGHT)
@@ -455,7 +463,7 @@ def test_what_separates_values_is_the_same_at_their_bounds_whatever_else_is_know
     known = MeasuredNumber(LOSS, "", "", 0.7, 1e-3, "0.7", of_field=True)
     solved = solve(problem(known, number("first.rigid_peak"), free=(LOSS, FORCE, HEIGHT)))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("strikewave.studies.fit.solving.Simulation", Closed)
+        patch.setattr("strikewave.studies.fit.problem.Simulation", Closed)
         for at in (0.0, 0.5, 1.0):
             place = np.array([solved.estimate.place[0], at, at])
             moved = replace(solved, estimate=replace(solved.estimate, place=place))
@@ -469,7 +477,7 @@ def test_of_two_ways_that_are_lost_no_number_tells_all():
     solved = solve(problem(number("first.rigid_peak"), free=(FORCE, HEIGHT, LOSS)))
     assert solved.estimate.undetermined.shape[1] == 2
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("strikewave.studies.fit.solving.Simulation", Closed)
+        patch.setattr("strikewave.studies.fit.problem.Simulation", Closed)
         assert separating(solved) == []
     assert separating(solve(problem(number("first.rigid_peak")))) == []
 

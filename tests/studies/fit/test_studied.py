@@ -12,7 +12,7 @@ from strikewave.studies.fit import figures
 from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.posterior import Posterior, predictive_bands
 from strikewave.studies.fit.problem import Experiment
-from strikewave.studies.fit.report import fit_report, fit_words, residual_rows
+from strikewave.studies.fit.report import fit_words, page, residual_rows
 from strikewave.studies.fit.study import speed_notices
 
 from .closed_runs import CASE, FORCE, HEIGHT, LOSS, number, problem, pulse
@@ -147,7 +147,7 @@ def test_a_corner_shows_shares_of_the_draws_and_the_fitted_values(studied):
     values = drawn.posterior_values()
     assert values[0].median == pytest.approx(study.parameters[0].field.si(float(np.median(draws[:, 0]))))
     assert len(drawn.tables()["posterior.csv"].splitlines()) >= 2001
-    assert "Posterior" in fit_report(drawn)
+    assert "Posterior" in page(drawn)
 
 
 def _within(path, columns):

@@ -15,7 +15,7 @@ from strikewave.studies.fit.checking import Checks, PredictedFigure, TriedChoice
 from strikewave.studies.fit.covariance import Excess
 from strikewave.studies.fit.free_fields import free_fields
 from strikewave.studies.fit.posterior import Posterior
-from strikewave.studies.fit.problem import Misfit
+from strikewave.studies.fit.problem import Misfit, SeparatingNumber
 from strikewave.studies.fit.report import check_words, correlation_table, fit_words, residual_rows
 from strikewave.studies.fit.result import (
     FittedParameter,
@@ -26,7 +26,6 @@ from strikewave.studies.fit.result import (
     posterior_notices,
     separating_words,
 )
-from strikewave.studies.fit.solving import SeparatingNumber
 
 from .closed_runs import CASE, FORCE, HEIGHT, LOSS, number
 

@@ -341,68 +341,55 @@ def profile(search: Search, found: Estimate, coordinate: int) -> ProfileEnds:
 
     The rise is counted in that of a parabola with the variance of the estimate, so that correlated noise is in it.
     """
-    followed = _Profile(search, found, coordinate)
-    low, high = (followed.end(sign) for sign in (-1.0, 1.0))
-    order = sorted(followed.points)
-    signed = [math.copysign(followed.points[one], one - followed.middle) for one in order]
-    return ProfileEnds(low, high, np.array(order), np.array(signed))
+    middle, reach = float(found.place[coordinate]), float(found.reach[coordinate])
+    others = [k for k in range(found.place.size) if k != coordinate]
+    whole = found.jacobian.T @ found.jacobian
+    information = float(whole[coordinate, coordinate])
+    if others:  # the Schur complement: the curvature with the others at their best
+        cross = whole[others, coordinate]
+        information -= float(cross @ np.linalg.pinv(whole[np.ix_(others, others)]) @ cross)
+    variance = float(found.covariance[coordinate, coordinate])
+    per = max(information * variance, np.finfo(float).tiny)
+    points = {middle: 0.0}
 
-
-class _Profile:
-    """The misfit along one coordinate, the others at their best: by how many standard errors it has risen, by place."""
-
-    def __init__(self, search: Search, found: Estimate, coordinate: int) -> None:
-        self._search, self._found, self._coordinate = search, found, coordinate
-        self._others = [k for k in range(found.place.size) if k != coordinate]
-        self.middle, self.reach = float(found.place[coordinate]), float(found.reach[coordinate])
-        variance = float(found.covariance[coordinate, coordinate])
-        self._error = math.sqrt(variance)
-        self._per = max(self._information() * variance, np.finfo(float).tiny)
-        self.points: dict[float, float] = {self.middle: 0.0}
-
-    def _information(self) -> float:
-        """Return the curvature of the misfit along the coordinate, the others at their best (Schur complement)."""
-        information, one, others = self._found.jacobian.T @ self._found.jacobian, self._coordinate, self._others
-        if not others:
-            return float(information[one, one])
-        cross = information[others, one]
-        return float(information[one, one] - cross @ np.linalg.pinv(information[np.ix_(others, others)]) @ cross)
-
-    def risen(self, value: float, near: Array) -> tuple[float, Array]:
-        """Return by how many standard errors the misfit has risen where the coordinate has a value, and the place."""
+    def risen(value: float, near: Array) -> tuple[float, Array]:
+        """Return by how many standard errors the misfit has risen at a value, and the place."""
         place = near.copy()
-        place[self._coordinate] = value
-        place, residuals = self._search.descend(place, self._others)
-        self.points[value] = math.sqrt(max(float(residuals @ residuals) - self._found.misfit, 0.0) / self._per)
-        return self.points[value], place
+        place[coordinate] = value
+        place, residuals = search.descend(place, others)
+        points[value] = math.sqrt(max(float(residuals @ residuals) - found.misfit, 0.0) / per)
+        return points[value], place
 
-    def end(self, sign: float) -> float:
-        """Return where it has risen by `reach` to one side: doubled steps until it has, then halved; or the bound."""
-        bound = 0.0 if sign < 0.0 else 1.0
-        inner, near = self.middle, self._found.place
-        for factor in (1.0, 2.0, 4.0, 8.0, math.inf):
-            far = self.middle + sign * factor * self.reach * self._error
+    def between(inner: float, outer: float, near: Array) -> float:
+        """Return where the misfit has risen by `reach` between two values."""
+        value = outer
+        for _ in range(PROFILE_STEPS):
+            low, high = points[inner], points[outer]
+            # by the chord, but never so near an end that the interval hardly shrinks
+            value = inner + min(max((reach - low) / (high - low), 0.1), 0.9) * (outer - inner)
+            rise, place = risen(value, near)
+            if abs(rise - reach) < 0.005 * reach:  # 0.5 %: below what the covariance itself is known to
+                break
+            inner, outer, near = (value, outer, place) if rise < reach else (inner, value, near)
+        return value
+
+    ends = []
+    for sign, bound in ((-1.0, 0.0), (1.0, 1.0)):
+        inner, near, end = middle, found.place, bound
+        for factor in (1.0, 2.0, 4.0, 8.0, math.inf):  # doubled until it has risen so far, or the bound is met
+            far = middle + sign * factor * reach * math.sqrt(variance)
             outer = far if 0.0 < far < 1.0 else bound
-            risen, place = self.risen(outer, near)
-            if risen >= self.reach:
-                return self._between(inner, outer, near)
+            rise, place = risen(outer, near)
+            if rise >= reach:
+                end = between(inner, outer, near)
+                break
             if outer == bound:
                 break
             inner, near = outer, place
-        return bound
-
-    def _between(self, inner: float, outer: float, near: Array) -> float:
-        """Return where it has risen by `reach` between two places, to 0.5 % of that."""
-        value = outer
-        for _ in range(PROFILE_STEPS):
-            low, high = self.points[inner], self.points[outer]
-            share = min(max((self.reach - low) / (high - low), 0.1), 0.9)
-            value = inner + share * (outer - inner)
-            risen, place = self.risen(value, near)
-            if abs(risen - self.reach) < 0.005 * self.reach:
-                break
-            inner, outer, near = (value, outer, place) if risen < self.reach else (inner, value, near)
-        return value
+        ends.append(end)
+    order = sorted(points)
+    signed = [math.copysign(points[value], value - middle) for value in order]
+    return ProfileEnds(ends[0], ends[1], np.array(order), np.array(signed))
 
 
 def is_quadratic(search: Search, found: Estimate, coordinate: int) -> bool:

@@ -24,8 +24,7 @@ from strikewave.studies.fit.checking import DRAWS, drawn_places
 from strikewave.studies.fit.covariance import NORMAL, Estimate
 from strikewave.studies.fit.estimation import Residuals, each_or_none
 from strikewave.studies.fit.measured import MeasuredPulse
-from strikewave.studies.fit.problem import Problem
-from strikewave.studies.fit.solving import Solved
+from strikewave.studies.fit.problem import Problem, Solved
 
 Array = NDArray[np.float64]
 

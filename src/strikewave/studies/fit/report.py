@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,11 +48,12 @@ POSTERIOR_TITLE = "Posterior beside least squares"
 
 
 def fit_words(study: FitStudy) -> str:
-    """Say in words what a fit comes to."""
+    """Return the sentences on the outcome of a fit."""
     found = study.solved.estimate
     values = [f"{parameter.name} = {parameter.words}" for parameter in study.parameters if parameter.determined]
     words = [f"{', '.join(values)} (standard errors)."] if values else []
-    words += [f"{_capital(combination_words(study, group))}." for group in found.groups()]
+    combinations = [combination_words(study, group) for group in found.groups()]
+    words += [f"{text[0].upper()}{text[1:]}." for text in combinations]
     broken = [misfit for misfit in study.solved.misfits if misfit.more_than_noise]
     worst = max(study.solved.misfits, key=lambda one: one.share)
     missed = [one for one in study.solved.misfits if one.is_number and one.size > MET]
@@ -68,7 +70,9 @@ def fit_words(study: FitStudy) -> str:
     if not broken and not missed:
         words.append(f"What is left is within noise or uncertainty: at most {percent(worst.share, 2)} (RMS).")
     if study.tries:
-        words.insert(0, f"Of {len(study.tries)} choices, {study.tries[0].choice} {_best_by(study.tries[0])}.")
+        best = study.tries[0]
+        by = "fits best" if math.isnan(best.kept_out) else "predicts records that it was not fitted to best"
+        words.insert(0, f"Of {len(study.tries)} choices, {best.choice} {by}.")
     if study.checks is not None:
         words.append(check_words(study.checks))
     if study.verdicts.words:
@@ -76,16 +80,8 @@ def fit_words(study: FitStudy) -> str:
     return " ".join(words)
 
 
-def _best_by(best: TriedChoice) -> str:
-    return "predicts records that it was not fitted to best" if best.kept_out == best.kept_out else "fits best"
-
-
-def _capital(words: str) -> str:
-    return words[0].upper() + words[1:]
-
-
 def posterior_words(posterior: Posterior) -> str:
-    """Say how the posterior was sampled, and how well."""
+    """Return the sentence on the chains of the posterior."""
     return (
         f"{WALKERS} chains of {posterior.steps} steps, {posterior.steps / posterior.memory:.0f} autocorrelation times "
         f"of {posterior.memory:.3g} steps: about {posterior.independent:.0f} independent draws; "
@@ -103,7 +99,7 @@ def correlation_table(study: FitStudy) -> Table:
 
 
 def check_words(checks: Checks) -> str:
-    """Say how well what was kept out is predicted."""
+    """Return the sentences on predictions of measurements that were kept out."""
     count = len(checks.figures)
     biases = listed([f"{name} {percent(bias, 1, '+')}" for name, bias in checks.biases.items()])
     words = f"Of what was kept out, {checks.inside} of {count} bands hold what was measured; mean bias: {biases}."
@@ -117,23 +113,51 @@ def residual_rows(study: FitStudy) -> list[MisfitOfRun]:
     return sorted(rows, key=lambda row: -row.misfit.size)
 
 
-def fit_report(study: FitStudy) -> str:
+def page(study: FitStudy) -> str:
     """Return the report of a fit as one HTML page: no script, nothing fetched, the same bytes each time."""
-    sections = [
-        _values(study),
-        *([_posterior(study, study.posterior)] if study.posterior is not None else []),
-        *([_records(study)] if study.pulses else []),
-        Section(
-            "Residuals",
-            _residual_text(study),
-            [page_table("Measured and computed", columns_of(MisfitOfRun, residual_rows(study)))],
-        ),
-        *([_tries(study)] if study.tries else []),
-        *([_checks(study.checks)] if study.checks is not None else []),
-        chapters.warnings(study.notices),
-        _files(study),
-        chapters.inputs(study.case),
-    ]
+    found = study.solved.estimate
+    sections = [_values(study)]
+    if study.posterior is not None:
+        caption = (
+            "Posterior of each value (median, 95 %) and of each pair (contours of 68 and 95 % of the draws); red: the "
+            "least-squares values."
+        )
+        text = (
+            "Bounds are flat priors on the scale on which each value is searched: the logarithm of stiffnesses, masses "
+            "and other scales. The likelihood has the covariance of the fit, so that colour of the noise, what is left "
+            f"beyond it, and scatter from shot to shot are in it. {posterior_words(study.posterior)}"
+        )
+        rows = page_table(POSTERIOR_TITLE, columns_of(PosteriorValue, study.posterior_values()))
+        sections.append(Section("Posterior", text, [rows, Picture(corner_figure(study), caption)]))
+    if study.pulses:
+        sections.append(_records(study))
+    text = (
+        f"Sum of squares {found.misfit:.4g} over {found.residuals.size} residuals; {study.solved.runs} runs. A "
+        "residual is called more than noise where noise alone leaves so much once in a thousand times."
+    )
+    rows = page_table("Measured and computed", columns_of(MisfitOfRun, residual_rows(study)))
+    sections.append(Section("Residuals", text, [rows]))
+    if study.tries:
+        text = (
+            "Root mean square residuals over noise or uncertainty. Kept out: each record, or tenth of them, predicted "
+            "by a fit to the others (cross-validation), by which choices are ranked."
+        )
+        rows = page_table("Choices, the best first", columns_of(TriedChoice, study.tries))
+        sections.append(Section("Choices", text, [rows]))
+    if study.checks is not None:
+        parts: list[Part] = [page_table("Predictions", columns_of(PredictedFigure, study.checks.figures))]
+        if study.checks.pulses:
+            pulses = columns_of(PulseAgreement, study.checks.pulses)
+            parts.append(page_table("Whole pulses, by ISO/TS 18571", pulses))
+        text = (
+            f"{check_words(study.checks)} A band holds values drawn from the fit, what the same figure was off in the "
+            "records of the fit, and the noise of the record."
+        )
+        sections.append(Section("Predictions of what was kept out", text, parts))
+    files: list[list[Cell]] = [[name, digest] for fit in study.case.fit for name, digest in fit.records.items()]
+    empty = "No record: the case was fitted to stated numbers."
+    table = Table("Records that the case was fitted to", ["file", "SHA-256"], files, empty)
+    sections += [chapters.warnings(study.notices), Section("Files", "", [table]), chapters.inputs(study.case)]
     summary = chapters.Summary("Report of a fit", fit_words(study), study.highlights())
     return chapters.result_page(study, summary, sections)
 
@@ -153,22 +177,8 @@ def _values(study: FitStudy) -> Section:
     return Section("Fitted values", text, parts)
 
 
-def _posterior(study: FitStudy, posterior: Posterior) -> Section:
-    caption = (
-        "Posterior of each value (median, 95 %) and of each pair (contours of 68 and 95 % of the draws); red: the "
-        "least-squares values."
-    )
-    text = (
-        "Bounds are flat priors on the scale on which each value is searched: the logarithm of stiffnesses, masses and "
-        "other scales. The likelihood has the covariance of the fit, so that colour of the noise, what is left beyond "
-        f"it, and scatter from shot to shot are in it. {posterior_words(posterior)}"
-    )
-    table = page_table(POSTERIOR_TITLE, columns_of(PosteriorValue, study.posterior_values()))
-    return Section("Posterior", text, [table, Picture(corner_figure(study), caption)])
-
-
 def _shots(study: FitStudy) -> str:
-    """Say what is known of the scatter of shots."""
+    """Return the words on the scatter of shots."""
     count = study.solved.problem.shot_count
     if count > 1:
         return f"the scatter of {count} shots shows it, and intervals are as wide as Student's t has them"
@@ -183,44 +193,7 @@ def _records(study: FitStudy) -> Section:
     return Section("Records", "", [Picture(overlay(study), words)])
 
 
-def _tries(study: FitStudy) -> Section:
-    text = (
-        "Root mean square residuals over noise or uncertainty. Kept out: each record, or tenth of them, predicted by "
-        "a fit to the others (cross-validation), by which choices are ranked."
-    )
-    return Section("Choices", text, [page_table("Choices, the best first", columns_of(TriedChoice, study.tries))])
-
-
-def _checks(checks: Checks) -> Section:
-    parts: list[Part] = [page_table("Predictions", columns_of(PredictedFigure, checks.figures))]
-    if checks.pulses:
-        parts.append(page_table("Whole pulses, by ISO/TS 18571", columns_of(PulseAgreement, checks.pulses)))
-    text = (
-        f"{check_words(checks)} A band holds values drawn from the fit, what the same figure was off in the records of "
-        "the fit, and the noise of the record."
-    )
-    return Section("Predictions of what was kept out", text, parts)
-
-
-def _residual_text(study: FitStudy) -> str:
-    return (
-        f"Sum of squares {study.solved.estimate.misfit:.4g} over {study.solved.estimate.residuals.size} residuals; "
-        f"{study.solved.runs} runs. A residual is called more than noise where noise alone leaves so much once in a "
-        "thousand times."
-    )
-
-
-def _files(study: FitStudy) -> Section:
-    rows: list[list[Cell]] = [[name, digest] for fit in study.case.fit for name, digest in fit.records.items()]
-    empty = "No record: the case was fitted to stated numbers."
-    return Section("Files", "", [Table("Records that the case was fitted to", ["file", "SHA-256"], rows, empty)])
-
-
 picture = fit_figure
-page = fit_report
-"""Page of a result in Python, found as `picture` is by `strikewave.reporting.shown_result`."""
-
-
 MOST_ROWS = 20
 """Residuals that the screen lists: more fill it."""
 SAMPLED = 5000
@@ -318,7 +291,7 @@ class FitCommand(ResumableCommand[FitStudy]):
         with drawing(folder / "fit.svg") as path:
             save(fit_figure(result), path)
         with drawing(folder / "report.html") as path:
-            path.write_text(fit_report(result), "utf-8", newline="\n")
+            path.write_text(page(result), "utf-8", newline="\n")
         if result.posterior is None:
             return ["report.html", "fit.svg"]
         with drawing(folder / "posterior.svg") as path:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
@@ -27,8 +27,7 @@ from strikewave.studies.fit.estimation import ProfileEnds
 from strikewave.studies.fit.free_fields import FreeField
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.posterior import ENOUGH, LONG, Posterior
-from strikewave.studies.fit.problem import NO_MORE_UNIT, Misfit
-from strikewave.studies.fit.solving import SeparatingNumber, Solved
+from strikewave.studies.fit.problem import NO_MORE_UNIT, Misfit, SeparatingNumber, Solved
 
 Array = NDArray[np.float64]
 
@@ -448,96 +447,74 @@ def held_notices(case: Case) -> list[Notice]:
 
 
 def fit_notices(study: FitStudy) -> list[Notice]:
-    """Return what the user should know of a fit."""
+    """Return the notices of a fit: on its end, undetermined fields, records, numbers, values and pairs of values."""
+    solved, problem, values = study.solved, study.solved.problem, study.parameters
     notices = list[Notice]()
-    if study.solved.stopped:
+    if solved.stopped:
         notices.append(Notice("stopped", "stopped: the best so far; fit fitted.toml to go on", severity=FAILED))
-    for group in study.solved.estimate.groups():
+    for group in solved.estimate.groups():
         words = f"{combination_words(study, group)}; {separating_words(study, group)}"
         notices.append(Notice("not-determined", words, float(len(group)), 0.0))
-    notices += [*_of_records(study), *_of_numbers(study), *_of_values(study), *_of_pairs(study)]
-    return notices
 
-
-def _of_records(study: FitStudy) -> Iterator[Notice]:
-    """Yield what is left of the records beyond noise."""
-    broken = [misfit for misfit in study.solved.misfits if misfit.more_than_noise and not misfit.scatters]
+    broken = [misfit for misfit in solved.misfits if misfit.more_than_noise and not misfit.scatters]
     if broken:
-        worst = max(broken, key=lambda one: one.size)
+        worst = max(broken, key=lambda misfit: misfit.size)
         known = "times its noise" if worst.noise_known else "times 1e-4 of its peak, for it shows no noise"
         others = f" (the worst of {len(broken)} records)" if len(broken) > 1 else ""
         message = (
             f"the residual of {worst.called} is not noise{others}: its RMS is {percent(worst.share, 1)} of the peak, "
             f"{plain(worst.size)} {known}; the model lacks something, and standard errors are those of what is left"
         )
-        yield Notice("residual-not-noise", message, worst.size, 1.0)
-    apart = [one for one in study.solved.misfits if one.scatters]
+        notices.append(Notice("residual-not-noise", message, worst.size, 1.0))
+    apart = [misfit for misfit in solved.misfits if misfit.scatters]
     if apart:
-        worst = max(apart, key=lambda one: one.size)
+        worst = max(apart, key=lambda misfit: misfit.size)
         message = (
             f"{len(apart)} of {len(study.pulses)} records differ by more than noise, {worst.called} by "
             f"{percent(worst.share, 1)} of the peak (RMS), and each can be fitted alone: the shots scatter, and "
             "standard errors hold that"
         )
-        yield Notice("shots-scatter", message, worst.size, 1.0, INFO)
+        notices.append(Notice("shots-scatter", message, worst.size, 1.0, INFO))
 
-
-def _of_numbers(study: FitStudy) -> Iterator[Notice]:
-    """Yield what is left of the stated numbers."""
-    excess = study.solved.problem.excess
+    excess = problem.excess
     if excess.between:
-        repeats = " and repeats" if len({one.called for one in study.numbers}) < len(study.numbers) else ""
-        shares = [
-            excess.between * number.uncertainty / abs(number.value) for number in study.numbers if not number.of_field
-        ]
+        repeats = " and repeats" if len({number.called for number in study.numbers}) < len(study.numbers) else ""
+        shares = [excess.between * one.uncertainty / abs(one.value) for one in study.numbers if not one.of_field]
         message = (
             f"the numbers are off by {percent(float(np.median(shares)), 1)} (standard deviation) from setting to "
             f"setting, beyond what their uncertainties{repeats} explain: the model lacks something, and standard "
             "errors and predictions hold that"
         )
-        yield Notice("lack-of-fit", message, excess.between, 0.0)
-    missed = [misfit for misfit in study.solved.misfits if misfit.is_number and misfit.size > MET]
+        notices.append(Notice("lack-of-fit", message, excess.between, 0.0))
+    missed = [misfit for misfit in solved.misfits if misfit.is_number and misfit.size > MET]
     if missed:
-        worst = max(missed, key=lambda one: one.size)
+        worst = max(missed, key=lambda misfit: misfit.size)
         others = f" (the worst of {len(missed)} of {len(study.numbers)} numbers)" if len(missed) > 1 else ""
-        message = (
-            f"{worst.called} is missed by {plain(worst.size, 2)} times its uncertainty, "
-            f"{percent(worst.share, 1)}{others}"
-        )
-        yield Notice("not-met", message, worst.size, MET)
+        size = plain(worst.size, 2)
+        message = f"{worst.called} is missed by {size} times its uncertainty, {percent(worst.share, 1)}{others}"
+        notices.append(Notice("not-met", message, worst.size, MET))
 
-
-def _of_values(study: FitStudy) -> Iterator[Notice]:
-    """Yield values at a bound or on the steps of waves, and other solutions."""
-    for value, at in zip(study.parameters, study.solved.estimate.place, strict=True):
+    for value, at in zip(values, solved.estimate.place, strict=True):
         if min(at, 1.0 - at) < AT_BOUND:
             message = f"{value.field.path} stands at a bound, {value.words}: its best value may lie beyond"
-            yield Notice("at-bound", message, value.value)
-    for value in study.parameters:
+            notices.append(Notice("at-bound", message, value.value))
+    for value in values:
         if value.stair > ON_STAIRS * value.standard_error and value.determined:
-            steps = value.field.shown(value.stair, 2)
             message = (
-                f"{value.field.path} moves the run in steps of {steps}, those of waves through its layer: it cannot be "
-                "known better; a smaller solver.step makes them finer"
+                f"{value.field.path} moves the run in steps of {value.field.shown(value.stair, 2)}, those of waves "
+                "through its layer: it cannot be known better; a smaller solver.step makes them finer"
             )
-            yield Notice("on-stairs", message, value.stair, ON_STAIRS * value.standard_error)
-    for place in study.solved.others:
-        words = ", ".join(
-            f"{value.field.path} = {value.field.shown(value.field.si(float(at)), 4)}"
-            for value, at in zip(study.parameters, place, strict=True)
-        )
-        yield Notice("another-solution", f"another solution fits as well: {words}; bounds or a record decide")
-
-
-def _of_pairs(study: FitStudy) -> Iterator[Notice]:
-    """Yield pairs of values that are known together far better than each."""
-    size = len(study.parameters)
-    for a in range(size):
-        for b in range(a):
-            share = study.correlation[a, b]
-            both = study.parameters[a], study.parameters[b]
-            if abs(share) > ALIKE and all(one.determined for one in both):
+            notices.append(Notice("on-stairs", message, value.stair, ON_STAIRS * value.standard_error))
+    for place in solved.others:
+        pairs = [(value.field, value.field.si(float(at))) for value, at in zip(values, place, strict=True)]
+        words = ", ".join(f"{field.path} = {field.shown(si, 4)}" for field, si in pairs)
+        notices.append(Notice("another-solution", f"another solution fits as well: {words}; bounds or a record decide"))
+    for a, later in enumerate(values):
+        for b, earlier in enumerate(values[:a]):
+            share = float(study.correlation[a, b])
+            if abs(share) > ALIKE and earlier.determined and later.determined:
                 message = (
-                    f"{both[1].field.path} and {both[0].field.path} are known together only (correlation {share:+.3f})"
+                    f"{earlier.field.path} and {later.field.path} are known together only (correlation {share:+.3f})"
                 )
-                yield Notice("correlated", message, abs(float(share)), ALIKE, INFO)
+                notices.append(Notice("correlated", message, abs(share), ALIKE, INFO))
+    return notices

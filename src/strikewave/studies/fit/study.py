@@ -29,7 +29,7 @@ from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fields
 from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.posterior import MOST_BANDS, check_sampler, predictive_bands, sample
-from strikewave.studies.fit.problem import Problem
+from strikewave.studies.fit.problem import Problem, Solved, separating, solve
 from strikewave.studies.fit.result import (
     NOT_SAMPLED,
     FitStudy,
@@ -38,7 +38,6 @@ from strikewave.studies.fit.result import (
     held_notices,
     posterior_notices,
 )
-from strikewave.studies.fit.solving import Solved, separating, solve
 from strikewave.studies.fit.targets import (
     FitRequest,
     ReadTargets,
