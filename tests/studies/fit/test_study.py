@@ -209,11 +209,10 @@ def test_a_fit_holds_under_all_but_what_differed_and_under_sensors_where_they_re
     def stop(case, fields, found, to):
         raise Stop(to)
 
-    problem = SimpleNamespace(runs=lambda place: [], fields=())
+    problem = SimpleNamespace(runs=lambda place: [], with_runs=lambda runs: [], fields=())
     solved = SimpleNamespace(estimate=SimpleNamespace(place=None), problem=problem, stopped=False)
     for name, value in (("Problem", lambda *words: problem), ("solve", lambda *words: solved), ("fitted_case", stop)):
         monkeypatch.setattr(study, name, value)
-    monkeypatch.setattr(study, "_parameters", lambda solved: ())
     monkeypatch.setattr(study, "separating", lambda solved: [])
     targets = [Target(name, "1", ("machine.height = 1 m", "a=2"), is_number=True) for name in names]
     read = SimpleNamespace(experiments=(), paths=(), pulses=[SimpleNamespace(part=part) for part in parts])

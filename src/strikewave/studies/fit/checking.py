@@ -141,20 +141,19 @@ def check(solved: Solved, experiments: Sequence[Experiment]) -> Checks:
     assert nominal is not None
     draws = [run for run in runs[1:] if run is not None]
     figures, agreements, place = list[PredictedFigure](), list[tuple[str, CurveAgreement]](), 0
-    for experiment, run in zip(experiments, kept_out.runs(found.place), strict=True):
-        for datum in experiment.measured:
-            if isinstance(datum, MeasuredPulse):
-                curve = run.history(datum.part, datum.blow, datum.unit).filtered(datum.low_pass)
-                agreements.append((datum.called, agreement(datum.record, curve, "correlation")))
-            for name, unit, measured, doubt in _figures(datum):
-                predicted, values = nominal[place], [draw[place] for draw in draws]
-                off = np.array(values) / predicted - 1.0  # about the prediction: draws may lie to one side of it
-                spread = math.sqrt(float(np.mean(off**2))) if len(values) > 1 else 0.0
-                shares = found.widest * spread, left.get(_kind(datum, name), 0.0), NORMAL * doubt / abs(measured)
-                half = abs(predicted) * math.hypot(*shares)
-                ends = predicted - half, predicted + half
-                figures.append(PredictedFigure(datum.called, name, unit, measured, predicted, *ends))
-                place += 1
+    for datum, run in kept_out.with_runs(kept_out.runs(found.place)):
+        if isinstance(datum, MeasuredPulse):
+            curve = run.history(datum.part, datum.blow, datum.unit).filtered(datum.low_pass)
+            agreements.append((datum.called, agreement(datum.record, curve, "correlation")))
+        for name, unit, measured, doubt in _figures(datum):
+            predicted, values = nominal[place], [draw[place] for draw in draws]
+            off = np.array(values) / predicted - 1.0  # about the prediction: draws may lie to one side of it
+            spread = math.sqrt(float(np.mean(off**2))) if len(values) > 1 else 0.0
+            shares = found.widest * spread, left.get(_kind(datum, name), 0.0), NORMAL * doubt / abs(measured)
+            half = abs(predicted) * math.hypot(*shares)
+            ends = predicted - half, predicted + half
+            figures.append(PredictedFigure(datum.called, name, unit, measured, predicted, *ends))
+            place += 1
     return Checks(tuple(figures), tuple(agreements))
 
 
@@ -207,12 +206,7 @@ def allowed_places(solved: Solved, places: Sequence[Array]) -> list[Array]:
 
 def _predicted(problem: Problem, place: Array) -> list[float]:
     """Return all figures of a run at a place."""
-    return [
-        value
-        for experiment, run in zip(problem.experiments, problem.runs(place), strict=True)
-        for datum in experiment.measured
-        for value in _computed(datum, run)
-    ]
+    return [value for datum, run in problem.with_runs(problem.runs(place)) for value in _computed(datum, run)]
 
 
 def _computed(one: MeasuredNumber | MeasuredPulse, run: Simulation) -> list[float]:
@@ -265,12 +259,11 @@ def _left_over(problem: Problem, place: Array) -> dict[str, float]:
     from scipy.special import stdtrit
 
     off, stated = dict[str, list[float]](), dict[str, list[float]]()
-    for experiment, run in zip(problem.experiments, problem.runs(place), strict=True):
-        for datum in experiment.measured:
-            for (name, _, measured, doubt), computed in zip(_figures(datum), _computed(datum, run), strict=True):
-                off.setdefault(_kind(datum, name), []).append(computed / measured - 1.0)
-                if isinstance(datum, MeasuredNumber) and problem.excess.between:
-                    stated.setdefault(_kind(datum, name), []).append(problem.excess.of_another * doubt / measured)
+    for datum, run in problem.with_runs(problem.runs(place)):
+        for (name, _, measured, doubt), computed in zip(_figures(datum), _computed(datum, run), strict=True):
+            off.setdefault(_kind(datum, name), []).append(computed / measured - 1.0)
+            if isinstance(datum, MeasuredNumber) and problem.excess.between:
+                stated.setdefault(_kind(datum, name), []).append(problem.excess.of_another * doubt / measured)
 
     def reach(shares: Sequence[float], freedom: float) -> float:
         return float(stdtrit(freedom, 0.975)) * math.sqrt(float(np.mean(np.square(shares)))) if shares else 0.0

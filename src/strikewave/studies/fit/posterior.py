@@ -211,12 +211,11 @@ def predictive_bands(solved: Solved, posterior: Posterior, most: int) -> list[tu
     pulses = [datum for datum in problem.measured if isinstance(datum, MeasuredPulse)][:most]
     if not pulses:
         return []
-    found = [
-        one for one in each_or_none(functools.partial(_curves, problem), posterior.some(PREDICTED)) if one is not None
-    ]
+    answers = each_or_none(functools.partial(_curves, problem), posterior.some(PREDICTED))
+    curves = [answer for answer in answers if answer is not None]
     bands = []
     for k, pulse in enumerate(pulses):
-        low, middle, high = np.quantile([one[k] for one in found], (0.025, 0.5, 0.975), axis=0)
+        low, middle, high = np.quantile([curve[k] for curve in curves], (0.025, 0.5, 0.975), axis=0)
         noise = NORMAL * pulse.deviation
         bands.append((middle - np.hypot(middle - low, noise), middle + np.hypot(high - middle, noise)))
     return bands
@@ -224,9 +223,5 @@ def predictive_bands(solved: Solved, posterior: Posterior, most: int) -> list[tu
 
 def _curves(problem: Problem, place: Array) -> list[Array]:
     """Return the computed pulses at a place, each laid on its record."""
-    return [
-        datum.laid(run).computed
-        for experiment, run in zip(problem.experiments, problem.runs(place), strict=True)
-        for datum in experiment.measured
-        if isinstance(datum, MeasuredPulse)
-    ]
+    pairs = problem.with_runs(problem.runs(place))
+    return [datum.laid(run).computed for datum, run in pairs if isinstance(datum, MeasuredPulse)]

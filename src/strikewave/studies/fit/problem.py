@@ -5,9 +5,10 @@ from __future__ import annotations
 import functools
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,8 @@ from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPu
 from strikewave.studies.simulation import Simulation, number_units
 from strikewave.uncertainty.input_ranges import LEAST
 from strikewave.uncertainty.runs import or_none
+
+T = TypeVar("T")
 
 
 class FastRun(Simulation):
@@ -199,14 +202,14 @@ class Problem:
         """Return a run of each experiment at a place."""
         return [self._simulate(case_at(experiment.case, self.fields, place)) for experiment in self.experiments]
 
+    def with_runs(self, runs: Iterable[T]) -> list[tuple[Measured, T]]:
+        """Return each measured thing with the run of its experiment (or a like), in the order of the residuals."""
+        pairs = zip(self.experiments, runs, strict=True)
+        return [(datum, run) for experiment, run in pairs for datum in experiment.measured]
+
     def residuals(self, place: Array) -> Array:
         """Return all residuals at a place."""
-        parts = [
-            measured.residuals(run)
-            for experiment, run in zip(self.experiments, self.runs(place), strict=True)
-            for measured in experiment.measured
-        ]
-        return np.concatenate(parts)
+        return np.concatenate([datum.residuals(run) for datum, run in self.with_runs(self.runs(place))])
 
     def rows(self) -> list[slice]:
         """Return where the residuals of each measured thing stand."""

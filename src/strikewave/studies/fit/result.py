@@ -311,9 +311,8 @@ class FitStudy(AskedResult):
 
     def verdicts_of_measured(self) -> list[str]:
         """Return the verdict of the fitted run of each measured thing, in the order of the misfits."""
-        experiments = self.solved.problem.experiments
-        texts = self.verdicts.texts or ("",) * len(experiments)
-        return [text for experiment, text in zip(experiments, texts, strict=True) for _ in experiment.measured]
+        problem = self.solved.problem
+        return [text for _, text in problem.with_runs(self.verdicts.texts or ("",) * len(problem.experiments))]
 
     def posterior_values(self) -> list[PosteriorValue]:
         """Return median and 95 % interval of each value, SI; none where no posterior was sampled."""

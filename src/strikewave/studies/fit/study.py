@@ -27,7 +27,7 @@ from strikewave.studies.fit.covariance import Estimate
 from strikewave.studies.fit.estimation import is_quadratic, keeping_in, profile, running_on
 from strikewave.studies.fit.fit_file import load_fit
 from strikewave.studies.fit.free_fields import FreeField, changed_case, free_fields
-from strikewave.studies.fit.measured import LaidPulse, MeasuredNumber, MeasuredPulse
+from strikewave.studies.fit.measured import MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.posterior import MOST_BANDS, check_sampler, predictive_bands, sample
 from strikewave.studies.fit.problem import Problem, Solved, separating, solve
 from strikewave.studies.fit.result import (
@@ -51,8 +51,7 @@ from strikewave.uncertainty.draws import FELT
 
 Array = NDArray[np.float64]
 
-MOST_NAMED = 6
-"""Targets that a note names."""
+MOST_NAMED = 6  # targets that a note names: it stays one line
 
 
 @compiling_shown()
@@ -204,38 +203,35 @@ def fitted_study(
     progress: Callable[[int, float], None] | None = None,
 ) -> FitStudy:
     """Return the fit of a case to what was read."""
-    problem = Problem(read.experiments, fields)
-    solved = solve(problem, progress)
+    solved = solve(Problem(read.experiments, fields), progress)
     try:
-        parameters, separate = _parameters(solved), separating(solved)
+        parameters, separate = [_parameter(solved, k, field) for k, field in enumerate(fields)], separating(solved)
     except KeyboardInterrupt:  # values and errors are found: profiles and advice are left out
         solved = dataclasses.replace(solved, stopped=True)
-        parameters, separate = _parameters(solved), []
-    found, fields = solved.estimate, problem.fields
+        parameters, separate = [_parameter(solved, k, field) for k, field in enumerate(fields)], []
+    found, problem = solved.estimate, solved.problem
     aside = [change.partition("=")[0].strip() for target in targets for change in target.changes]
     sensors = any("sensor" in one.left for one in targets) or any(
         pulse.part.partition(".")[0] in {sensor.name for sensor in case.sensor} for pulse in read.pulses
     )
-    to = FittedTo(_words(targets), _digests(read.paths), tuple(dict.fromkeys(aside)), sensors)
-    runs = solved.problem.runs(found.place)
+    digests = {Path(path).name: digest for path, digest in digests_of(read.paths).items()}
+    to = FittedTo(_words(targets), digests, tuple(dict.fromkeys(aside)), sensors)
+    runs = problem.runs(found.place)
+    pairs = problem.with_runs(runs)
     verdicts = Verdicts([run.verdict.text for run in runs], "fitted runs")
     study = FitStudy(
         base=case,
         case=fitted_case(case, fields, found, to),
         solved=solved,
-        parameters=parameters,
-        pulses=tuple(_laid(solved.problem, runs)),
-        computed=_computed(solved.problem, runs),
+        parameters=tuple(parameters),
+        pulses=tuple((datum, datum.laid(run)) for datum, run in pairs if isinstance(datum, MeasuredPulse)),
+        computed=tuple(datum.computed(run) for datum, run in pairs if isinstance(datum, MeasuredNumber)),
         separating=tuple(separate),
         citations=("liang-zeger-1986", "bell-mccaffrey-2002", "raue-2009"),
         verdicts=verdicts,
     )
-    noticed = (*verdicts.notices(), *speed_notices(solved.problem, runs), *fit_notices(study), *read.notices)
+    noticed = (*verdicts.notices(), *speed_notices(problem, runs), *fit_notices(study), *read.notices)
     return dataclasses.replace(study, notices=noticed)
-
-
-def _digests(paths: Sequence[Path]) -> dict[str, str]:
-    return {Path(path).name: digest for path, digest in digests_of(paths).items()}
 
 
 def _words(targets: Sequence[Target]) -> str:
@@ -247,28 +243,6 @@ def _words(targets: Sequence[Target]) -> str:
         for target in targets
     ]
     return first_few(list(dict.fromkeys(words)), MOST_NAMED)
-
-
-def _laid(problem: Problem, runs: Sequence[Simulation]) -> list[tuple[MeasuredPulse, LaidPulse]]:
-    return [
-        (datum, datum.laid(run))
-        for experiment, run in zip(problem.experiments, runs, strict=True)
-        for datum in experiment.measured
-        if isinstance(datum, MeasuredPulse)
-    ]
-
-
-def _computed(problem: Problem, runs: Sequence[Simulation]) -> tuple[float, ...]:
-    return tuple(
-        datum.computed(run)
-        for experiment, run in zip(problem.experiments, runs, strict=True)
-        for datum in experiment.measured
-        if isinstance(datum, MeasuredNumber)
-    )
-
-
-def _parameters(solved: Solved) -> tuple[FittedParameter, ...]:
-    return tuple(_parameter(solved, k, field) for k, field in enumerate(solved.problem.fields))
 
 
 def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
@@ -290,7 +264,7 @@ def _parameter(solved: Solved, k: int, field: FreeField) -> FittedParameter:
 
 
 READ_WELL = 0.97
-"""Share of the least velocity change that a record may lack: a shock accelerometer reads to some 3 %."""
+"""Share of the least velocity change below which a record warns: a shock accelerometer reads to some 3 %."""
 
 
 def speed_notices(problem: Problem, runs: Sequence[Simulation]) -> Iterator[Notice]:
@@ -300,10 +274,15 @@ def speed_notices(problem: Problem, runs: Sequence[Simulation]) -> Iterator[Noti
     M the mass of the striker or base and m that of the object; whatever is given back adds to it.
     """
     for experiment, run in zip(problem.experiments, runs, strict=True):
-        least = _least_change(run) if run.case.command == "run" and run.case.launched() else None
-        if least is None:
+        if run.case.command != "run" or not run.case.launched():
             continue
-        arrival, change = least
+        machine = run.observed.machine
+        striker = machine.strikers.first
+        blow = next((blow for blow in run.observed.blows if blow.kind != "missed"), None)
+        if blow is None or machine.launch.arm is not None or striker.mount_stiffness > 0.0:
+            continue  # an arm or a mount pushes on: the bodies are not free
+        arrival = blow.approach_speed
+        change = arrival * striker.mass / (striker.mass + machine.struck.mass)
         for datum in experiment.measured:
             if not isinstance(datum, MeasuredPulse) or datum.unit != "m/s^2":
                 continue
@@ -320,18 +299,7 @@ def speed_notices(problem: Problem, runs: Sequence[Simulation]) -> Iterator[Noti
                 yield Notice("slower-than-arrival", message, measured, change)
 
 
-def _least_change(run: Simulation) -> tuple[float, float] | None:
-    """Return the speed at which two free bodies meet in a run, and the least velocity change, m/s; None of others."""
-    machine = run.observed.machine
-    striker = machine.strikers.first
-    blow = next((one for one in run.observed.blows if one.kind != "missed"), None)
-    if blow is None or machine.launch.arm is not None or striker.mount_stiffness > 0.0:
-        return None
-    return blow.approach_speed, blow.approach_speed * striker.mass / (striker.mass + machine.struck.mass)
-
-
-ERROR_DIGITS, CORRELATION_DIGITS = 4, 6
-"""Digits of a standard error and of a correlation: more than any of them has."""
+ERROR_DIGITS, CORRELATION_DIGITS = 4, 6  # of a standard error and a correlation: more than any of them has
 
 
 class FittedTo(NamedTuple):
