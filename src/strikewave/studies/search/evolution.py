@@ -29,7 +29,7 @@ from strikewave.studies.engine.case_evaluation import OF_NUMBER, OfKept
 from strikewave.studies.engine.evaluation import Row
 from strikewave.studies.engine.plan import sobol_sequence
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import Advance, StudyProgress, carry_out
+from strikewave.studies.engine.runner import Advance, StudyProgress, finished_runs
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.search.gaussian_process import GaussianProcess, fitted_process
 from strikewave.studies.search.goals import Goal, Objective, shares_of
@@ -84,11 +84,11 @@ class DesignRuns:
         """Return the numbers of rows, which are run where they are new."""
         new = [row for row in dict.fromkeys(rows) if row not in self._places]
         if new:
-            names = self.plan.evaluation.names
-            finished = carry_out(self.plan.job, new, self._store, self._pool, self._report)
-            numbers, failures = self._store.table(names, finished.keys)
-            verdicts = self._store.verdicts(finished.keys).texts
-            for row, number, failure, verdict in zip(new, numbers, failures, verdicts, strict=True):
+            # a store keeps each run as it comes back: a search that is stopped goes on there
+            made = finished_runs(self.plan.job, new, self._store, self._pool, self._report)
+            for row, number, failure, verdict in zip(
+                new, made.numbers, made.failures, made.verdicts.texts, strict=True
+            ):
                 self._places[row] = len(self.rows)
                 self.rows.append(row)
                 self._numbers.append(number)

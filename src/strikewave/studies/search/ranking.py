@@ -26,7 +26,7 @@ from strikewave.studies.engine.case_evaluation import OF_NUMBER, OfKept
 from strikewave.studies.engine.evaluation import Job, Row
 from strikewave.studies.engine.plan import DrawVariation, drawn_rows
 from strikewave.studies.engine.pools import Pool
-from strikewave.studies.engine.runner import carry_out
+from strikewave.studies.engine.runner import finished_runs
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.search.evolution import (
     FAR,
@@ -209,13 +209,12 @@ def verified(
     if plan.verifying is None:
         return None, [""] * len(rows), [""] * len(rows)
     better, _ = plan.verifying
-    finished = carry_out(better.job, rows, store, pool)
-    numbers, failures = store.table(better.evaluation.names, finished.keys)
+    made = finished_runs(better.job, rows, store, pool)
     margins = np.full((len(rows), len(plan.goals)), np.nan)
-    shares = shares_of(better.goals, better.evaluation.names, numbers)
+    shares = shares_of(better.goals, better.evaluation.names, made.numbers)
     for k, goal in enumerate(better.goals):
         margins[:, plan.goals.index(goal)] = shares[:, k]
-    return margins, failures, store.verdicts(finished.keys).texts
+    return margins, made.failures, made.verdicts.texts
 
 
 def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Robustness:
@@ -228,10 +227,9 @@ def robustness_of(plan: DesignPlan, row: Row, store: RunStore, pool: Pool) -> Ro
     case = plan.case_of(row)
     inputs = tolerances_of(case)
     drawn = drawn_rows(inputs, plan.robust, plan.seed)
-    finished = carry_out(Job(DrawVariation(case, inputs), plan.evaluation), drawn, store, pool)
-    numbers, _ = store.table(plan.evaluation.names, finished.keys)
-    least = shares_of(plan.goals, plan.evaluation.names, numbers).min(axis=1, initial=math.inf)
-    passed = np.array([status_of(text) != RUN_BROKEN for text in store.verdicts(finished.keys).texts])
+    made = finished_runs(Job(DrawVariation(case, inputs), plan.evaluation), drawn, store, pool)
+    least = shares_of(plan.goals, plan.evaluation.names, made.numbers).min(axis=1, initial=math.inf)
+    passed = np.array([status_of(text) != RUN_BROKEN for text in made.verdicts.texts])
     met = int(np.sum((least >= 0.0) & passed))
     interval = binomtest(met, plan.robust).proportion_ci(0.95, "exact")
     return Robustness(met, plan.robust, float(interval.low), float(interval.high))
