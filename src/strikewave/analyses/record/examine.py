@@ -14,6 +14,7 @@ from strikewave.analyses.clauses import budget_notices
 from strikewave.analyses.record.options import Examination
 from strikewave.analyses.record.result import RecordResult, record_result
 from strikewave.analyses.record.rows import name_of
+from strikewave.analyses.record.sensors import try_records
 from strikewave.analyses.record.verdicts import with_verdict
 from strikewave.base.errors import StrikewaveError
 from strikewave.base.result import Source
@@ -33,6 +34,7 @@ from strikewave.records.reading import with_budget
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.measured_files import Calibration, Filtering, Judging, MeasurementOptions, Reading
 from strikewave.reporting.terminal import say
+from strikewave.sensors.trial import SensorChannel, sensor_sources
 from strikewave.signal.filters import Filter
 
 if TYPE_CHECKING:
@@ -159,7 +161,12 @@ def examined(asked: RecordsAsked, origin: Source) -> RecordResult:
     result = dataclasses.replace(result, motion=more.motion, pair=more.pair or ())
     budget = asked.judging.uncertainty
     result = result if budget is None else budgeted(result, budget)
-    result = result if sensor is None else result.on_sensor(sensor, "--sensor")
+    if sensor is not None:
+        trials = try_records(result.readings, result.filter, sensor, "--sensor")
+        sources = sensor_sources([SensorChannel(sensor.sensor, None, sensor.recorder)])
+        citations = tuple(dict.fromkeys((*result.citations, *sources)))
+        notices = (*result.notices, *trials.notices)
+        result = dataclasses.replace(result, sensor=trials, notices=notices, citations=citations)
     result = result if judged is None else with_verdict(result, *judged)
     result = result if asked.performed is None else result.of_test(asked.performed)
     result.pairs  # noqa: B018 a wrong pair is refused before anything is written

@@ -334,13 +334,15 @@ def report_of_test(result: RecordResult) -> str:
         foot=f"test report {number}",
         test=_cover(stated),
     )
+    count = len(found.shocks)
+    many = f"{count} shocks are summed up here; the file shocks.csv lists each with its verdict."
     signatures = [(one.role or "signed by", one.name) for one in stated.tables.signature]
     sections = [
         _items(stated),
         _specification(found),
         Section("Directions and counts", "", direction_tables(found)),
         _setup(stated),
-        _shocks(found, names),
+        Section("Shocks", many * (count > MOST_LISTED), shock_tables(found, names) if found.shocks else []),
         _pulses(found),
         _deviations(result, found, stated, names),
         _conclusions(found, stated, names),
@@ -406,17 +408,6 @@ def _in_words(key: str) -> str:
     return key.replace("_", " ")
 
 
-def _rows_table(caption: str, rows: Sequence[CaseTable]) -> list[Part]:
-    """Return a table of rows, without the columns of which none states anything."""
-    if not rows:
-        return []
-    keys = [key for key in type(rows[0]).model_fields if any(getattr(row, key) for row in rows)]
-    cells: list[list[Cell]] = [
-        [number, *(getattr(row, key) or NONE for key in keys)] for number, row in enumerate(rows, 1)
-    ]
-    return [Table(caption, ["#", *map(_in_words, keys)], cells)]
-
-
 def _items(stated: StatedTest) -> Section:
     test, tables = stated.test, stated.tables
     report, customer = tables.report, tables.customer
@@ -429,12 +420,17 @@ def _items(stated: StatedTest) -> Section:
         *((f"customer {name}".replace(" name", ""), text) for name, text in _named_fields(customer)),
         ("order", test.order),
     ]
+    stated_keys = type(tables.specimen[0]).model_fields if tables.specimen else ()
+    keys = [key for key in stated_keys if any(getattr(row, key) for row in tables.specimen)]
+    specimens: list[list[Cell]] = [
+        [number, *(getattr(row, key) or NONE for key in keys)] for number, row in enumerate(tables.specimen, 1)
+    ]
     item = [("item", test.item), ("serial number", test.serial_number)] if not tables.specimen else []
     parts = [
         *_fields("Laboratory", laboratory),
         *_fields("Customer and order", ordered),
         *_fields("Item", item),
-        *_rows_table("Items", tables.specimen),
+        *([Table("Items", ["#", *map(_in_words, keys)], specimens)] if specimens else []),
     ]
     return Section("Laboratory, customer, items", "" if parts else "Nothing is stated of them.", parts)
 
@@ -486,13 +482,6 @@ def _setup(stated: StatedTest) -> Section:
         *(Photo(one.address, one.caption or one.file) for one in stated.photographs),
     ]
     return Section("Set-up and equipment", "" if parts else "Nothing is stated of them.", parts)
-
-
-def _shocks(found: RecordsVerdict, names: dict[str, str]) -> Section:
-    count = len(found.shocks)
-    words = f"{count} shocks are summed up here; the file shocks.csv lists each with its verdict."
-    words *= count > MOST_LISTED
-    return Section("Shocks", words, shock_tables(found, names) if found.shocks else [])
 
 
 def _pulses(found: RecordsVerdict) -> Section:

@@ -37,7 +37,6 @@ from strikewave.analyses.record.sensors import (
     SensorTrials,
     all_pairs,
     transfer_columns,
-    try_records,
 )
 from strikewave.base import declare
 from strikewave.base.declare import NOT_MEASURED, GivenUnits, Quantity, declarations
@@ -55,13 +54,11 @@ from strikewave.reporting.faces import data_columns
 from strikewave.reporting.measured_files import AskedResult
 from strikewave.reporting.numbers import shown_unit
 from strikewave.reporting.shown_result import Curve, columns_of_mappings, history_curve, html_place
-from strikewave.sensors.trial import SensorChannel, sensor_sources
 from strikewave.signal.filters import Filter
 from strikewave.specifications.judged_records import RecordsVerdict
 from strikewave.specifications.judging import FAIL, NOT_JUDGED
 
 if TYPE_CHECKING:
-    from strikewave.cases.stack_of_case import StatedSensor
     from strikewave.cases.stated_test import StatedTest
 
 OWN = "as in the file"  # stands for the unit of figures whose file does not say it
@@ -149,7 +146,7 @@ class RecordResult(AskedResult):
         """
         page = self._drawn("test_page")
         if page is None or self.verdict is None:
-            raise StrikewaveError("a test report needs a verdict: record(..., spec=..., test=...)")
+            raise StrikewaveError("a test report needs a verdict: record(..., spec=..., judging=Judging(test=...))")
         place = html_place(path, "test-report.html")
         write_atomically(place, page(self))
         return place
@@ -158,15 +155,6 @@ class RecordResult(AskedResult):
     def pairs(self) -> list[RecordPair]:
         """What two channels of each file do together, where asked for."""
         return all_pairs(self.readings, self.pair) if self.pair else []
-
-    def on_sensor(self, stated: StatedSensor, field: str) -> RecordResult:
-        """Return the same with the blows tried on a sensor; ``field`` is what an error calls it."""
-        found = try_records(self.readings, self.filter, stated, field)
-        notices = (*self.notices, *found.notices)
-        citations = tuple(
-            dict.fromkeys((*self.citations, *sensor_sources([SensorChannel(stated.sensor, None, stated.recorder)])))
-        )
-        return dataclasses.replace(self, sensor=found, notices=notices, citations=citations)
 
     @functools.cached_property
     def motions(self) -> list[RecordMotion]:
@@ -314,28 +302,25 @@ class RecordResult(AskedResult):
 
     def tables(self) -> dict[str, str]:
         """Return all pulses as CSV text."""
-        units = [Column("unit", [shown_unit(self.unit, self.unit)] * len(self.blows))] if self.unit else []
-        columns = [*self.columns()[:2], *units, *self.columns()[2 + len(units) :]]  # numbers of one unit are in that
+        unit = [Column("unit", [shown_unit(self.unit, self.unit)] * len(self.blows))] if self.unit else []
+        columns = [*self.columns()[:2], *unit, *self.columns()[2 + len(unit) :]]  # numbers of one unit are in that
         tables = {"pulses.csv": csv_table(columns)}
         if responding(self.readings):
             tables["responses.csv"] = csv_table(response_columns(self.readings))
         if self.motion:
             tables["motion.csv"] = csv_table(motion_columns(self.motions), HISTORY_DIGITS)
         if self.pair:
-            tables["pairs.csv"] = csv_table(self._pair_columns())
+            units = {row.unit for row in self.pair_rows or ()}  # that which all pairs share
+            given, known = units_given(units.pop() if len(units) == 1 else ""), declarations(PairRow)
+            numbers = [column for column in data_columns(self, "pair_rows") if column.name in PAIR_COLUMNS]
+            numbers = [column._replace(si=known[column.name].quantity.within(given).si) for column in numbers]
+            tables["pairs.csv"] = csv_table(numbers)
             tables["transfer.csv"] = csv_table(transfer_columns(self.pairs), HISTORY_DIGITS)
         if self.verdict is not None:
             tables["shocks.csv"] = csv_table(shock_columns(self.verdict))
         if self.sensor is not None:
             tables["sensor.csv"] = csv_table(self.sensor.table())
         return tables
-
-    def _pair_columns(self) -> list[Column]:
-        """Return the figures of pairs, a line a file, in the unit that all pairs share."""
-        units = {row.unit for row in self.pair_rows or ()}
-        given, known = units_given(units.pop() if len(units) == 1 else ""), declarations(PairRow)
-        columns = [one for one in data_columns(self, "pair_rows") if one.name in PAIR_COLUMNS]
-        return [one._replace(si=known[one.name].quantity.within(given).si) for one in columns]
 
 
 def record_result(

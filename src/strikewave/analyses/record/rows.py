@@ -290,24 +290,21 @@ class BlowRow:
 
 def blow_rows(files: Sequence[FileReading]) -> list[BlowRow]:
     """Return all blows, file by file."""
-    return [
-        _blow_row(file.path, reading, place)
-        for file in files
-        for reading in file.channels
-        for place in range(len(reading.pulses))
-    ]
-
-
-def _blow_row(path: str, reading: ChannelReading, place: int) -> BlowRow:
-    channel, pulse = reading.channel, reading.pulses[place]
-    row = SplitRow.of(pulse)
-    split = [math.nan] * 6
-    if row is not None:
-        one = row.split
-        split = [one.peak, one.width, one.peak_uncertainty, one.width_uncertainty, one.cutoff, one.wave_energy]
-    figures = reading.uncertainties[place].figures if reading.uncertainties else None
-    expanded = [None if figures is None else figures[name].expanded for name in BUDGETED]
-    return BlowRow(path, channel.name, channel.unit, reading.status, place + 1, pulse, *split, *expanded)
+    rows = []
+    for file in files:
+        for reading in file.channels:
+            channel = reading.channel
+            for place, pulse in enumerate(reading.pulses):
+                row, split = SplitRow.of(pulse), [math.nan] * 6
+                if row is not None:
+                    part = row.split
+                    split = [part.peak, part.width, part.peak_uncertainty, part.width_uncertainty]
+                    split += [part.cutoff, part.wave_energy]
+                figures = reading.uncertainties[place].figures if reading.uncertainties else None
+                expanded = [None if figures is None else figures[name].expanded for name in BUDGETED]
+                head = (file.path, channel.name, channel.unit, reading.status, place + 1)
+                rows.append(BlowRow(*head, pulse, *split, *expanded))
+    return rows
 
 
 def _uncertainty(reading: ChannelReading, place: int) -> Mapping[str, FigureUncertainty]:
@@ -405,8 +402,8 @@ def moved(file: str, reading: ChannelReading) -> RecordMotion | None:
 
 def all_moved(files: Sequence[FileReading]) -> list[RecordMotion]:
     """Return the motion of all channels that have one."""
-    found = (moved(file.path, reading) for file in files for reading in file.channels)
-    return [one for one in found if one is not None]
+    motions = (moved(file.path, reading) for file in files for reading in file.channels)
+    return [motion for motion in motions if motion is not None]
 
 
 def motion_columns(found: Sequence[RecordMotion]) -> list[Column]:

@@ -72,16 +72,9 @@ class TransferRow:
     @classmethod
     def of(cls, one: Transfer) -> TransferRow:
         """Return a transfer function in magnitude and phase."""
-        return cls(
-            one.averages,
-            one.resolution,
-            one.frequency,
-            np.abs(one.h1),
-            np.abs(one.h2),
-            np.angle(one.h1),
-            one.coherence,
-            one.uncertainty * np.abs(one.h1),
-        )
+        size, doubt = np.abs(one.h1), one.uncertainty * np.abs(one.h1)
+        estimates = (size, np.abs(one.h2), np.angle(one.h1))
+        return cls(one.averages, one.resolution, one.frequency, *estimates, one.coherence, doubt)
 
 
 @declare.dataclass
@@ -436,20 +429,16 @@ def try_records(
             blows.append(TriedBlow(file.path, reading.channel.name, number, pulse.time, doubted, trial))
     band = min(_band(reading.channel, filter_) for _, reading in own)
     noisy = any(blow.trial.verdict == NOISE for blow in blows)
-    low_pass = _low_pass(readings, resonance) if noisy and filter_ is None else math.nan
+    # The highest low-pass far enough below the resonance, none where it would take some of the blows too
+    low_pass, advised = math.nan, advised_filter(readings) if noisy and filter_ is None else None
+    if advised is not None and advised.cutoff <= OF_RESONANCE * resonance:
+        low_pass = OF_RESONANCE * resonance
     return SensorTrials(stated, band, tuple(blows), low_pass)
 
 
 def lacking(stated: StatedSensor) -> list[str]:
     """Return what of range and resonance a sensor does not state."""
     return [key for key in LACKS if math.isinf(getattr(stated.sensor, key))]
-
-
-def _low_pass(readings: Sequence[FileReading], resonance: float) -> float:
-    """Return the highest low-pass far enough below a resonance, Hz; NaN where it would take some of the blows too."""
-    advised = advised_filter(readings)
-    highest = OF_RESONANCE * resonance
-    return highest if advised is not None and advised.cutoff <= highest else math.nan
 
 
 def _band(channel: Channel, filter_: Filter | None) -> float:

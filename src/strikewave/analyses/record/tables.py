@@ -53,18 +53,6 @@ def figure_text(name: str, unit: str, value: float, digits: int = 4) -> str:
     return text if text == NONE or (name == "peak" and not unit) else f"{text} {shown}"
 
 
-def in_own_unit(name: str, unit: str, value: float) -> str:
-    """Write a figure of a channel beside those in other units; what has none is marked.
-
-    Examples
-    --------
-    >>> in_own_unit("peak", "m/s^2", 4900.0), in_own_unit("peak", "N", 500.0), in_own_unit("peak", "", 500.0)
-    ('499.7 g', '0.5 kN', '500 (no unit)')
-    """
-    text = figure_text(name, unit, value)
-    return text if unit or text == NONE else f"{number(name, unit, value)} (no unit)"
-
-
 def plus_minus(name: str, unit: str, value: float, doubt: float) -> str:
     """Write a figure of a channel with its standard uncertainty.
 
