@@ -131,15 +131,13 @@ def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[
     top = best[chosen]
     if top is None:
         return 1, [], []
-    alike = [
-        box for box in boxes_by_sign[chosen] if top.width / OfBoxes.SCALES <= box.width <= top.width * OfBoxes.SCALES
-    ]
+    narrowest, widest = top.width / OfBoxes.SCALES, top.width * OfBoxes.SCALES
+    alike = [box for box in boxes_by_sign[chosen] if narrowest <= box.width <= widest]
     alike.sort(key=_energy, reverse=True)
     large: list[Box] = []
     small: list[Box] = []
-    widest = math.ceil(OfBoxes.SCALES * top.width)
-    claimed, kept = BoxGrid(widest), BoxGrid(widest)
-    for found, least, most in (
+    claimed, standing = BoxGrid(math.ceil(widest)), BoxGrid(math.ceil(widest))
+    for boxes, least, most in (
         (large, OfBoxes.SMALLEST_AREA, math.inf),
         (small, OfBoxes.SMALLEST_CONTACT, OfBoxes.SMALLEST_AREA),
     ):
@@ -147,9 +145,9 @@ def find_boxes(values: Array, line: Baseline, single: float) -> tuple[int, list[
             if not least <= box.area / top.area < most or _touches(box, claimed):
                 continue
             claimed.add(box)
-            if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, kept, single):
-                found.append(box)
-                kept.add(box)
+            if box.first >= 0.5 * box.width and not _swings(values, line, chosen, box, standing, single):
+                boxes.append(box)
+                standing.add(box)
     parts = sorted(part for box in large for part in _hits_of(values, line, chosen, box, single))
     hits = _without_lobes(values, line, chosen, parts, single)
     beside = BoxGrid(max((hit.width for hit in hits), default=1))
@@ -335,7 +333,7 @@ def mains_period(times: Array, widths: Array, locked: bool = False) -> float:
     if gaps.size < OfTrains.FEWEST_GAPS:
         return math.nan
     middle = float(np.median(gaps))
-    period = min(MAINS, key=lambda one: abs(middle / one - 1.0))
+    period = min(MAINS, key=lambda mains: abs(middle / mains - 1.0))
     whole = period if period > WHOLE_PERIOD else 2.0 * period
     if float(np.median(widths)) < OfTrains.CONDUCTS * whole:
         return math.nan
@@ -495,11 +493,8 @@ def _as_late(times: Array, peaks: Array, blow_of: dict[int, int], blows: int) ->
     usual = float(np.median(list(after.values())))
     late = {k for k, lag in after.items() if abs(lag - usual) < OfTrains.AS_LATE * usual}
     smaller = sum(peaks[k] < peaks[blow_of[k]] for k in late)
-    return (
-        late
-        if len(late) >= max(blows // 2, OfTrains.FEWEST_GAPS) and smaller > OfTrains.IRREGULAR * len(late)
-        else set()
-    )
+    most = len(late) >= max(blows // 2, OfTrains.FEWEST_GAPS)
+    return late if most and smaller > OfTrains.IRREGULAR * len(late) else set()
 
 
 def _without_train(times: Array, peaks: Array, widths: Array, small: Sequence[bool]) -> Contacts:

@@ -106,9 +106,8 @@ class SmoothPulse(NamedTuple):
         0.0
         """
         half = 0.5 * self.power
-        return (
-            self.peak * self.length * math.exp(math.lgamma(half + 0.5) - math.lgamma(half + 1.0)) / math.sqrt(math.pi)
-        )
+        ratio = math.exp(math.lgamma(half + 0.5) - math.lgamma(half + 1.0))
+        return self.peak * self.length * ratio / math.sqrt(math.pi)
 
     def area_beyond(self, begin: float, end: float) -> float:
         """Return the integral of the magnitude before one time and after another, s times its unit."""
@@ -184,10 +183,10 @@ def fit_smooth_pulse(time: Array, values: Array, begin: float, length: float) ->
     Times are in s; the baseline of the values is taken off.
     """
     factor = -(-values.size // MOST_SAMPLES)
-    whole = values.size // factor * factor
-    t = (time[:whole].reshape(-1, factor).mean(axis=1) - begin) / length
+    count = values.size // factor * factor
+    t = (time[:count].reshape(-1, factor).mean(axis=1) - begin) / length
     scale = float(np.max(values)) or 1.0
-    y = values[:whole].reshape(-1, factor).mean(axis=1) / scale
+    y = values[:count].reshape(-1, factor).mean(axis=1) / scale
     low, high = LOWEST.copy(), HIGHEST.copy()
     low[1], high[1] = t[0] - BEFORE, t[-1]
     fits = [fit_pulse(t, y, start, low, high, SPREADS, ROUNDS, CONVERGED) for start in np.clip(STARTS, low, high)]
@@ -342,13 +341,10 @@ def _by_sampling(values: Array, place: float, peak: float) -> Array:
     second, third = np.abs(np.diff(values, 2)), np.abs(np.diff(values, 3))
     if not peak > 0.0:
         return np.zeros(2)
-    ends = [int(k) for k in (*before[-1:], *(after[:1] - 1)) if 0 <= k < values.size - 1]
-    runs = [
-        float(second[max(k - 1, 0) : k + 1].max(initial=0.0))
-        / BOW
-        / max(abs(float(values[k + 1] - values[k])), FLAT * peak)
-        for k in ends
-    ]
+    runs = []
+    for k in (int(k) for k in (*before[-1:], *(after[:1] - 1)) if 0 <= k < values.size - 1):
+        bow = float(second[max(k - 1, 0) : k + 1].max(initial=0.0)) / BOW
+        runs.append(bow / max(abs(float(values[k + 1] - values[k])), FLAT * peak))
     tip = float(third[max(top - 3, 0) : top + 2].max(initial=0.0)) / OVERSHOOT
     return np.array([tip, math.hypot(*runs)])
 
@@ -395,7 +391,7 @@ def windows_up_to(longest: int) -> list[SmoothingWindow]:
     while half <= longest:
         halves.append(half)
         half = max(half + 1, math.ceil(LONGER * half))
-    return [SmoothingWindow(one) for one in halves]
+    return [SmoothingWindow(half) for half in halves]
 
 
 @functools.lru_cache(maxsize=256)

@@ -102,15 +102,12 @@ def _roots(values: Array, step: float) -> list[complex]:
     factor = max(int(values.size / float(strong[-1]) / SAMPLES_A_SWING), 1)
     thinned = np.asarray(decimate(values, factor, ftype="fir") if factor > 1 else values, dtype=np.float64)
     thinned, step = thinned[:MOST_SAMPLES], step * factor
-    found = [
-        _pencil(thinned[round(a * thinned.size) : round(b * thinned.size)], step, a * thinned.size * step)
-        for a, b in WINDOWS
-    ]
-    shown = [
-        (root, amplitude)
-        for root, amplitude in found[0]
-        if all(any(abs(one.imag - root.imag) < ALIKE * root.imag for one, _ in other) for other in found[1:])
-    ]
+    size = thinned.size
+    first, *others = (_pencil(thinned[round(a * size) : round(b * size)], step, a * size * step) for a, b in WINDOWS)
+    shown = []
+    for root, amplitude in first:
+        if all(any(abs(r.imag - root.imag) < ALIKE * root.imag for r, _ in other) for other in others):
+            shown.append((root, amplitude))
     shown.sort(key=lambda pair: pair[1] ** 2 / pair[0].real)
     return [root for root, _ in shown]
 
@@ -160,12 +157,9 @@ def _fitted(values: Array, step: float, roots: NDArray[np.complex128]) -> tuple[
         damping_uncertainty = math.sqrt(max(float(toward @ pair @ toward), 0.0))
         numbers = (omega / (2.0 * math.pi), decay / size, amplitude, uncertain, damping_uncertainty)
         modes.append(Mode(*map(float, numbers)))
+        is_known = 2.0 * math.pi * uncertain < OfAnswers.MOST_UNCERTAIN * omega
         decays_away = decay * float(time[-1]) > OfAnswers.LOSES
-        certain.append(
-            decays_away
-            and amplitude > OfAnswers.CERTAIN * doubt
-            and 2.0 * math.pi * uncertain < OfAnswers.MOST_UNCERTAIN * omega
-        )
+        certain.append(decays_away and is_known and amplitude > OfAnswers.CERTAIN * doubt)
     return modes, np.array(certain)
 
 

@@ -147,20 +147,15 @@ def model_of(tail: Tail) -> TailModel:
     if total <= 0.0:
         return TailModel("rest")
     floor = 1e-24 * total
-    scores = {
-        kind: n * math.log(max(squares[kind], floor)) + OfTails.PENALTY * fits[kind][1] * math.log(n) for kind in fits
-    }
-    kind = min(scores, key=lambda name: scores[name])
+    cost = OfTails.PENALTY * math.log(n)  # of a parameter
+    kind = min(fits, key=lambda name: n * math.log(max(squares[name], floor)) + fits[name][1] * cost)
     if kind == "rest":
         return TailModel("rest")
     rest = tail.level - fits[kind][0]
     share = 1.0 - squares[kind] / total
     error = math.sqrt(squares[kind] / max(n - 1 - fits[kind][1], 1) / n * alike_as_one(rest))
-    if (
-        kind == "decay"
-        and constant < OfTails.QUICK * (tail.time[1] - tail.time[0])
-        and tail.one_side < OfTails.ONE_SIDE
-    ):
+    quick = constant < OfTails.QUICK * (tail.time[1] - tail.time[0])
+    if kind == "decay" and quick and tail.one_side < OfTails.ONE_SIDE:
         return TailModel("motion", explained=share)
     if kind == "decay":
         return TailModel("decay", float(decay[0]), error, constant, math.nan, share)
@@ -190,11 +185,9 @@ def _coupled(tail: Tail) -> TailModel | None:
     error = math.sqrt(squares / max(n - 1, 1) / float(np.sum(velocity**2)) * alike_as_one(rest))
     share = 1.0 - squares / total if total > 0.0 else 0.0
     whole, sure = time[-1] * rate > OfTails.SEEN_WHOLE, rate > OfTails.SURE * error
-    if (
-        share < OfTails.EXPLAINED
-        or time[-1] * rate < OfTails.LEAST_DECAY
-        or not (sure or (whole and rate > OfTails.SURE_WHOLE * error))
-    ):
+    if share < OfTails.EXPLAINED or time[-1] * rate < OfTails.LEAST_DECAY:
+        return None
+    if not (sure or (whole and rate > OfTails.SURE_WHOLE * error)):
         return None
     for other in (np.ones(n), time):
         left = float(np.sum((level - _on(level, other)) ** 2))

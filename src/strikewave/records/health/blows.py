@@ -116,13 +116,10 @@ def double_hit(record: BlowRecord) -> Iterator[Fault]:
         later, earlier = min(double.items())
         first, second = record.pulses[earlier], record.pulses[later]
         details = {
-            "first": first.time,
-            "second": second.time,
+            "first": first.time, "second": second.time, "apart": 1e3 * abs(second.time - first.time),
+            "peak": first.peak, "other": second.peak,
             "several": f" and {len(double) - 1} more" if len(double) > 1 else "",
-            "peak": first.peak,
-            "other": second.peak,
-            "apart": 1e3 * abs(second.time - first.time),
-        }
+        }  # fmt: skip
         yield Fault(len(double), details, start=first.begin, end=second.end)
 
 

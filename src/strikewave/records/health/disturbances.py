@@ -64,8 +64,7 @@ def noise(record: BlowRecord) -> Iterator[Fault]:
         return
     wander = max((p.baseline.wander for p in record.pulses if math.isfinite(p.baseline.wander)), default=math.nan)
     if math.isnan(wander):
-        message = "noise of {value:unit} a sample"
-        yield Fault(record.noise, effects=effects, signed=False, message=message)
+        yield Fault(record.noise, effects=effects, signed=False, message="noise of {value:unit} a sample")
     else:
         yield Fault(wander, effects=effects, signed=False)
 
@@ -78,9 +77,7 @@ def short_before(record: BlowRecord) -> Iterator[Fault]:
 
 def hum_of_response(record: ResponseRecord) -> Iterator[Fault]:
     """Find a line of the mains beside the response."""
-    spans = [
-        (record.blows[response.blow - 1].begin, response.begin + response.duration) for response in record.responses
-    ]
+    spans = [(record.blows[r.blow - 1].begin, r.begin + r.duration) for r in record.responses]
     line = hum_beside(record.values, record.step, record.start, spans)
     if line is not None and not line[1] < OfNoise.NOTED_HUM * record.peak:
         frequency, amplitude = line
@@ -179,9 +176,8 @@ def _swing_of_mains(first: float, time: Array, means: Array, quiet: NDArray[np.b
     for frequency in MAINS:
         fitted, amplitude = _swing(time, means, quiet, frequency, 1)
         left = float(np.sum((means - fitted)[quiet] ** 2))
-        if left < OfNoise.SWINGS * bent and _explained_of_parts(first, time, means, quiet, fitted) > max(
-            OfNoise.EXPLAINED
-        ):
+        explained = _explained_of_parts(first, time, means, quiet, fitted)
+        if left < OfNoise.SWINGS * bent and explained > max(OfNoise.EXPLAINED):
             best, bent = (frequency, amplitude), left / OfNoise.SWINGS
     return best
 
@@ -252,12 +248,8 @@ def _ringing_of(record: BlowRecord, pulse: RecordedPulse) -> Fault | None:
         if max(map(abs, effects.values())) < OfRinging.NOTED_EFFECT and share < OfRinging.NOTED:
             return None
         frequency = pulse.ringing_frequency if pulse.ringing_frequency > 0.0 else rigid.frequency
-        details = {
-            "time": pulse.time,
-            "frequency": with_unit(frequency, "Hz"),
-            "peak": rigid.peak,
-            "width": with_unit(rigid.width, "s"),
-        }
+        texts = {"frequency": with_unit(frequency, "Hz"), "width": with_unit(rigid.width, "s")}
+        details = {"time": pulse.time, "peak": rigid.peak, **texts}
         doubt = {name: getattr(rigid, f"{name}_uncertainty") / abs(getattr(rigid, name)) for name in effects}
         return Fault(share, details, start=pulse.begin, effects=effects, doubt=doubt)
     within = smooth.misfit > OfRinging.STRAYS and pulse.method == "record"

@@ -222,14 +222,9 @@ def clipped(record: BlowRecord) -> Iterator[Fault]:
             continue  # zeros before or after a blow, as a simulation or an edited record has them
         struck = [p for p in record.pulses if np.any((at >= record.place(p.begin)) & (at <= record.place(p.end)))]
         where = f"in {len(struck)} of {len(record.pulses)} blows" if struck else "outside the blows"
-        yield Fault(
-            level,
-            {"lasting": at.size * record.step * 1e6, "where": where},
-            severity="" if struck else "suspect",
-            harms=BLOW if struck else ("ringing_frequency", "spectrum"),
-            start=record.time(int(at[0])),
-            end=record.time(int(at[-1])),
-        )
+        details = {"lasting": at.size * record.step * 1e6, "where": where}
+        severity, harms = ("", BLOW) if struck else ("suspect", ("ringing_frequency", "spectrum"))
+        yield Fault(level, details, severity, harms, record.time(int(at[0])), record.time(int(at[-1])))
 
 
 def clipped_response(record: ResponseRecord) -> Iterator[Fault]:
@@ -337,14 +332,9 @@ def _straight_side(record: BlowRecord) -> Fault | None:
         own_slope = other.slope < (1.0 - OfTops.ALIKE) * steep.slope
         saw_tooth = other.bend < OfTops.STRAIGHT and other.slope < OfTops.SAW_TOOTH * steep.slope
         if steep.bend < OfTops.STRAIGHT and not saw_tooth:
-            return _of_shapes(
-                steep.slope,
-                [shape],
-                time=shape.pulse.time,
-                sides="one side is" if own_slope else "its sides are",
-                over=OfTops.OVER,
-                slope=1e-6 * steep.slope,
-            )
+            details = {"time": shape.pulse.time, "over": OfTops.OVER, "slope": 1e-6 * steep.slope}
+            sides = "one side is" if own_slope else "its sides are"
+            return _of_shapes(steep.slope, [shape], sides=sides, **details)
     return None
 
 
@@ -504,23 +494,15 @@ def few_samples(record: BlowRecord) -> Iterator[Fault]:
     if count < OfSampling.FEW:
         loss = 1.0 - math.cos(math.pi / (2.0 * max(count, 1.0)))
         too_few = count < OfSampling.TOO_FEW
-        yield Fault(
-            count,
-            {"loss": loss},
-            severity="bad" if count < OfSampling.NONE_LEFT else "suspect" if too_few else "good",
-            harms=("peak", "rise", "width") if too_few else (),
-        )
+        severity = "bad" if count < OfSampling.NONE_LEFT else "suspect" if too_few else "good"
+        yield Fault(count, {"loss": loss}, severity, ("peak", "rise", "width") if too_few else ())
 
 
 def few_samples_of_swing(record: ResponseRecord) -> Iterator[Fault]:
     """Find swings of few samples: between two of them the peak is missed."""
-    modes = [
-        mode
-        for response in record.responses
-        for mode in response.modes
-        if mode.amplitude > OfSampling.COUNTS * abs(response.peak)
-    ]
-    count = 1.0 / (max((mode.frequency for mode in modes), default=0.0) * record.step) if modes else math.inf
+    modes = [(mode, response) for response in record.responses for mode in response.modes]
+    large = [mode.frequency for mode, r in modes if mode.amplitude > OfSampling.COUNTS * abs(r.peak)]
+    count = 1.0 / (max(large) * record.step) if large else math.inf
     if count < OfSampling.FEW_OF_SWING:
         effects = {**record.moved_by(_missed(count) * record.peak), "peak": -_missed(count)}
         yield Fault(count, {"frequency": 1.0 / (count * record.step)}, effects=effects)

@@ -274,9 +274,8 @@ class ResponseRecord(SampledRecord):
             if response.modes and other.modes:
                 for name in ("frequency", "damping"):
                     changes[name] = getattr(response.modes[0], name) / getattr(other.modes[0], name) - 1.0
-            effects = {
-                name: max(effects.get(name, 0.0), changes.get(name, 0.0), key=abs) for name in {**effects, **changes}
-            }
+            for name, change in changes.items():
+                effects[name] = max(effects.get(name, 0.0), change, key=abs)
         return effects
 
     def moved_by(self, reach: float) -> dict[str, float]:

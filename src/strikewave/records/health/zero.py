@@ -37,8 +37,7 @@ class _Edges(NamedTuple):
 
     begin: float
     end: float
-    in_blow: float
-    """Peak of the blow that it begins in; 0 for none."""
+    in_blow: float  # peak of the blow that it begins in; 0 for none
     in_motion: bool
 
 
@@ -104,10 +103,8 @@ def offset(record: BlowRecord) -> Iterator[Fault]:
     pulse = record.largest
     share = 0.0 if pulse is None else abs(pulse.offset) / abs(pulse.peak)
     if pulse is not None and share > OfZero.NOTED:
-        large = share > OfZero.LARGE
-        yield Fault(
-            pulse.offset, {"share": share}, severity="" if large else "good", harms=("spectrum",) if large else ()
-        )
+        severity, harms = ("", ("spectrum",)) if share > OfZero.LARGE else ("good", ())
+        yield Fault(pulse.offset, {"share": share}, severity, harms)
 
 
 def offset_of_response(record: ResponseRecord) -> Iterator[Fault]:
@@ -166,14 +163,8 @@ def zero_shift(record: BlowRecord) -> Iterator[Fault]:
     (model, share), last = tail, record.pulses[-1]
     back = f", and comes back with a time constant of {1e3 * model.constant:.3g} ms" if model.kind == "decay" else ""
     effects = {name: abs(e) for name, e in effects_of_level(last, model.level, after_peak=True).items()}
-    yield Fault(
-        model.level,
-        {"share": share, "back": back},
-        severity="suspect" if share > OfZero.LARGE_SHIFT else "",
-        start=last.end,
-        effects=effects,
-        signed=False,
-    )
+    severity = "suspect" if share > OfZero.LARGE_SHIFT else ""
+    yield Fault(model.level, {"share": share, "back": back}, severity, start=last.end, effects=effects, signed=False)
 
 
 def ac_coupling(record: BlowRecord) -> Iterator[Fault]:
@@ -228,9 +219,8 @@ def _as_at_first(record: BlowRecord, level: float, drift: float) -> bool:
     if first.size < FEWEST_OF_PART or record.time(2 * first.size) > record.pulses[0].begin:
         return False
     after = (record.values.size - record.place(record.pulses[-1].end)) * record.step
-    return abs(level - float(np.median(first))) * after < OfZero.NOTED_DRIFT * min(
-        abs(drift), abs(record.pulses[-1].velocity_change)
-    )
+    least = min(abs(drift), abs(record.pulses[-1].velocity_change))
+    return abs(level - float(np.median(first))) * after < OfZero.NOTED_DRIFT * least
 
 
 def no_foot(record: BlowRecord) -> Iterator[Fault]:
@@ -271,8 +261,7 @@ def level_step(values: Array) -> tuple[int, float] | None:
 
 def _larger(effects: Mapping[str, float], others: Mapping[str, float]) -> dict[str, float]:
     """Return effects, with those of others where figures jump and they are larger."""
-    jumping = {name: max(effects.get(name, 0.0), others[name], key=abs) for name in JUMPING}
-    return {**effects, **jumping}
+    return {**effects, **{name: max(effects.get(name, 0.0), others[name], key=abs) for name in JUMPING}}
 
 
 class _Straight(NamedTuple):
@@ -421,15 +410,15 @@ class _FreeDecay(NamedTuple):
 
 def _free_decay(record: ResponseRecord, above: Array) -> _FreeDecay | None:
     """Return the last free decay, thinned, to the end of the record; None where it is too short."""
-    one = record.responses[-1]
-    begin, end = record.place(one.decay.begin), record.values.size
+    last = record.responses[-1]
+    begin, end = record.place(last.decay.begin), record.values.size
     if end - begin < 2 * FEWEST:
         return None
     every = max((end - begin) // MOST_LOOKED_AT, 1)
     values = above[begin:end:every]
     since = np.asarray(record.step * every * np.arange(values.size), dtype=np.float64)
     waves = [np.empty((values.size, 0))]
-    for mode in one.modes:
+    for mode in last.modes:
         wave = np.exp(since * (-1.0 / mode.decay_time + 2j * np.pi * mode.frequency))
         waves.append(np.stack([wave.real, wave.imag], axis=1))
     return _FreeDecay(begin, values, since, np.hstack(waves))
@@ -451,8 +440,8 @@ def _zero_after(record: ResponseRecord, above: Array) -> tuple[int, float, float
     if constants.size:
         best = int(np.argmin([part.decayed(float(constant))[0] for constant in constants]))
         low, high = constants[max(best - 1, 0)], constants[min(best + 1, constants.size - 1)]
-        found = minimize_scalar(lambda size: part.decayed(math.exp(size))[0], bounds=(math.log(low), math.log(high)))
-        constant = math.exp(found.x)
+        bounds = math.log(low), math.log(high)
+        constant = math.exp(minimize_scalar(lambda size: part.decayed(math.exp(size))[0], bounds=bounds).x)
         fit = part.decayed(constant)
         if _explains(only, fit):
             return part.begin, float(fit[1][-2]), float(fit[1][-1]), constant

@@ -25,20 +25,10 @@ from strikewave.records.record import Array, Channel, Record
 
 # Module of each format, in the order in which they are asked; text, which takes almost anything, comes last
 FORMATS = {
-    "tdms": "recorders",
-    "mdf": "recorders",
-    "ide": "recorders",
-    "rigol": "recorders",
-    "hdf": "containers",
-    "mat": "containers",
-    "netcdf": "containers",
-    "parquet": "tables",
-    "wav": "recorders",
-    "uff": "recorders",
-    "excel": "tables",
-    "lvm": "lvm",
-    "text": "text",
-}
+    "tdms": "recorders", "mdf": "recorders", "ide": "recorders", "rigol": "recorders",
+    "hdf": "containers", "mat": "containers", "netcdf": "containers", "parquet": "tables",
+    "wav": "recorders", "uff": "recorders", "excel": "tables", "lvm": "lvm", "text": "text",
+}  # fmt: skip
 HEAD = 8192  # bytes shown to ``sniff``: HDF5 may begin behind a user block of 4096
 # A file whose channels would take more bytes in memory is refused: 2 thousand million samples, what a workstation holds
 LARGEST_ARRAY = 16 * 2**30
@@ -151,9 +141,8 @@ def read_measurements(path: str | Path, options: Options = Options()) -> list[Re
         return records
     if not 1 <= options.measurement <= len(records):
         holds = "one measurement" if len(records) == 1 else f"{len(records)} measurements"
-        raise InputError(
-            "--measurement", options.measurement, f"a number from 1 to {len(records)}", f"it holds {holds}"
-        )
+        allowed = f"a number from 1 to {len(records)}"
+        raise InputError("--measurement", options.measurement, allowed, f"it holds {holds}")
     return [records[options.measurement - 1]]
 
 
@@ -161,13 +150,11 @@ def _read_whole(path: str | Path, options: Options) -> Record:
     """Read a file, with its further measurements behind the first."""
     file = Path(path)
     if options.rate is not None and not 1.0 / LONGEST_STEP <= options.rate <= 1.0 / SHORTEST_STEP:
-        raise InputError(
-            "--rate", options.rate, f"a sampling rate of {1.0 / LONGEST_STEP:g} to {1.0 / SHORTEST_STEP:g} Hz"
-        )
+        allowed = f"a sampling rate of {1.0 / LONGEST_STEP:g} to {1.0 / SHORTEST_STEP:g} Hz"
+        raise InputError("--rate", options.rate, allowed)
     if options.time_unit is not None and options.rate is not None:
-        raise InputError(
-            "--time-unit", f"{options.time_unit:g} s", "none beside --rate", "the rate overrules all times"
-        )
+        hint = "the rate overrules all times"
+        raise InputError("--time-unit", f"{options.time_unit:g} s", "none beside --rate", hint)
     try:
         if not file.is_file():
             raise InputError("FILE", file, EXISTING_FILE, _of_folder(file) if file.is_dir() else "")
@@ -260,12 +247,11 @@ def restarts(stamps: Array) -> list[int]:
 def parted(record: Record, places: Sequence[int]) -> Record:
     """Part a record at places that hold for all its channels; what begins without stamps begins at its own start."""
     size = max(channel.values.size for channel in record.channels)
-    return joined_pieces(
-        [
-            replace(record, channels=tuple(_cut(channel, begin, end) for channel in record.channels))
-            for begin, end in pairwise([0, *places, size])
-        ]
-    )
+    pieces = [
+        replace(record, channels=tuple(_cut(channel, begin, end) for channel in record.channels))
+        for begin, end in pairwise([0, *places, size])
+    ]
+    return joined_pieces(pieces)
 
 
 def joined_pieces(pieces: Sequence[Record]) -> Record:

@@ -94,12 +94,8 @@ def encoding_of(head: bytes) -> str | None:
     r"""Return the encoding of text by its first bytes, or None where they are no text."""
     for bom, name in ((codecs.BOM_UTF16_LE, "utf-16-le"), (codecs.BOM_UTF16_BE, "utf-16-be")):
         if head.startswith(bom):
-            text = codecs.getincrementaldecoder(name)("replace").decode(head)
-            return (
-                None
-                if text.encode("utf-8", "replace").translate(None, _CONTROL) != text.encode("utf-8", "replace")
-                else name
-            )
+            text = decode(head, name).encode("utf-8", "replace")
+            return None if text.translate(None, _CONTROL) != text else name
     if head.translate(None, _CONTROL) != head:
         return None
     try:
@@ -319,12 +315,8 @@ def _at_once(block: bytes, grid: CellLayout, store: _Store) -> list[Array] | Non
     delimiter, decimal = grid.marks
     names = [str(k) for k in range(grid.width)]
     wanted = [names[k] for k in grid.wanted]
-    convert = fast.ConvertOptions(
-        column_types={names[k]: pa.string() if k in grid.coded else pa.float64() for k in grid.wanted},
-        include_columns=wanted,
-        null_values=_NULLS,
-        decimal_point=decimal,
-    )
+    types = {names[k]: pa.string() if k in grid.coded else pa.float64() for k in grid.wanted}
+    convert = fast.ConvertOptions(column_types=types, include_columns=wanted, null_values=_NULLS, decimal_point=decimal)
     try:
         table = fast.read_csv(
             pa.BufferReader(block if delimiter else _single_blanks(block)),

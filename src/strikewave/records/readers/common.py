@@ -38,15 +38,8 @@ TIMES = {"time", "t", "times", "timestamp", "timestamps", "zeit", "temps"}
 _AXES = {"x", "s"}
 # Names of attributes and scalars that hold a sampling rate, Hz
 _RATES = {
-    "fs",
-    "sampling_rate",
-    "sample_rate",
-    "samplerate",
-    "samplingrate",
-    "sampling_frequency",
-    "samplefreq",
-    "rate",
-}
+    "fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "sampling_frequency", "samplefreq", "rate",
+}  # fmt: skip
 # Those of a step, s
 _STEPS = {"dt", "wf_increment", "sampling_interval", "sample_interval", "sampling_period", "delta_t", "time_step"}
 _STARTS = {"t0", "start_time", "wf_start_offset", "starttime"}  # those of the time of the first sample, s
@@ -233,9 +226,7 @@ def assemble(
     """
     columns = [column for column in columns if column.size]
     labels, columns = [c for c in columns if c.words], [c for c in columns if not c.words]
-    named = labels + [
-        column for column in columns if may_count(_named(column)[0].removeprefix(column.folder) or "-", "1")
-    ]
+    named = labels + [c for c in columns if may_count(_named(c)[0].removeprefix(c.folder) or "-", "1")]
     if named and (table := _long_table(path, form, (columns, named), options, grid, findings)) is not None:
         return table
     findings = (*findings, *left_out([column.name for column in labels]))
@@ -254,13 +245,12 @@ def assemble(
     wanted = _wanted(path, names, [column for column, _ in channels_with_clock], options)
     guard(path, 8.0 * sum(column.size for (column, _), want in zip(channels_with_clock, wanted, strict=True) if want))
     stamps: dict[int, tuple[Array, float, float]] = {}
-    channels = [
-        _channel(*pair, want, options, grid, stamps) for pair, want in zip(channels_with_clock, wanted, strict=True)
-    ]
-    channels = [replace(channel, name=name) for channel, name in zip(channels, names, strict=True)]
+    channels = []
+    for (column, clock), want, name in zip(channels_with_clock, wanted, names, strict=True):
+        channels.append(replace(_channel(column, clock, want, options, grid, stamps), name=name))
     origins = [(column if clock is None else clock).origin for column, clock in channels_with_clock]
-    channels, said = begin_together(channels, origins)
-    return Record(str(path), form, tuple(channels), (*findings, *said, *left_out([c.name for c in ignored])))
+    channels, later = begin_together(channels, origins)
+    return Record(str(path), form, tuple(channels), (*findings, *later, *left_out([c.name for c in ignored])))
 
 
 def _long_table(
@@ -330,10 +320,8 @@ def left_out(names: Sequence[str]) -> tuple[HealthNotice, ...]:
     if not names:
         return ()
     listed = ", ".join(str(name)[:LONGEST_NAMED] for name in names[:MOST_NAMED])
-    listed += ", ..." if len(names) > MOST_NAMED else ""
-    return (
-        HealthNotice("array-ignored", f"{len(names)} arrays are no channels: {listed}", len(names), severity="good"),
-    )
+    message = f"{len(names)} arrays are no channels: {listed}{', ...' if len(names) > MOST_NAMED else ''}"
+    return (HealthNotice("array-ignored", message, len(names), severity="good"),)
 
 
 def one_each(names: Sequence[str]) -> list[str]:

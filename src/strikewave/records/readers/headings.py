@@ -175,8 +175,7 @@ def _stated(lines: Iterable[str], kind: str) -> float:
         for match in _STATED[kind].finditer(line[:_LONGEST]):
             factor = _hertz(match[1] or match[3]) if kind == "rate" else seconds_in(match[1] or match[3] or "s")
             if factor is not None:
-                value = float(match[2].replace(",", "."))
-                return value * factor if factor >= 1.0 else value / round(1.0 / factor)
+                return _in_seconds(float(match[2].replace(",", ".")), factor)
     return math.nan
 
 

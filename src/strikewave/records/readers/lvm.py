@@ -151,10 +151,9 @@ def read_lvm(path: Path, options: Options = Options()) -> Record:  # noqa: B008 
     if not whole:
         raise refuse(path, "at least two lines of numbers")
     if len(whole) < len(pieces):
-        message = (
-            f"{len(pieces) - len(whole)} of {len(pieces)} measurements have fewer than two lines: they are left out"
-        )
-        short = HealthNotice("segments", message, float(len(pieces) - len(whole)))
+        lost = len(pieces) - len(whole)
+        message = f"{lost} of {len(pieces)} measurements have fewer than two lines: they are left out"
+        short = HealthNotice("segments", message, float(lost))
         whole[0] = replace(whole[0], findings=(short, *whole[0].findings))
     return joined_pieces([one for piece in whole for one in (replace(piece, further=()), *piece.further)])
 
@@ -164,13 +163,10 @@ def _record(path: Path, layout: Layout, runs: Sequence[Read], options: Options) 
     channels = [_channel(runs, j, blank, layout.wanted[j], options) for j, blank in enumerate(layout.blank)]
     size = max(channel.values.size for channel in channels)
     findings = [finding for run in runs for finding in run.findings]
-    together, said = begin_together(channels, runs[0].origins)
-    unread = np.broadcast_to(np.float64(np.nan), (size,))
-    whole = [
-        channel if want else replace(channel, values=unread)
-        for channel, want in zip(together, layout.wanted, strict=True)
-    ]
-    record = Record(str(path), "lvm", tuple(whole), (*findings, *said))
+    channels, later = begin_together(channels, runs[0].origins)
+    for j in (j for j, want in enumerate(layout.wanted) if not want):
+        channels[j] = replace(channels[j], values=np.broadcast_to(np.float64(np.nan), (size,)))
+    record = Record(str(path), "lvm", tuple(channels), (*findings, *later))
     every = runs[0].every
     return parted(record, range(every, size, every)) if every else record
 
@@ -264,9 +260,8 @@ def _of_session(path: Path, content: mmap.mmap, encoding: str, place: tuple[int,
     if len(marks) < 2:
         raise refuse(path, whole, f"it lacks {_MARK.decode()}")
     begins = [_head_of(content, last, mark) for last, mark in pairwise(marks)]
-    if marks[0] - place[0] > _LARGEST_HEADER or any(
-        m - b > _LARGEST_HEADER for m, b in zip(marks[1:], begins, strict=True)
-    ):
+    headers = [(place[0], marks[0]), *zip(begins, marks[1:], strict=True)]
+    if any(mark - begin > _LARGEST_HEADER for begin, mark in headers):
         raise refuse(path, whole, "a header has no end")
     keys = _keys(content[place[0] : marks[0]], encoding)
     mark, kind = _marks(path, keys), _said(keys, "X_Columns", "One").casefold()
@@ -371,11 +366,8 @@ def _run(path: Path, encoding: str, segment: Segment, layout: Layout, options: O
     region = Region(path, encoding, segment.start, segment.end, line=segment.line)
     cut, digits = _look(region, segment.marks, max(read_columns), unended)
     width = len(segment.columns)
-    table = parse(
-        region._replace(cut=cut),
-        CellLayout(segment.marks, width, tuple(read_columns)),
-        100 + (segment.end - segment.start) // (4 * width),
-    )
+    cells = CellLayout(segment.marks, width, tuple(read_columns))
+    table = parse(region._replace(cut=cut), cells, 100 + (segment.end - segment.start) // (4 * width))
     values_of = dict(zip(read_columns, table.columns, strict=True))
     samples, stated, begins = (_values(path, segment, key, layout.columns) for key in ("Samples", "Delta_X", "X0"))
     values, stamps, steps, starts = [], [], [], []
@@ -450,10 +442,8 @@ def _trimmed(values: Array, samples: float) -> Array:
 
 def _agreed(stated: float, measured: float, stamps: Array, digit: float) -> float:
     """Return the step of the header where the stamps agree with it within their rounding, else that of the stamps."""
-    room = max(
-        2.0 * digit + _ROUNDING * np.finfo(float).eps * float(np.abs(stamps[[0, -1]]).max()),
-        _PER_SAMPLE * stated * stamps.size,
-    )
+    rounding = _ROUNDING * np.finfo(float).eps * float(np.abs(stamps[[0, -1]]).max())
+    room = max(2.0 * digit + rounding, _PER_SAMPLE * stated * stamps.size)
     off = abs(stated * (stamps.size - 1) - float(stamps[-1] - stamps[0]))
     return stated if off <= room else measured
 

@@ -166,22 +166,15 @@ def _are_quoted(lines: list[str]) -> bool:
     """Tell whether each line as a whole stands in quotes, as some programs write what they take for a single cell."""
     bodies = [line.strip()[1:-1] for line in lines if line.strip().startswith('"') and line.strip().endswith('"')]
     many = [body for body in bodies if '"' not in body and re.search(r"[,;\t]", body)]
-    return len(many) > 2 and len(many) >= len(lines) - lines.count("") - _CLEAN and not _decimal_commas(many)
-
-
-def _decimal_commas(bodies: list[str]) -> bool:
-    """Tell whether lines in quotes are single numbers with a decimal comma."""
-    return all(number(body.strip(), ",") is not None for body in bodies[len(bodies) // 2 :])
+    single = all(number(body.strip(), ",") is not None for body in many[len(many) // 2 :])  # with a decimal comma
+    return len(many) > 2 and len(many) >= len(lines) - lines.count("") - _CLEAN and not single
 
 
 def lay_out(look: Look) -> NumberLayout:
     """Find the marks, the columns and the first line of the numbers, and what stands above them."""
     short = len(look.head) <= _SHORT and look.size <= HEAD
-    body = [
-        line
-        for line in (look.head if short else look.head[:_LINES] + look.middle + look.tail[:-1])
-        if line.strip() and not is_comment(line)
-    ]
+    looked_at = look.head if short else look.head[:_LINES] + look.middle + look.tail[:-1]
+    body = [line for line in looked_at if line.strip() and not is_comment(line)]
     while sum(map(len, body)) > _MOST_JUDGED and len(body) > _FEWEST_JUDGED:
         body = body[::2]
     marks = find_marks(body, look.path)
@@ -195,9 +188,8 @@ def lay_out(look: Look) -> NumberLayout:
     if width > MOST_COLUMNS:
         raise refuse(look.path, f"at most {MOST_COLUMNS} columns", f"it has {width}")
     filled, full, findings = _columns_with_numbers([row for row in rows if len(row) == width], look.path)
-    findings = sorted(
-        findings + _labels(body, marks, width, filled, findings), key=lambda notice: (notice.code, notice.message)
-    )
+    findings += _labels(body, marks, width, filled, findings)
+    findings.sort(key=lambda notice: (notice.code, notice.message))
     first = _first_line(look, marks, width, full)
     above = look.head[:first]
     findings += _settings_above(above, marks, full)
@@ -209,9 +201,13 @@ def lay_out(look: Look) -> NumberLayout:
     dropped = {finding.value for finding in findings if finding.code == "column-dropped"}
     for k, name in enumerate(headings.names):
         if name and k not in filled and k + 1.0 not in dropped:
-            message = f"column {k + 1}, {name}, is left out: it holds no number"
-            findings.append(HealthNotice("column-dropped", message, k + 1.0, severity="good"))
+            findings.append(_dropped(k, "it holds no number", f", {name},"))
     return NumberLayout(marks, width, first, filled, full, headings, above, findings, beside)
+
+
+def _dropped(k: int, why: str, name: str = "") -> HealthNotice:
+    """Return the notice of a column that is no channel."""
+    return HealthNotice("column-dropped", f"column {k + 1}{name} is left out: {why}", k + 1.0, severity="good")
 
 
 def _settings_beside(look: Look, marks: Marks, width: int, first: int) -> int:
@@ -236,12 +232,8 @@ def _columns_with_numbers(
             filled.append(k)
             full += [k] if 2 * numbers >= len(rows) else []
         elif numbers or word_count:
-            what = (
-                "holds words" if word_count >= numbers else f"has a value in {numbers} of {len(rows)} lines looked at"
-            )
-            findings.append(
-                HealthNotice("column-dropped", f"column {k + 1} is left out: it {what}", k + 1.0, severity="good")
-            )
+            few = f"it has a value in {numbers} of {len(rows)} lines looked at"
+            findings.append(_dropped(k, "it holds words" if word_count >= numbers else few))
     if not filled:
         raise refuse(path, "columns of numbers", "no column of it holds numbers in most lines")
     return filled, full or filled, findings
@@ -256,11 +248,8 @@ def _labels(
         return []
     rows = [cells for cells in (cells_of(line, marks) for line in body) if len(cells) == width]
     numbers = [row for row in rows if all(number(row[k], marks.decimal) is not None for k in filled)]
-    return [
-        HealthNotice("column-dropped", f"column {k + 1} is left out: it holds settings", k + 1.0, severity="good")
-        for k in range(width)
-        if k not in filled and k + 1.0 not in reported and any(_says(row[k], marks) for row in numbers)
-    ]
+    others = [k for k in range(width) if k not in filled and k + 1.0 not in reported]
+    return [_dropped(k, "it holds settings") for k in others if any(_says(row[k], marks) for row in numbers)]
 
 
 def _says(cell: str, marks: Marks) -> bool:
@@ -301,9 +290,7 @@ def _after_settings(look: Look, marks: Marks, full: list[int], first: int) -> in
     if full[0] != 1:
         return 0
     lines = look.head[first : first + _MOST_SETTINGS]
-    body = [line for line in look.head[first:] if line.strip()]
-    if look.size > HEAD:
-        body = look.middle + look.tail
+    body = look.middle + look.tail if look.size > HEAD else [line for line in look.head[first:] if line.strip()]
     later = max(len(body) // 2, len(body) - _LINES)
     usual = [cells_of(line, marks)[0] for line in body[later:]]
     twice = 0 if look.size > HEAD else max(sum(bool(line.strip()) for line in lines) - later, 0)  # in a short file
@@ -497,9 +484,8 @@ def _read(look: Look, layout: NumberLayout, options: Options) -> Record:
     wanted = _wanted(str(path), shown, options.channels)
     clock = None if options.rate is not None else time
     if options.time_unit is not None and time is None:
-        raise InputError(
-            "--time-unit", f"{options.time_unit:g} s", "a file with time", "no column of it is: name it by --time"
-        )
+        hint = "no column of it is: name it by --time"
+        raise InputError("--time-unit", f"{options.time_unit:g} s", "a file with time", hint)
     columns, odd, _ = _numbers(look, layout, wanted if clock is None else {*wanted, clock})
     unit = 1.0 if clock is None else options.time_unit or seconds_in(layout.headings.units[clock]) or 1.0
     stamps, lost = _with_time(columns, clock, unit)
@@ -512,20 +498,14 @@ def _read(look: Look, layout: NumberLayout, options: Options) -> Record:
         notes += _overruled(look, rows, layout, time, options.rate)
     unread = np.broadcast_to(np.float64(np.nan), (size,))
     has_grid = stamps is not None or options.rate is not None
-    channels = [
-        Channel(
-            name,
-            columns[k][skip:] if k in wanted else unread,
-            step if has_grid else own.steps.get(k, step),
-            start if has_grid else own.starts.get(k, start),
-            unit,
-            stamps,
-        )
-        for k, (name, unit) in shown.items()
-    ]
+    channels = []
+    for k, (name, unit_of) in shown.items():
+        values = columns[k][skip:] if k in wanted else unread
+        grid = (step, start) if has_grid else (own.steps.get(k, step), own.starts.get(k, start))
+        channels.append(Channel(name, values, *grid, unit_of, stamps))
     if stamps is None:
-        channels, said = begin_together(channels, [own.origins.get(k) for k in shown])
-        notes += said
+        channels, later = begin_together(channels, [own.origins.get(k) for k in shown])
+        notes += later
     record = Record(str(path), "text", tuple(channels), (*findings, *odd, *lost, *notes))
     return _as_counted(record, counted_samples(layout.above), size, stamps is not None or options.rate is not None)
 
@@ -541,8 +521,7 @@ def _as_counted(record: Record, count: int, size: int, goes_on: bool) -> Record:
         return parted(record, range(count, size, count))
     message = f"its head counts {count} samples, the file has {size}"
     severity = "suspect" if size > count and not goes_on else "good"
-    found = HealthNotice("count-differs", message, float(size), severity=severity)
-    return replace(record, findings=(*record.findings, found))
+    return replace(record, findings=(*record.findings, HealthNotice("count-differs", message, float(size), severity)))
 
 
 def _wanted(path: str, shown: dict[int, tuple[str, str]], names: Sequence[str]) -> set[int]:
@@ -582,12 +561,10 @@ def _read_long(look: Look, layout: NumberLayout, rows: Rows, time: int | None, o
         }
         values = [k for k in layout.filled if k != clock and k not in labels]
         unique = one_each([names[k] or f"value {n}" for n, k in enumerate(values, start=1)])
-        channels = [
-            Channel(name, columns[k], step, start, units[k], stamps) for name, k in zip(unique, values, strict=True)
-        ]
-        findings = [
-            one for one in layout.findings if one.code != "column-dropped" or one.value - 1.0 not in labels
-        ]  # a column of labels is none that is left out
+        pairs = zip(unique, values, strict=True)
+        channels = [Channel(name, columns[k], step, start, units[k], stamps) for name, k in pairs]
+        # a column of labels is none that is left out
+        findings = [f for f in layout.findings if f.code != "column-dropped" or f.value - 1.0 not in labels]
         record = Record(str(look.path), "text", tuple(channels), (*findings, *odd, *lost))
         table = as_long_table(record, list(labels.values()))
         if table is not None:
@@ -719,9 +696,7 @@ def _channels(
             continue
         unnamed = layout.headings.named and not names[k] and not units[k]
         if (unnamed or is_counter(names[k], units[k])) and np.all(np.diff(_values(rows, layout, k)[1]) == 1.0):
-            findings.append(
-                HealthNotice("column-dropped", f"column {k + 1} is left out: it counts the samples", severity="good")
-            )
+            findings.append(_dropped(k, "it counts the samples"))
             continue
         shown[k] = (names[k] or f"channel {len(shown) + 1}", units[k])
     if not shown:
