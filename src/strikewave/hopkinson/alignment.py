@@ -97,6 +97,7 @@ def carried(pulse: Array, step: float, distance: float, carrier: Carrier, advanc
     total = scipy.fft.next_fast_len(2 * size + 2 * slack, real=True)
     padded = np.zeros(total)
     padded[:size] = pulse
+    # a jump at the end would ring through the whole transform
     padded[size : 2 * size] = pulse[-1] * 0.5 * (1.0 + np.cos(np.pi * np.arange(1, size + 1) / size))
     w = 2.0 * np.pi * scipy.fft.rfftfreq(total, step)
     turned = np.minimum(w, 2.0 * np.pi * carrier.highest)
@@ -265,6 +266,7 @@ def _late_by_onset(waves: FaceWaves, plateau: float, transit: float) -> tuple[fl
         if k is None or k == 0:
             begun.append(np.nan)
             continue
+        # between samples, for delays below a step
         before, at = abs(wave[k - 1]), abs(wave[k])
         begun.append((k - (at - level) / (at - before)) * waves.step)
     return begun[1] - begun[0], begun[2] - begun[0] - transit

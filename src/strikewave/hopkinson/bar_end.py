@@ -107,6 +107,7 @@ def elastic_disk(strain: ArrayLike, step: float, bar: Bar, disk: Layer, mass: fl
     stack = Stack((long, disk), (BONDED,), end)
     time = step * np.arange(e.size)
     load = Sampled(np.asarray(time), bar.stiffness * e)
+    # whole steps in the disk, so that it keeps its stated thickness
     fine = disk.transit / math.ceil(max(LEAST_STEPS, disk.transit / step) * (1.0 - ROUNDING))
     run = run_bar(stack, load, [Tap(1, 0.0), Tap(1, 1.0)], 1.0 * transit + time[-1], WantedError(step=fine))
     at = time + run.grid.step * round(transit / run.grid.step)

@@ -231,6 +231,7 @@ def equilibrium(reduction: Reduction, limit: float = UNIFORM) -> Equilibrium:
 def _stretch(reduction: Reduction, limit: float) -> dict[str, float]:
     """Return begin and end of the longest stretch in which smoothed forces agree, and the share of the loading."""
     waves, on = reduction.waves, np.flatnonzero(reduction.loading)
+    # noise must not end a stretch: forces are averaged over a rise time
     width = max(round(waves.window / waves.step), 1)
     box = np.ones(width) / width
     f1, f2 = (np.convolve(f, box, "same")[on] for f in (reduction.first_force, reduction.second_force))

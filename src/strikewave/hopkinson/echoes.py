@@ -308,6 +308,7 @@ def _passes(quiet: Quiet, places_of_passes: _Places, skip: int) -> _Passes:
         raise InputError("echo trace", f"{places.size} passes", f"at least {FEWEST_PASSES} whole passes", hint)
     total = scipy.fft.next_fast_len(4 * size, real=True)
     taper = _taper(size, lead)
+    # a free end turns the pulse over
     parts = [(-1.0) ** n * taper * x[p - lead : p - lead + size] for n, p in zip(numbers, places, strict=True)]
     spectra = np.array([scipy.fft.rfft(part, total) for part in parts])
     return _Passes(places, size, scipy.fft.rfftfreq(total, quiet.trace.step), spectra, skip)
@@ -392,6 +393,7 @@ def _turns(data: _PassData, way: Way) -> Array:
 def _delay(passes: _Passes, m: int, band: NDArray[np.intp], step: float) -> Array:
     """Return the delay of a pass after the first one at each frequency, by phase, s."""
     turn = np.unwrap(np.angle(passes.spectra[0][band] * np.conj(passes.spectra[m][band])))
+    # the phase is known but for whole turns: the lowest frequency turns less than half of one
     turn -= 2.0 * np.pi * round(float(turn[0]) / (2.0 * np.pi))
     return np.asarray(step * (passes.places[m] - passes.places[0]) + turn / (2.0 * np.pi * passes.frequency[band]))
 
@@ -402,6 +404,7 @@ def _plain_times(data: _PassData, speed: float) -> Array:
     By least squares of the phases, which are as uncertain as their amplitude is small: w |S|.
     """
     k = wave_number(data.w, data.bar.rod._replace(bar_speed=speed), data.theory).real
+    # delay of each component over that in a bar without dispersion
     slower, weight = k * speed / data.w, data.weight * data.w**2
     return np.asarray(data.delays @ (weight * slower) / (weight @ slower**2))
 
@@ -456,11 +459,11 @@ def _trips(data: _PassData) -> Array:
 def _losses(data: _PassData, length: FittedValue) -> tuple[FittedValue, Array, Array]:
     """Return the attenuation by energy, that of each frequency, and its standard error, per round trip."""
     way, design = 2.0 * length.value, _trips(data)
-    whole = _plane(design, data.logs @ data.weight / data.weight.sum(), data.energy)
+    by_energy = _plane(design, data.logs @ data.weight / data.weight.sum(), data.energy)
     each = _plane(design, data.logs, data.energy)
-    value = -float(whole.value[2]) / way
+    value = -float(by_energy.value[2]) / way
     unsure = 0.0 if math.isnan(length.error) else value * length.error / length.value
-    mean = FittedValue(value, math.hypot(float(whole.errors(2)) / way, unsure), whole.freedom)
+    mean = FittedValue(value, math.hypot(float(by_energy.errors(2)) / way, unsure), by_energy.freedom)
     return mean, np.asarray(-each.value[2] / way), np.asarray(each.errors(2) / way)
 
 

@@ -67,6 +67,7 @@ def split(values: Array) -> int:
     size = values.size
     if size < FEWEST_TO_SPLIT:
         return 0
+    # an offset would cancel digits in the differences of sums of squares
     x = values - values[0]
     floor = VARIANCE_ROUNDING * float(np.mean(x**2)) + TINY
     count = np.arange(1.0, size)
@@ -310,6 +311,7 @@ def _cut(first: Quiet, second: Quiet, bars: tuple[Bar, Bar]) -> Pulses:
         allowed = f"one shorter than the {separation * 1e6:.4g} us to the gauge's reflected pulse"
         hint = "the pulses overlap: move the gauge away from the specimen, or take a shorter striker"
         raise InputError("incident trace", got, allowed, hint)
+    # a record may begin later than a whole lead before its pulse
     lead = min(LEAD * separation, first.onset * step)
     arrivals = (0.0, separation, bars[0].delay + bars[1].delay)
     sources = (first.trace, first.trace, second.trace)

@@ -196,8 +196,8 @@ class EditedField(NamedTuple):
     @property
     def label(self) -> str:
         """Label beside the slider: the whole path in words, since both striker and object have a mass."""
-        words = self.path.replace(".", " ").replace("_", " ")
-        return f"{words} ({spelled(self.unit)})" if self.unit else words
+        name = self.path.replace(".", " ").replace("_", " ")
+        return f"{name} ({spelled(self.unit)})" if self.unit else name
 
 
 JOINTS = {

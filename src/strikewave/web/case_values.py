@@ -85,6 +85,7 @@ def edited_fields(case: Case) -> dict[str, EditedField]:
         half = 0.5 * SHARE * abs(value.si)
         if entry is not None:
             half = max(entry.high - value.si, value.si - entry.low)
+        # a machine without mass, speed or stiffness is none, so that 0 is no end
         least = max(allowed.low, LEAST * value.si) if value.si > 0.0 else allowed.low
         low, high = max(value.si - REACH * half, least), min(value.si + REACH * half, allowed.high)
         step = 1.0 if allowed.unit == "count" else round_step((high - low) / scale / SLIDER_STEPS)
@@ -227,6 +228,7 @@ def without_layer(source: CaseSource, name: str) -> str:
     place = _place(case, name)
     if len(case.stack.layer) == 1:
         raise InputError("stack.layer", name, "another layer beside it", "a bar has one at least")
+    # a sensor on a tap that is gone would refuse the case
     gone = {tap.name for tap in case.tap if tap.layer == name}
     ends = {name, case.stack.layer[place - 1].name} if place == len(case.stack.layer) - 1 else {name}
 

@@ -178,6 +178,7 @@ def round_ends(low: float, high: float) -> tuple[float, float]:
 
 def with_beside(options: dict[str, Any], beside: dict[str, Any]) -> dict[str, Any]:
     """Return a diagram with the curve of another one of its kind in grey behind it."""
+    # cells of a field cannot lie on cells
     if not beside["series"] or options["series"][0]["type"] == "heatmap":
         return options
     grey: dict[str, Any] = {"name": "kept beside", "itemStyle": {"color": "#b6bcc2"}}
@@ -208,6 +209,7 @@ def heat_chart(
     ``signed`` field is white at zero, another begins from white. With ``ends`` (first and last x, first and last y) of
     cells of equal size the axes have round numbers in place of the labels.
     """
+    # a field of zeros still needs a scale
     largest = max((abs(cell[2]) for cell in cells), default=0.0) or 1.0
     options = _frame(title, x, y, "category", "category")
     options["xAxis"]["data"], options["yAxis"]["data"] = list(columns), list(rows)

@@ -37,8 +37,8 @@ class Desk:
     async def warm(self) -> None:
         """Compile the kernels of machines where the cache lacks them, and report progress."""
 
-        def show(share: float | None, words: str) -> None:
-            self.word = words
+        def show(share: float | None, stage: str) -> None:
+            self.word = stage
 
         self.word = "getting ready"
         try:
@@ -70,11 +70,11 @@ class Desk:
         return session
 
     async def open_page(
-        self, place: str, client: Client, asked: Callable[[Session], Awaitable[Opened]]
+        self, place: str, client: Client, content: Callable[[Session], Awaitable[Opened]]
     ) -> tuple[Session, Opened] | None:
         """Begin a page: its frame, its session, and the data that it is built from.
 
-        ``asked`` returns these data of a session. None where the browser has left, or the page was refused and says
+        ``content`` returns these data of a session. None where the browser has left, or the page was refused and says
         why.
         """
         with parts.page_frame(place) as word:
@@ -83,7 +83,7 @@ class Desk:
             session = self.session()
             with parts.waiting("getting ready"):
                 await client.connected()
-                return None if client.is_deleted else (session, await asked(session))
+                return None if client.is_deleted else (session, await content(session))
         except StrikewaveError as error:
             parts.shown(markup.refusal(str(error)))
             return None

@@ -111,9 +111,9 @@ def with_headers(
     >>> with_headers([(b"Set-Cookie", b"a=1"), (b"x", b"1")], [(b"set-cookie", b"b=2"), (b"x", b"2")])
     [(b'Set-Cookie', b'a=1'), (b'x', b'1'), (b'set-cookie', b'b=2')]
     """
-    kept = list(there)
-    names = {name.lower() for name, _ in kept} - {b"set-cookie"}
-    return [*kept, *(row for row in more if row[0].lower() not in names)]
+    plain = list(there)
+    names = {name.lower() for name, _ in plain} - {b"set-cookie"}
+    return [*plain, *(row for row in more if row[0].lower() not in names)]
 
 
 class Guard:
@@ -167,6 +167,7 @@ class Guard:
 
     def _knows_token(self, scope: Scope, headers: dict[str, list[str]]) -> bool:
         cookies = cookie_parser("; ".join(headers.get("cookie", ())))
+        # a list: both are compared in any case
         return any([self._is_token(_token_of_address(scope)), self._is_token(cookies.get(self._cookie, ""))])
 
     def _is_token(self, word: str) -> bool:

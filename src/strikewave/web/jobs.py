@@ -164,12 +164,12 @@ def _work(pipe: Connection, function: str, arguments: tuple[Any, ...], plain: bo
     _begin()
     last = 0.0
 
-    def say(share: float | None, words: str) -> None:
+    def say(share: float | None, stage: str) -> None:
         nonlocal last
         now = time.monotonic()
         if now - last > 0.1 or share is None:  # a page shows no more than ten a second
             last = now
-            pipe.send(Message("progress", words, share))
+            pipe.send(Message("progress", stage, share))
 
     with contextlib.suppress(KeyboardInterrupt, BrokenPipeError):
         more = {} if plain else {"say": say}

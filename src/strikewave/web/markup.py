@@ -49,8 +49,8 @@ def key_numbers(rows: Sequence[Sequence[str]]) -> str:
     return f'<dl class="sw-key">{"".join(cards)}</dl>'
 
 
-def table(caption: str, heads: Sequence[str], rows: Sequence[Sequence[str]], words: Sequence[int] = ()) -> str:
-    """Return a table, which a narrow screen scrolls by itself; ``words`` are the columns of words.
+def table(caption: str, heads: Sequence[str], rows: Sequence[Sequence[str]], word_columns: Sequence[int] = ()) -> str:
+    """Return a table, which a narrow screen scrolls by itself; ``word_columns`` are the columns of words.
 
     Examples
     --------
@@ -60,7 +60,7 @@ def table(caption: str, heads: Sequence[str], rows: Sequence[Sequence[str]], wor
 
     def cells(tag: str, texts: Sequence[object]) -> str:
         scope = ' scope="col"' if tag == "th" else ""
-        kinds = [' class="sw-words"' if place in words else "" for place in range(len(texts))]
+        kinds = [' class="sw-words"' if place in word_columns else "" for place in range(len(texts))]
         return "".join(
             f"<{tag}{scope}{kind}>{escape(str(text))}</{tag}>" for kind, text in zip(kinds, texts, strict=True)
         )
@@ -77,7 +77,7 @@ def table(caption: str, heads: Sequence[str], rows: Sequence[Sequence[str]], wor
 
 def tables(listed: Sequence[PageTable]) -> str:
     """Return tables, each in a box."""
-    return "".join(box(title, table(title, heads, rows, words)) for title, heads, rows, words in listed)
+    return "".join(box(title, table(title, heads, rows, word_columns)) for title, heads, rows, word_columns in listed)
 
 
 def notices(rows: Sequence[Sequence[str]]) -> str:
@@ -107,12 +107,12 @@ def verdict(word: str, text: str) -> str:
     return f'<div class="sw-notice {look}"><b>{escape(word)}</b> {escape(text)}</div>'
 
 
-def nothing(words: str) -> str:
+def nothing(text: str) -> str:
     """Return the text of an empty page."""
-    return f'<div class="sw-empty">{escape(words)}</div>'
+    return f'<div class="sw-empty">{escape(text)}</div>'
 
 
 def links(title: str, listed: Sequence[tuple[str, str]]) -> str:
     """Return a list of links, each with its address; nothing where there are none."""
-    rows = "".join(f'<li><a href="{escape(place)}">{escape(words)}</a></li>' for words, place in listed)
+    rows = "".join(f'<li><a href="{escape(place)}">{escape(label)}</a></li>' for label, place in listed)
     return box(title, f'<ol class="sw-links">{rows}</ol>') if listed else ""

@@ -50,17 +50,17 @@ def page_frame(current: str) -> Iterator[ui.label]:
     yield word
 
 
-def under_way(share: float | None, words: str) -> str:
+def under_way(share: float | None, stage: str) -> str:
     """Return the current step, and the share done where it is known."""
-    return f"under way: {words}" + ("" if share is None else f" {100.0 * share:.0f} %")
+    return f"under way: {stage}" + ("" if share is None else f" {100.0 * share:.0f} %")
 
 
 @contextmanager
-def waiting(words: str) -> Iterator[None]:
+def waiting(text: str) -> Iterator[None]:
     """Show a spinner with a text until the content is there."""
     with ui.element("div").classes("sw-row").style("padding:1.5rem") as row:
         ui.spinner(size="1.4rem")
-        ui.label(words).classes("sw-soft").props('role="status"')
+        ui.label(text).classes("sw-soft").props('role="status"')
     try:
         yield
     finally:
@@ -96,8 +96,8 @@ def page_file(session: Session, name: str, content: bytes) -> str:
 def nested_page(session: Session, name: str, page: str, title: str) -> None:
     """Show a whole page within this one, from a file of the session and apart from all else."""
     place = page_file(session, name, page.encode())
-    words = f'class="sw-frame" title="{html.escape(title)}" sandbox="allow-scripts" src="{place}"'
-    ui.html(f"<iframe {words}></iframe>", sanitize=False).classes("sw-full")
+    attributes = f'class="sw-frame" title="{html.escape(title)}" sandbox="allow-scripts" src="{place}"'
+    ui.html(f"<iframe {attributes}></iframe>", sanitize=False).classes("sw-full")
 
 
 def code(label: str, text: str) -> None:

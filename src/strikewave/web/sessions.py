@@ -107,6 +107,7 @@ class Session:
             path, remark = place / clean_name(name), ""
             listed = {other.name for other in place.iterdir()}
             is_known = path.name in listed and not path.is_dir()
+            # the sizes first: files may have hundreds of megabytes
             is_same = is_known and path.stat().st_size == len(content) and path.read_bytes() == content
             if not is_same and (path in taken or (path.name not in listed and is_there(path))):
                 count = 2

@@ -62,9 +62,9 @@ class Workbench:
     async def _work(self, job: PageJob) -> None:
         self.state.text = "under way"
 
-        def progress(share: float | None, words: str) -> None:
+        def progress(share: float | None, stage: str) -> None:
             if self._job is job:
-                self.state.text = parts.under_way(share, words)
+                self.state.text = parts.under_way(share, stage)
 
         try:
             view = await started(self.session, job, progress)

@@ -310,10 +310,12 @@ def _read(reading: GaugeTrace, begin: float, time: Array, low_pass: Filter) -> t
     before = reading.strain[own <= max(own[0], 0.0)]
     zero, noise = float(before.mean()), float(before.std())
     step, reach = float(time[1] - time[0]), SETTLING / low_pass.cutoff
+    # the filter is given some of the record before and after, so that its settling lies outside
     lead, tail = (int(max(min(reach, room), 0.0) / step) for room in (time[0] - own[0], own[-1] - time[-1]))
     clock = np.asarray(time[0] + step * np.arange(-lead, time.size + tail), dtype=np.float64)
     near = (own >= clock[0] - 4.0 * reading.step) & (own <= clock[-1] + 4.0 * reading.step)
     values = low_pass.apply(_spline(own[near], reading.strain[near] - zero, clock), step)[lead : lead + time.size]
+    # white noise: its power falls with the bandwidth
     noise *= math.sqrt(2.0 * reading.step * low_pass.cutoff)
     numbers = int(2.0 * low_pass.cutoff * (time[-1] - time[0]))
     if np.abs(values).max() <= max(noise_ceiling(noise, numbers), ROUNDING * np.abs(reading.strain).max()):

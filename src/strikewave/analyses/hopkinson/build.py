@@ -52,6 +52,7 @@ uses it."""
 
 def build_bar(table: BarTable, path: str, incident: BarTable | None = None) -> tuple[Bar, BarMaterial]:
     """Return a bar and its constants, one of them derived; what it does not state is that of the incident bar."""
+    # a second bar that states nothing is like the first
     own = table
     if incident is not None and not (table.material or table.density or table.modulus or table.speed):
         own = incident

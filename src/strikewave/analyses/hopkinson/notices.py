@@ -199,6 +199,7 @@ def stated_kind(texts: Mapping[str, str]) -> StatedKind:
                 for match in pattern.finditer(part):
                     sign = -1 if match["sign"].lower().startswith(("neg", "min", "-", "−")) else 1
                     signs.setdefault(sign if match["tension"] else -sign, f"{where} says {match[0].strip()}")
+                # a word that states a sign says nothing of the kind of the shot
                 part = pattern.sub(" ", part)
             word = _WORD["tension"].search(part)
             tension = tension or (f"{where} says {word[0]}" if word else "")

@@ -343,9 +343,11 @@ def _chain(blow: FrameBlow, law: LineLaw) -> Chain:
         Spring("top", "sides", top.stiffness),
         Spring("bottom", "sides", bottom.stiffness),
     ]
+    # a column that is not tied pushes, and never pulls
     join = Spring if blow.bonded else Stop
     for (behind, ahead), stretch in zip(pairwise(nodes), stretches, strict=True):
         links.append(join(behind, ahead, 1.0 / sum(1.0 / piece.stiffness for piece in stretch)))
+        # halves, not thirds: the column moves with the object, none of its ends rests
         for end in (behind, ahead):
             masses[end] += 0.5 * sum(piece.mass for piece in stretch)
     return Chain(masses, links)
@@ -365,6 +367,7 @@ def layered(case: Case, sides: Sides = "in the layers", law: LineLaw = LAW) -> S
     at = next((k for k, layer in enumerate(stack.layers) if layer.name == SPECIMEN), None)
     taps = [Tap(at or 0, 0.0), Tap(at or 0, 1.0)]
     run = run_bar(stack, Impactor(blow.striker_mass, blow.speed, blow.contact(law)), taps, blow.duration)
+    # forces are compared as means over the intervals of the elements, whose histories are no instants
     momentum, edges = gathered(blow, run, run.face_force), edges_of(blow)
     sensor = None
     if at is not None:
@@ -428,6 +431,7 @@ def answer_of(name: str, edges: Array, impulse: Array, mass: float, watched: flo
     above = np.flatnonzero(force > level)
     first, last = int(above[0]), int(above[-1])
     places = [crossing(force, first, level, -1), crossing(force, first, level, 1), crossing(force, last, level, 1)]
+    # a pulse that is up at an end of the record begins or ends there
     places = [0.0 if math.isnan(places[0]) else places[0], *np.nan_to_num(places[1:], nan=force.size - 1.0)]
     begin, fall, end = (float(t) for t in np.interp(places, np.arange(force.size), time))
     return SimpleAnswer(

@@ -147,6 +147,7 @@ def endless_wall(
     place, speed = 0.0, blow.speed
     for n in range(1, steps + 1):
         place += step * speed
+        # the deflection of the wall by all steps before this one, whose own force is not known yet
         depth = place - step * float(force[:n] @ kernel[n:0:-1])
         force[n] = float(slow_force(contact, depth)) if depth > 0.0 else 0.0
         speed -= step * force[n] / mass
@@ -189,6 +190,7 @@ def wall_stiffness(case: Case, threads: int = 1) -> float:
         raise ValueError(f"the striker of {case.name} does not reach its frame")
     time, force, _ = contact_force
     points = solution.run.points
+    # after the ramp the wall still swings: the mean over the hold cancels it
     late = solution.run.time > RAMP
     deflection = float((points[SIDE].displacement - points[MIDDLE].displacement)[late, 2].mean())
     return float(force[time > RAMP].mean()) / deflection

@@ -191,6 +191,7 @@ def number_rows(
             if span := ranges.get(number.name):
                 note = f"left open by {span.left_by}, which are not published"
                 answer = replace(answer, role="range", note=note, low=span.low, high=span.high)
+            # like for like: elements come first for a number of LS-DYNA, the machine for a measured one
             answers.insert(len(answers) if number.origin == "simulated" else 0, answer)
         rows.append(NumberRow(number, tuple(answers)))
     return tuple(rows)
@@ -199,6 +200,7 @@ def number_rows(
 def _by_elements(number: PublishedNumber, runs: Runs) -> Iterator[Computed]:
     """Yield the answers of finite-element models whose case compares the number."""
     alike = number.origin == "simulated"
+    # those with the faces of the paper come first for its simulated numbers, the others for measured ones
     models = sorted(runs.elements, key=lambda solution: (solution.case.name in NON_REFLECTING) != alike)
     for solution in models if number.name in OF_THE_FIRST_BLOW else ():
         for entry, row in zip(solution.case.published, solution.published, strict=True):

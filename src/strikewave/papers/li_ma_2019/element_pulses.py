@@ -107,6 +107,7 @@ def rise_slope(time: Array, values: Array, shares: tuple[float, float]) -> float
     low, high = (share * float(values[top]) for share in shares)
     end = int(np.argmax(values[: top + 1] >= high))
     begin = int(np.flatnonzero(values[: end + 1] < low)[-1]) if (values[: end + 1] < low).any() else 0
+    # interpolation needs ascending values, and a rise that rings falls now and then
     rising = np.maximum.accumulate(values[begin : end + 1])
     at = np.interp([low, high], rising, time[begin : end + 1])
     return float((high - low) / (at[1] - at[0])) if at[1] > at[0] else float("nan")

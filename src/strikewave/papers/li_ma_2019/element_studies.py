@@ -174,6 +174,7 @@ def dimensions(case: Case) -> tuple[Dimension, ...]:
 def changed(case: Case, dimension: Dimension, share: float) -> list[str]:
     """Return the changes to a case where one dimension is larger by a share of itself, with what follows from it."""
     values = {path: value.si for path, value in case.values().items()}
+    # a wall of a tube grows inward: its inner diameter falls by twice as much
     first = dimension.size(values) * share * (-2.0 if dimension.outside else 1.0)
     alike = dimension.together or bool(dimension.outside)
     moved = {path: values[path] + (first if alike else values[path] * share) for path in dimension.paths}

@@ -477,8 +477,8 @@ def arrival_times(example: WaveExample, count: int = 5) -> Arrivals:
     """Return when the first waves come to x: by (36), corrected, and by delay lines; over t0."""
     sums = (arrivals(example.sandwich, example.position, count, route) for route in ("as printed", "corrected"))
     printed, corrected = (tuple(sorted(wave.transits for wave in waves)) for waves in sums)
-    seen = watch(example, step_of(example), float(count)).arrivals() / example.specimen.transit
-    return Arrivals(printed, corrected, tuple(round(float(time), 9) for time in seen[:count]))
+    exact_times = watch(example, step_of(example), float(count)).arrivals() / example.specimen.transit
+    return Arrivals(printed, corrected, tuple(round(float(time), 9) for time in exact_times[:count]))
 
 
 def wave_values(example: WaveExample) -> dict[str, Values]:
@@ -586,8 +586,8 @@ def end_speeds(example: WaveExample, end: FarEnd) -> tuple[float, float, float]:
         float(velocity(sandwich, incident_of(example, pulse), 1.0, [time], route)[0])
         for route in ("as printed", "corrected")
     )
-    seen = watch(example, pulse, 2.0, end, position=1.0)
-    return printed, corrected, float(seen.velocity[seen.at(time)])
+    watched = watch(example, pulse, 2.0, end, position=1.0)
+    return printed, corrected, float(watched.velocity[watched.at(time)])
 
 
 def mean_over_rigid(example: WaveExample) -> float:

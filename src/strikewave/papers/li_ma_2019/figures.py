@@ -98,6 +98,7 @@ def ratio_figure(rows: Sequence[Ratio]) -> Figure:
                 axes.hlines(y, 1.0, x, color=colour, linewidth=1.1)
             axes.plot(x, y, shape, color=colour, markersize=6 if role != "range" else 10, label=role)
     for k, row in enumerate(rows):
+        # labels stand on the side away from 1, where no line runs
         right = row.value >= 1.0 or row.ends is not None
         label = "0 %" if abs(row.value - 1.0) < EQUAL else f"{100.0 * (row.value - 1.0):+.3g} %"
         if row.ends is not None:
@@ -124,6 +125,7 @@ def ratio_figure(rows: Sequence[Ratio]) -> Figure:
     quiet(axes, "Computed over published", "computed / published; 1 is equal", "")
     axes.set_xlim(min(0.6, 0.75 * min(values)), max(1.7, 1.6 * max(values)))
     axes.set_xticks(ticks, [f"{t:g}" for t in ticks])
+    # a logarithmic axis would number its minor ticks over the chosen ones
     axes.minorticks_off()
     axes.set_yticks(range(len(rows)), [row.label for row in rows], fontsize=8.5)
     axes.set_ylim(len(rows) - 0.4, -0.6)

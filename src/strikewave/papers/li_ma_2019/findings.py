@@ -416,6 +416,7 @@ def tangential_blow(speed: float | None = None) -> TangentialBlow:
 def tangential_speed(peak: float) -> TangentialBlow:
     """Return the tangential blow with a rigid peak (m/s^2), found by its speed: both are nearly proportional."""
     blow = tangential_blow()
+    # peak and speed are nearly proportional: a few steps meet it
     while abs(blow.peak / peak - 1.0) > SAME_PEAK:
         blow = tangential_blow(blow.speed * peak / blow.peak)
     return blow
@@ -511,6 +512,7 @@ def sampling(machine: Solution) -> Finding:
     """Return the loss of the rigid pulse in a recorder."""
     width, recorder = published_number("rigid width").value, storage_recorder(FULL_SCALE)
     times, pulse = (machine.arrays[name].values for name in ("pulse_time", "pulse_acceleration"))
+    # a row is a blow
     first = pulse[0] if pulse.ndim > 1 else pulse
     reading = read(Sensor(), recorder, first, float(times[1] - times[0]), float(times[0]))
     share = float(np.abs(reading.values).max() / np.abs(first).max())

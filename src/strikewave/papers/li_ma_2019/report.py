@@ -242,17 +242,17 @@ def _buffering(result: Reproduction) -> str:
     if not (direct.best and direct.best.value and buffered.best and buffered.best.value):
         return ""
     taken = 1.0 - buffered.best.value / direct.best.value
-    asked = 1.0 - buffered.number.value / direct.number.value
+    measured = 1.0 - buffered.number.value / direct.number.value
     # of the raw readings after the first touch of the first blow
     first = [reading_traces(result.runs.comparison, name)[0] for name in ("direct", "buffered")]
     loud, soft = (ringing(trace.time, trace.values) for trace in first)
     verdict = "The computed buffer does not calm the pulse" if soft >= loud else "The computed buffer calms the pulse"
     rms = [amount(ACCELERATION, value) for value in (soft, loud)]
     return (
-        f"What the buffer does is {'hardly ' if taken < HARDLY * asked else ''}met: it takes {percent(taken)} off the "
-        f"computed peak, where {percent(asked)} were measured. {verdict}: after {amount(MICROSECONDS, AFTER)} the "
-        f"buffered sensor reads {rms[0]} (root mean square), the direct one {rms[1]}. The assumed gaskets are a spring "
-        "under the sensor's mass; those of the experiment are not known."
+        f"What the buffer does is {'hardly ' if taken < HARDLY * measured else ''}met: it takes {percent(taken)} off "
+        f"the computed peak, where {percent(measured)} were measured. {verdict}: after {amount(MICROSECONDS, AFTER)} "
+        f"the buffered sensor reads {rms[0]} (root mean square), the direct one {rms[1]}. The assumed gaskets are a "
+        "spring under the sensor's mass; those of the experiment are not known."
     )
 
 

@@ -266,11 +266,11 @@ def _name(row: NumberRow) -> str:
     return f"{number.name}{what}, {number.where}"
 
 
-def computed_text(one: Computed, unit: str) -> str:
+def computed_text(answer: Computed, unit: str) -> str:
     """Write what was computed: a number, or both ends of a range, to three digits."""
-    if one.low is None or one.high is None:
-        return "" if one.value is None else _with_unit(one.value, unit)
-    return span_text(one.low, one.high, unit)
+    if answer.low is None or answer.high is None:
+        return "" if answer.value is None else _with_unit(answer.value, unit)
+    return span_text(answer.low, answer.high, unit)
 
 
 def span_text(low: float, high: float, unit: str) -> str:
@@ -284,6 +284,7 @@ def span_text(low: float, high: float, unit: str) -> str:
 def _with_unit(value: float, unit: str, digits: int = 5) -> str:
     """Write an SI value in a unit that the paper uses, with it."""
     conversion = convertible(unit, DIMENSIONS)
+    # published numbers are shown in the units of the paper, whatever the reader chose
     text = written(value / conversion[1] if conversion else value, digits)
     return text if unit in ("", "1") else f"{text} {spelled(unit).replace('^3', '³')}"
 

@@ -56,6 +56,7 @@ def reproduce(
     equations = equation_rows()
     studied = effort.studies and effort.elements and not effort.quick
     mapped = effort.studies and not effort.quick
+    # without studies the elements take nearly all of the time, without elements the maps do
     ends = (RUNS, RUNS + MAPS) if studied else (0.9, 1.0) if effort.elements else (0.1, 1.0)
     with executing(store, pool, effort.threads, report) as execution:
         runs = run_all(effort, execution.within(0.0, ends[0]))

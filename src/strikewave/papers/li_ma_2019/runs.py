@@ -193,6 +193,7 @@ def run_all(effort: Effort, execution: Execution) -> Runs:
     """
     short = (MACHINE, COMPARISON, FIXTURE, EQUAL_BLOWS)
     models = element_cases(effort) if effort.elements else []
+    # the elements take minutes, all machines seconds
     share = 0.1 if models else 1.0
     impacts = []
     for k, name in enumerate(short):

@@ -53,8 +53,8 @@ class SectionReadings:
         """Show another run, at the same section."""
         self._sections = sections
         low, high = float(sections.position[0]), float(sections.position[-1])
-        asked = _millimetres(self._asked)
-        self._place = sections.nearest(0.5 * (low + high) if asked is None else asked)
+        place = _millimetres(self._asked)
+        self._place = sections.nearest(0.5 * (low + high) if place is None else place)
         at = float(sections.position[self._place])
         self._row.clear()
         with self._row:

@@ -66,14 +66,14 @@ def warm_kernels(say: Say) -> None:
 
 def look(source: CaseSource) -> dict[str, Any]:
     """Return a first look at a machine; see `strikewave.analyses.machine.band`."""
-    seen = quick_look(loaded(source))
-    left_out = "; bodies only, without the waves of the stack" if seen.bodies_only else ""
-    engine = "the fast engine" if seen.fast else f"its bodies, local error {PULSE_TOLERANCE:.0e}"
+    quick = quick_look(loaded(source))
+    left_out = "; bodies only, without the waves of the stack" if quick.bodies_only else ""
+    engine = "the fast engine" if quick.fast else f"its bodies, local error {PULSE_TOLERANCE:.0e}"
     return {
         "by": f"a first look by {engine}{left_out}; no bands yet",
-        "figures": shown_figures(blow_results(seen.blows), {}),
-        "charts": [*pulse_charts(seen.since, seen.force, seen.acceleration), *train(seen.blows, {})],
-        "tables": [blow_rows(seen.blows, {})],
+        "figures": shown_figures(blow_results(quick.blows), {}),
+        "charts": [*pulse_charts(quick.since, quick.force, quick.acceleration), *train(quick.blows, {})],
+        "tables": [blow_rows(quick.blows, {})],
         "nothing": NOTHING,
     }
 

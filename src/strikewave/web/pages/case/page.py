@@ -41,18 +41,18 @@ def add(desk: Desk, kind: CaseKind) -> None:
 
     @ui.page(kind.place)
     async def page(request: Request, client: Client) -> None:
-        given = list(request.query_params.multi_items())
+        query = list(request.query_params.multi_items())
 
         async def asked(session: Session) -> tuple[CaseState, Mapping[str, str], dict[str, Any]]:
-            state, beside = CaseState.read(given, kind.usual), CaseState.read(given, kind.usual, BESIDE).changes
+            state, beside = CaseState.read(query, kind.usual), CaseState.read(query, kind.usual, BESIDE).changes
             source = state.source(session.place(FOLDER))
             return state, beside, await desk.lookers.ask(f"{CASES}:opened", source, kind.program)
 
         opened = await desk.open_page(kind.place, client, asked)
         if opened is not None:
             session, (state, beside, content) = opened
-            shown = CasePage(desk, session, kind, state, content, dict(given).get(SECTION, ""))
-            shown.begin(beside if BESIDE in dict(given) else None)
+            shown = CasePage(desk, session, kind, state, content, dict(query).get(SECTION, ""))
+            shown.begin(beside if BESIDE in dict(query) else None)
 
 
 class CasePage:
@@ -213,6 +213,7 @@ class CasePage:
     def _finished(self, view: dict[str, Any]) -> None:
         """Give sliders to the most important fields, once a full run has found them."""
         if self._name not in _important and view.get("important"):
+            # dropped cases have their text as the key: the oldest makes room
             if len(_important) >= MOST_REMEMBERED:
                 _important.pop(next(iter(_important)))
             self.side.important = _important[self._name] = view["important"]
@@ -449,8 +450,8 @@ class WantedBlows:
             (key, tuple(str(box.value or "").splitlines())) for (of, key), box in self._boxes.items() if of == kind
         )
         place = str(self.session.place("studies"))
-        asked = StudyRequest(kind, self.source()._replace(folder=place), texts)
-        self.bench.begin(STUDY, asked, same=asked.commands())
+        request = StudyRequest(kind, self.source()._replace(folder=place), texts)
+        self.bench.begin(STUDY, request, same=request.commands())
 
     def stop(self) -> None:
         """Stop the search."""

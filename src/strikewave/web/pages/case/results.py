@@ -142,6 +142,7 @@ class CaseRuns:
             self._rested()
             self.shown.say("changed: press run")
             return
+        # a look under way ends first: a slider moves faster than looks are made
         self._again = True
         if self.kind.quick and not self._looking:
             background_tasks.create(self._look(), name="look")
@@ -185,10 +186,10 @@ class CaseRuns:
         self.shown.mark(busy=True)
         self._rested()
 
-        def progress(share: float | None, words: str) -> None:
+        def progress(share: float | None, stage: str) -> None:
             if source is self.source:
                 shown = self.shown.view.get("by", "nothing yet")
-                self.shown.say(f"shown: {shown}; {parts.under_way(share, words)}")
+                self.shown.say(f"shown: {shown}; {parts.under_way(share, stage)}")
 
         try:
             view = await started(self.session, job, progress)

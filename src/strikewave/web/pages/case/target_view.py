@@ -131,6 +131,7 @@ def tap_charts(solution: WaveSolution) -> list[dict[str, Any]]:
 def _even(values: Any, most: int) -> list[int]:
     """Return the places of rising values nearest to the middles of at most so many equal cells over them all."""
     count = min(len(values), most)
+    # the steps of a solver are not even, the cells of a diagram are
     middles = values[0] + (np.arange(count) + 0.5) / count * (values[-1] - values[0])
     return [int(place) for place in np.searchsorted(0.5 * (values[1:] + values[:-1]), middles)]
 

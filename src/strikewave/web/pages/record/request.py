@@ -88,7 +88,7 @@ class RecordRequest(NamedTuple):
         strikewave record 'a b.csv' --unit g --cfc 1000
         strikewave srs 'a b.csv' --unit g --cfc 1000 --kind pseudo-velocity --q 10
         """
-        shared = self._words((*STATED, *FILTERS))
+        shared = self._options((*STATED, *FILTERS))
         channel = ["--channel", self.channel] if self.channel else []
         of_record = [*(["--base", self.base] if self.base else []), *(["--spec", self.spec] if self.spec else [])]
         files = [file_word(name) for name in self.names]
@@ -99,7 +99,7 @@ class RecordRequest(NamedTuple):
         if self.beside and self.names:
             file = file_word(compared or self.names[0])
             place = f"{file}#{self.channel}" if self.channel else file
-            lines.append(["compare", place, self.beside, *self._words(COMPARED)])
+            lines.append(["compare", place, self.beside, *self._options(COMPARED)])
         options = ""
         for key, value in {**self.grouped(), **({"spec": self.spec} if self.spec else {})}.items():
             text = repr(value)
@@ -109,16 +109,16 @@ class RecordRequest(NamedTuple):
         python = f"import strikewave\n\nresult = strikewave.record({list(self.names)!r}{options})"
         return [("command line", "\n".join(map(command_line, lines))), ("Python", python)]
 
-    def _words(self, keys: Sequence[str]) -> list[str]:
+    def _options(self, keys: Sequence[str]) -> list[str]:
         """Return options of a command line, those that are set."""
-        words: list[str] = []
+        options: list[str] = []
         for key in keys:
             value = getattr(self, key).strip()
             if key == "filter" and value.upper().startswith("CFC"):
-                words += ["--cfc", value[3:].strip()]
+                options += ["--cfc", value[3:].strip()]
             elif value:
-                words += [f"--{key.replace('_', '-')}", value]
-        return words
+                options += [f"--{key.replace('_', '-')}", value]
+        return options
 
 
 TEXTS = {

@@ -334,7 +334,7 @@ def four_axes(result: SpectrumResult) -> dict[str, Any]:
 
 def _guide(name: str, frequency: Any, velocity: Any, low: float, high: float) -> Sequence[ChartLine]:
     """Return a line of the grid of four axes, where it crosses the diagram; its name stays inside."""
-    seen = (velocity >= WITHIN * low) & (velocity <= high / WITHIN)
-    if np.count_nonzero(seen) < 2:
+    inside = (velocity >= WITHIN * low) & (velocity <= high / WITHIN)
+    if np.count_nonzero(inside) < 2:
         return ()
-    return (ChartLine(name, points(frequency[seen], velocity[seen], 40), GRID, "dotted"),)
+    return (ChartLine(name, points(frequency[inside], velocity[inside], 40), GRID, "dotted"),)

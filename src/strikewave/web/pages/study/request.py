@@ -116,13 +116,13 @@ class StudyRequest(NamedTuple):
         if self.kind == "design":
             lines = [("design.toml", self._design_file(file)), ("command line", "strikewave design design.toml")]
         else:
-            words = [self.kind, *(["--from"] if self.kind == "settings" else []), file_word(file)]
+            command = [self.kind, *(["--from"] if self.kind == "settings" else []), file_word(file)]
             for change in self.source.changes:
-                words += ["--set", change]
+                command += ["--set", change]
             for key, _ in self.texts:
                 for line in self.lines(key):
-                    words += [f"--{key}", line]
-            lines = [("command line", command_line(words))]
+                    command += [f"--{key}", line]
+            lines = [("command line", command_line(command))]
         case = f"strikewave.load_case({file!r}, {list(self.source.changes)!r})"
         first = f"case={case}" if self.kind == "settings" else case
         call = ", ".join([first, *self._arguments()])

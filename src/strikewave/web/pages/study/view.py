@@ -276,13 +276,13 @@ def _numbers(study: DesignStudy, name: str | None) -> tuple[Any, str]:
     """Return a number of all runs in its shown unit, with its label; their order for none."""
     if name is None:
         return np.arange(1.0, len(study.rows) + 1.0), "run"
-    kept = study.kept(name)
-    return study.numbers[:, study.plan.evaluation.names.index(name)] / kept.scale, kept.label
+    number = study.kept(name)
+    return study.numbers[:, study.plan.evaluation.names.index(name)] / number.scale, number.label
 
 
 def _sweep_chart(study: SweepStudy, link: Linker) -> PickedChart:
     """Return the first number over the first setting, by the second where there is one."""
-    variables, kept = study.plan.variables, study.plan.kept[0]
+    variables, number = study.plan.variables, study.plan.kept[0]
     first = variables[0]
     x = study.settings[:, 0] if first.words else np.asarray(first.axis.shown(study.settings[:, 0]))
     runs = range(len(study.plan.rows))
@@ -295,7 +295,7 @@ def _sweep_chart(study: SweepStudy, link: Linker) -> PickedChart:
     listed = [(name, [run for run in members if not marked[run]]) for name, members in listed]
     listed += _marked_groups(study.verdicts)
     links = [link.of_row(variables, row) for row in study.plan.rows]
-    options = dot_chart("Runs", first.label, kept.label, _dots(listed, x, study.number(kept.name) / kept.scale))
+    options = dot_chart("Runs", first.label, number.label, _dots(listed, x, study.number(number.name) / number.scale))
     return PickedChart(options, links)
 
 
