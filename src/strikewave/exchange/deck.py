@@ -195,6 +195,7 @@ def restraints(model: Model, ties: TieState) -> list[Restraint]:
     if restrained is None:
         return []
     planes = np.einsum("nki,nkj->nij", restrained.directions, restrained.directions)
+    # projections tell sets of held directions apart whatever vectors span them; + 0.0 makes -0 and 0 one
     kinds, which = np.unique(planes.round(9).reshape(-1, 9) + 0.0, axis=0, return_inverse=True)
     named = {side: nodes_named(model.mesh, side) for side in dict.fromkeys(b.side for b in holding)}
     groups = []
@@ -229,7 +230,7 @@ def lasting(curve: TimeCurve, until: float) -> TimeCurve:
     time, value = list(curve.time), list(curve.value)
     if time[0] > 0.0:
         time, value = [0.0, *time], [value[0], *value]
-    last = max(2.0 * until, 2.0 * time[-1])
+    last = max(2.0 * until, 2.0 * time[-1])  # well past the end, where codes take their last step
     return TimeCurve((*time, last), (*value, value[-1]))
 
 

@@ -163,7 +163,7 @@ def _johnson_cook(head: list[Value], moduli: list[float], solid: JohnsonCook, sy
     melting = solid.melting_temperature if math.isfinite(solid.melting_temperature) else NEVER
     heated = math.isfinite(solid.specific_heat) and solid.heat_fraction > 0.0
     heat = solid.specific_heat / solid.heat_fraction * system.specific_heat if heated else NEVER
-    no_cutoff = -1e3 * moduli[0]
+    no_cutoff = -1e3 * moduli[0]  # a tension that no solid reaches
     number = head[0]
     return [
         *keyword(

@@ -371,6 +371,7 @@ def ranked(candidates: Sequence[BufferCandidate], goal: BufferGoal, width: float
 
 def with_pareto(candidates: Sequence[BufferCandidate]) -> list[BufferCandidate]:
     """Return candidates in the same order, those marked that are Pareto-optimal in true peak and bandwidth."""
+    # by rising peak, each with more bandwidth than all before it is beaten by none
     order = sorted(range(len(candidates)), key=lambda k: (candidates[k].true_peak, -candidates[k].band.within_10))
     marked, widest = set(), -math.inf
     for k in order:

@@ -138,7 +138,7 @@ def design_buffer(
         closer = [AskedCloser(site, blows.motion, goal, candidate.stack, candidate) for candidate in leading]
         closer_looks = dict(zip(map(id, leading), _answered(answers(closer, open_store, open_pool)), strict=True))
     looked_at = [dataclasses.replace(candidate, leading=closer_looks.get(id(candidate))) for candidate in order]
-    order = ranked(looked_at, goal, blows.motion.width)
+    order = ranked(looked_at, goal, blows.motion.width)  # again: what is robust is known now
     placed = tuple(dataclasses.replace(candidate, place=place) for place, candidate in enumerate(order, 1))
     verdicts = Verdicts([blows.verdict] if blows.verdict else [], "simulated runs")
     study = BufferStudy(site, blows, goal, _present(site, blows, goal), placed, verdicts=verdicts)

@@ -81,7 +81,7 @@ class ClusterPool(Pool):
         """Connect, and note which scheduler it is."""
         self._client = self._connected(CONNECT_SECONDS)
         self._scheduler = self._client.scheduler_info()["id"]
-        self._executor = self._client.get_executor(pure=False)
+        self._executor = self._client.get_executor(pure=False)  # pure: equal batches would share a result
 
     def _connected(self, seconds: float) -> Any:
         """Return a client that has a worker, all of whose workers have this strikewave."""
@@ -96,6 +96,7 @@ class ClusterPool(Pool):
         if reason:
             raise InputError(OPTION, self._address, allowed, f"{reason}; {hint}")
         try:
+            # not the default: a client that the caller has stays theirs
             client = distributed.Client(self._address, timeout=seconds, set_as_default=False)
         except (OSError, ValueError, RuntimeError, TypeError):
             raise InputError(OPTION, self._address, allowed, hint) from None

@@ -97,6 +97,7 @@ def _add_content(digest: Any, thing: Any) -> None:
         parts = [own]
     else:
         raise TypeError(f"the content of a {text} is not known")
+    # the count of parts tells (1, (2,)) from ((1, 2),)
     digest.update(f"{text} {len(parts)}\n".encode())
     for part in parts:
         _add_content(digest, part)

@@ -400,7 +400,7 @@ def sobol_sequence(dimensions: int, runs: int, seed: int) -> Array:
     """
     from scipy.stats.qmc import Sobol
 
-    if runs & (runs - 1):
+    if runs & (runs - 1):  # no power of two: the balance of the sequence would be lost
         near = 2 ** round(math.log2(runs))
         raise InputError("--runs", runs, "a power of two: others leave Sobol's sequence uneven", f"such as {near}")
     source = np.random.Generator(np.random.Philox(np.random.SeedSequence(seed)))

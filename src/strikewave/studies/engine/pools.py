@@ -93,7 +93,7 @@ class ProcessPool(Pool):
     """
 
     def __init__(self, count: int) -> None:
-        self._width = max(min(count, os.cpu_count() or 1), 1)
+        self._width = max(min(count, os.cpu_count() or 1), 1)  # more than cores only take turns
         self._before = {process.pid for process in multiprocessing.active_children()}
         self._executor = self._started()
 
@@ -102,6 +102,7 @@ class ProcessPool(Pool):
         if self.width == 1:
             return None
         with safe_path():  # its locks start a process that watches over them
+            # spawned: a fork would copy locks that threads of this process hold
             return ProcessPoolExecutor(self.width, multiprocessing.get_context("spawn"), _begin)
 
     def submit(self, job: Batch[Asked, Answer], rows: Sequence[Asked]) -> Future[list[Answer]]:
@@ -123,7 +124,7 @@ class ProcessPool(Pool):
     ) -> None:
         if self._executor is None:
             return
-        if kind is not None:
+        if kind is not None:  # an error or Ctrl-C: nobody waits for runs that take minutes
             for process in multiprocessing.active_children():
                 if process.pid not in self._before:
                     process.kill()
@@ -237,6 +238,7 @@ def each_on(pool: Pool, function: Callable[[Asked], Answer], items: Sequence[Ask
     [1, 2]
     """
     job, answers = Each(function), dict[int, list[Answer]]()
+    # two batches a process: the second waits there while the first runs
     size = max(len(items) // (QUEUED * pool.width), 1)
     batches = [items[k : k + size] for k in range(0, len(items), size)]
     for _ in range(MOST_DEATHS):

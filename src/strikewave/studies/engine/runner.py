@@ -245,7 +245,7 @@ def seconds_each(job: Work[Asked], rows: Sequence[Asked]) -> float:
 
     The first, the middle and the last one are timed, after one that loads what a process needs.
     """
-    job(rows[:1])
+    job(rows[:1])  # compiles and loads, which no later run does
     places = sorted({0, len(rows) // 2, len(rows) - 1})
     return float(np.mean([outcome.seconds for outcome in job([rows[place] for place in places])]))
 
@@ -258,10 +258,10 @@ class _Unfinished(Generic[Asked]):
         self.keys, self.reused = list[bytes](), 0
         self._all, self._known = rows, store.known()
         self._rows = dict[bytes, Asked]()  # that are out
-        self._next: bytes | None = None
+        self._next: bytes | None = None  # found ahead, so that it is known whether any is left
         self._out = dict[Future[list[RunOutcome]], list[bytes]]()
         self._suspects, self._innocent = deque[list[bytes]](), deque[list[bytes]]()  # to be run again
-        self._deaths = dict[bytes, int]()
+        self._deaths = dict[bytes, int]()  # of a batch of one: how often its process ended with it
         self._begin = time.perf_counter()
         self._done = self._failed = 0
         self._seconds = 0.0
@@ -309,7 +309,7 @@ class _Unfinished(Generic[Asked]):
             self._submit(pool, [self._taken()])
             self._take(pool)
         while self._next or self._out or self._suspects or self._innocent:
-            if self._suspects and not self._out:
+            if self._suspects and not self._out:  # alone, so that an end of its process names it
                 self._submit(pool, self._suspects.popleft())
             while (self._next or self._innocent) and not self._suspects and len(self._out) < QUEUED * pool.width:
                 self._submit(pool, self._innocent.popleft() if self._innocent else self._next_batch(pool))
@@ -321,6 +321,7 @@ class _Unfinished(Generic[Asked]):
         left = len(self._all) - len(self.keys) + 1
         width = pool.width
         wanted = max(BATCH_SECONDS, OF_A_HUNDRED * width / 100.0)
+        # an even share of what is left at the end: the last batches shrink, and all processes end together
         size = min(int(wanted / max(each, 1e-9)), MOST_IN_BATCH, left // (QUEUED * width))
         batch = [self._taken()]
         while self._next and len(batch) < size:
@@ -349,7 +350,7 @@ class _Unfinished(Generic[Asked]):
         if Loss.BY_ANY in losses:
             for future in wait(self._out).done:  # what breaks a pool ends all that is out
                 self._kept(pool, future)
-            if alone:
+            if alone:  # nothing else was out: it is to blame
                 self._blame(self._suspects.pop())
         if losses - {None}:
             pool.renew()

@@ -122,11 +122,14 @@ class RunStore:
             raise InputError(self._option, self.folder, allowed, f"it holds other files, and no {INDEX}")
         if fresh:
             _remove_damaged(index)
+        # no waiting: a folder that another study holds is refused at once
         base = sqlite3.connect(index, isolation_level=None, timeout=0.0)
         try:
             self._check_mark(base, fresh)
+            # exclusive: WAL then needs no shared memory, which network file systems have not
             base.execute("PRAGMA locking_mode = EXCLUSIVE")
             base.execute("PRAGMA journal_mode = WAL")
+            # a power cut may take the last batches, never the index; waiting for the disk at each would cost more
             base.execute("PRAGMA synchronous = NORMAL")
             base.execute("BEGIN EXCLUSIVE")
             if fresh:
@@ -167,6 +170,7 @@ class RunStore:
         )
         if "verdict" not in {row[1] for row in base.execute("PRAGMA table_info(runs)")}:
             base.execute("ALTER TABLE runs ADD COLUMN verdict TEXT NOT NULL DEFAULT ''")
+        # lost for want of memory, or with its process: another try may end otherwise
         base.execute("DELETE FROM runs WHERE retry")
         base.execute(
             "CREATE TABLE IF NOT EXISTS histories (key BLOB NOT NULL, name TEXT NOT NULL, unit TEXT NOT NULL, "
@@ -280,6 +284,7 @@ class RunStore:
             if not rows:
                 return
             (number,) = self._base.execute("SELECT coalesce(max(number), 0) + 1 FROM chunks").fetchone()
+            # the file first: one that the index does not know is removed when the store is opened again
             _write_parquet(rows, self.folder / CHUNK.format(number))
             self._base.execute("BEGIN")
             self._base.execute("INSERT INTO chunks VALUES (?)", (number,))
@@ -398,7 +403,7 @@ def _hand_over(path: Path, other: Path, keys: set[bytes]) -> bool:
     known = set(compute.unique(held).to_pylist())
     if not known & keys:
         return False
-    if known <= keys:
+    if known <= keys:  # nothing to leave out: the same file under a second name costs no copy
         try:
             os.link(path, other)
         except OSError:

@@ -357,6 +357,7 @@ def judged_cell(case: Case, blows: int, train: int) -> tuple[Array, Verdict]:
     if why_not(machine):
         out[PLACE["reason"]] = NOT_RIGID
         return out, lost
+    # one run for both: the train begins with the own blows, which are run alone only where it fails
     for length in dict.fromkeys((max(blows, train), blows)):
         try:
             run = fast_train(machine, length, repeats=REPEATS if length > blows else 0.0, least=blows)

@@ -400,6 +400,7 @@ def range_notices(study: MapStudy) -> Iterator[Notice]:
 def confirmed(study: MapStudy) -> tuple[EvenSetting | None, tuple[Refusal, ...]]:
     """Return the nearest even setting that a full run confirms, and those nearer that it does not."""
     refused: list[Refusal] = []
+    # the fast run knows the object as two bodies: a full run decides
     for distance, values, cell in study.even_settings()[:CONFIRMED]:
         settings = dict(zip(study.paths, values, strict=True))
         try:

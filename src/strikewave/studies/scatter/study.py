@@ -764,9 +764,10 @@ def _shares_of(study: ScatterStudy, points: Array, runner: Runner) -> tuple[Shar
         first, second, mixtures_of = mixtures(sobol_points(sum(sizes), count, plan.seed), sizes)
         a, b, *mixed = _in_parts(runner, [drawn(tolerances, part) for part in (first, second, *mixtures_of)])
         return tuple(
-            sobol_shares(of, paths, read(a), read(b), np.array([read(tolerance) for tolerance in mixed]), plan.seed)
+            sobol_shares(of, paths, read(a), read(b), np.array([read(sample) for sample in mixed]), plan.seed)
             for of, read in ((BETWEEN, _typical), (BETWEEN_CV, _variation))
         )
+    # each tolerance alone: its values are those of the full runs, so that both differ by the other tolerances only
     rows = np.repeat(nominal(tolerances), count, axis=0)
     parts, place = [], 0
     for size in sizes:

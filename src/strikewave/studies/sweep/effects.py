@@ -98,7 +98,7 @@ def main_effect(setting: ArrayLike, number: ArrayLike, grid: bool) -> MainEffect
 
 def _share(between: Array, total: Array, runs: int, groups: Array, grid: bool) -> Array:
     """Return the share of the squares between groups in those of all runs, less what is expected by chance."""
-    free = runs - groups
+    free = runs - groups  # degrees of freedom within groups
     by_chance = (groups - 1) * (total - between) / np.where(free > 0, free, 1)
     taken = between if grid else between - np.where(free > 0, by_chance, 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -128,7 +128,7 @@ def jackknife_error(y: Array, sizes: NDArray[np.int64]) -> float:
     if runs < FEWEST_LEFT:
         return float("nan")
     group = np.repeat(np.arange(sizes.size), sizes)
-    y = y - y.mean()
+    y = y - y.mean()  # against cancellation in the squares below
     sums = np.bincount(group, y, sizes.size)
     squares = sums**2 / sizes
     left, sums_left = sizes[group] - 1, sums[group] - y
