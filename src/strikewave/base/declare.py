@@ -1,4 +1,4 @@
-"""What a value of a result is, declared once where its field stands: unit, label, meaning, and where it is shown.
+"""Declarations of the values of a result, once where each field stands: unit, label, meaning, places on faces.
 
 A result and its rows are classes decorated with `dataclass`; their fields and computed values have a `Declaration`, and
 every face is a walk over these: the JSON document with its units and the documentation of its keys here, tables, key
@@ -28,7 +28,7 @@ PLACES = {"rows": "[]", "named": ".*", "part": ""}
 
 
 class Quantity(NamedTuple):
-    """What a number measures: SI unit ("1" of a ratio), unit shown as a rule, label, decimals in that unit or digits.
+    """A measured quantity: SI unit ("1" of a ratio), unit shown as a rule, label, decimals in that unit or digits.
 
     Where no label is given the name of the field is one. Where no decimals are, so many significant digits are shown;
     beside decimals they are the fewest of a cell, and those of a sentence (0: no fewest, and four in a sentence).
@@ -46,13 +46,7 @@ class Quantity(NamedTuple):
 
     @property
     def units(self) -> tuple[str, str]:
-        """SI unit and unit shown as a rule, for what writes numbers, heads and axes: ``headed("peak", *FORCE.units)``.
-
-        Examples
-        --------
-        >>> Quantity("N", "kN", "peak force", 2, 3).units
-        ('N', 'kN')
-        """
+        """SI unit and unit shown as a rule, for numbers, heads and axes: ``headed("peak", *FORCE.units)``."""
         return self.si, self.usual
 
     @classmethod
@@ -75,86 +69,61 @@ class Quantity(NamedTuple):
         >>> Quantity.of_data("as the number", "median").within({"as the number": share})[1:5]
         ('%', 'median', 2, 0)
         """
-        found = given.get(self.given_by)
-        if isinstance(found, Quantity):
-            return found._replace(label=self.label, given_by=self.given_by)
-        return self if found is None else self._replace(si=found[0], usual=found[1])
+        units = given.get(self.given_by)
+        if isinstance(units, Quantity):
+            return units._replace(label=self.label, given_by=self.given_by)
+        return self if units is None else self._replace(si=units[0], usual=units[1])
 
 
 NOT_MEASURED = Quantity("", "")
-"""Quantity of what is no number, and of a number with the unit of the value it belongs to, such as a warning's
-limit."""
+"""Quantity of words, and of numbers with the unit of the value that they belong to, such as a warning's limit."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True, kw_only=True)
 class Declaration:
-    """What a value is, and where it is shown.
-
-    Attributes
-    ----------
-    kind : str
-        A number; a count; a word (a truth too); a history, an array of numbers; a part, rows, or parts by their
-        names, all of a declared class; a table, columns that the data decide about.
-    meaning : str
-        Meaning in a phrase, which the documentation of the JSON documents and of the class shows.
-    quantity : Quantity
-        Quantity of a number or a history; of a part that of its numbers, where the document says it once for all of
-        them; of a word that of the numbers it is written of, such as bounds.
-    key : str
-        Key in the JSON document, and name of its column in files and Python; the name of the field if empty.
-    column : int, optional
-        Priority of its column in the tables of screen, page, notebook and app: `KEY`, `MAIN`, `MORE` or more. None
-        there without it; files and Python have every number.
-    tables : str
-        Names of the tables that it stands in, where its rows have several; a table that is asked for without a name
-        has all.
-    band : str
-        Name of its band, or its last part; of a part, rows and named parts the first part, such as ``tap.{name}``.
-    headline : str
-        Label among the key numbers, with ``{name}`` of its row; of a part, rows and named parts whether key numbers
-        are taken of the "first", of "each", or of so many, such as "3"; "count" is how many there are. Empty where
-        there are none.
-    is_tag : bool
-        True if a word stands in a coloured box, whose colour is its own; of a truth that is wanted, yes is good (of
-        another, yes is bad).
-    order : int
-        Columns of a larger number stand further to the right than their fields do.
-    in_document : bool
-        True if the JSON document holds it; words of a column that it does not hold are in no file either.
-    optional : bool
-        True if the document leaves the key out where there is nothing (None), instead of saying null, and of a part
-        whose keys stand among those around it all of them; and a table for Python and files its column, where no row
-        has anything.
-    inline : bool
-        True if the keys of a part, or of parts or numbers by their names, stand among those around it.
-    of : type, optional
-        Declared class of a part, of rows, of named parts.
-    label : str
-        Label on faces, where neither its quantity nor the name of the field gives one; of a part the text behind the
-        labels of its values, such as who gave them.
-    error : str
-        Name of the field beside a share with its standard error: its cell then has both.
-    bounds : str
-        Names of the fields beside it with its bounds at 95 %, such as "low high": a column of them follows its own.
-    """
+    """The declaration of a value: its kind, meaning and quantity, and its places on faces."""
 
     kind: Kind
+    """Kind: a number; a count; a word or a truth; a history, an array of numbers; a part, rows, or parts by their
+    names, all of a declared class; a table, columns that the data decide about."""
     meaning: str
+    """Meaning in a phrase, which the documentation of the JSON documents and of the class shows."""
     quantity: Quantity = NOT_MEASURED
+    """Quantity of a number or a history; of a part that of all its numbers, where the document says it once; of a word
+    that of the numbers in it, such as bounds."""
     key: str = ""
+    """Key in the JSON document, and name of its column in files and Python; the name of the field if empty."""
     column: int | None = None
+    """Priority of its column in the tables of screen, page, notebook and app: `KEY`, `MAIN`, `MORE` or more. Without
+    one it stands in none of them; files and Python have every number."""
     tables: str = ""
+    """Names of its tables, where its rows have several; a table that is asked for without a name has all."""
     band: str = ""
+    """Name of its band, or its last part; of a part, rows and named parts the first part, such as ``tap.{name}``."""
     headline: str = ""
+    """Label among the key numbers, with ``{name}`` of its row; of a part, rows and named parts whether key numbers are
+    taken of the "first", of "each", or of so many, such as "3"; "count" is their number. Empty where there are none."""
     is_tag: bool = False
+    """True if a word stands in a coloured box, whose colour is its own; of a truth that is wanted, yes is good (of
+    another, yes is bad)."""
     order: int = 0
+    """Order of the column: those of a larger number stand further to the right than their fields do."""
     in_document: bool = True
+    """True if the JSON document holds it; words of a column that it does not hold are in no file either."""
     optional: bool = False
+    """True if the document leaves the key out where there is nothing (None), instead of null, and of an inline part all
+    keys; Python and files then leave out a column in which no row has anything."""
     inline: bool = False
+    """True if the keys of a part, or of parts or numbers by their names, stand among those around it."""
     of: type | None = None
+    """Declared class of a part, of rows, of named parts."""
     label: str = ""
+    """Label on faces, where neither its quantity nor the name of the field gives one; of a part the text behind the
+    labels of its values, such as who gave them."""
     error: str = ""
+    """Name of the field beside a share with its standard error: its cell then has both."""
     bounds: str = ""
+    """Names of the fields beside it with its bounds at 95 %, such as "low high": a column of them follows its own."""
 
 
 def _field(declaration: Declaration, default: Any, **rest: Any) -> Any:
@@ -239,8 +208,8 @@ class ComputedField(Generic[T]):
         """Return the value; of the class itself what declares it."""
         if instance is None:
             return self
-        value, told = self.function(instance), self.declaration
-        if told.kind in ("word", "rows") and not told.in_document:
+        value, declaration = self.function(instance), self.declaration
+        if declaration.kind in ("word", "rows") and not declaration.in_document:
             return value
         return vars(instance).setdefault(self.name, value)  # found there before this descriptor, as of cached_property
 
@@ -343,39 +312,34 @@ def declarations(kind: type) -> dict[str, Declaration]:
 
 
 def content(value: Any) -> dict[str, Any]:
-    """Return what the JSON document holds of a declared value; `documents.plain` makes it fit for JSON."""
-    held: dict[str, Any] = {}
+    """Return the keys of the JSON document of a declared value; `documents.plain` makes them fit for JSON."""
+    document: dict[str, Any] = {}
     for name, one in declarations(type(value)).items():
         if not one.in_document:
             continue
-        inner = _within(one, getattr(value, name))
-        if one.inline:
-            held |= _nothing(one) if inner is None else inner
+        inner = getattr(value, name)
+        if one.of is not None and inner is not None:
+            if one.kind == "rows":
+                inner = [content(row) for row in inner]
+            elif one.kind == "named":
+                inner = {key: None if row is None else content(row) for key, row in inner.items()}
+            elif not isinstance(inner, Mapping):  # a part kept as a dictionary is its own document
+                inner = content(inner)
+        if one.inline and inner is not None:
+            document |= inner
+        elif one.inline:
+            if one.kind == "part" and one.of is not None and not one.optional:
+                leaves = declarations(one.of).items()
+                document |= {leaf.key or key: None for key, leaf in leaves if leaf.in_document and not leaf.optional}
         elif inner is not None or not one.optional:
-            held[one.key or name] = inner
-    return held
-
-
-def _nothing(one: Declaration) -> dict[str, Any]:
-    """Return what the document holds of the keys of a part that is not there."""
-    held = () if one.optional or one.kind != "part" or one.of is None else declarations(one.of).items()
-    return {inner.key or name: None for name, inner in held if inner.in_document and not inner.optional}
-
-
-def _within(one: Declaration, value: Any) -> Any:
-    if one.of is None or value is None or (one.kind == "part" and isinstance(value, Mapping)):
-        return value  # what is described by a class and kept as a dictionary is its own document
-    if one.kind == "rows":
-        return [content(row) for row in value]
-    if one.kind == "named":
-        return {name: None if row is None else content(row) for name, row in value.items()}
-    return content(value)
+            document[one.key or name] = inner
+    return document
 
 
 def keys(kind: type, path: str = "", apart: Container[type | None] = ()) -> Iterator[tuple[str, Declaration]]:
     """Yield path and declaration of each key of a document: ``[]`` is each row of a list, ``*`` any name.
 
-    What lies within the classes ``apart`` is left out, unless its keys stand among those around it.
+    Keys within the classes ``apart`` are left out, unless they stand among those around them.
     """
     for name, one in declarations(kind).items():
         if not one.in_document:
@@ -390,14 +354,10 @@ def keys(kind: type, path: str = "", apart: Container[type | None] = ()) -> Iter
 
 @functools.cache
 def units(kind: type) -> dict[str, str]:
-    """Return the SI unit of each key of the document of a declared class; what gives it where the data decide.
+    """Return the SI unit of each key of the document of a declared class, or `Quantity.given_by` where the data decide.
 
-    The unit of a part is that of the numbers within it, which then have none of their own.
-
-    Raises
-    ------
-    TypeError
-        If one key has two units.
+    The unit of a part is that of the numbers within it, which then have none of their own. A key of two units is a
+    `TypeError`.
     """
     found: dict[str, str] = {}
     within: dict[str, str] = {}
@@ -412,12 +372,9 @@ def units(kind: type) -> dict[str, str]:
 
 @functools.cache
 def banded_quantities(kind: type) -> dict[str, Quantity]:
-    """Return what numbers that may have a band measure, by the last part of its name, of a class and those within.
+    """Return the quantities of numbers that may have a band, by the last part of its name, of a class and those within.
 
-    Raises
-    ------
-    TypeError
-        If numbers of one name have two units.
+    Numbers of one name that have two units are a `TypeError`.
     """
     found: dict[str, Quantity] = {}
     for one in declarations(kind).values():

@@ -19,9 +19,8 @@ from typing import Any
 
 from strikewave.base.errors import InputError, StrikewaveWarning
 
-LONGEST_NAME, DIGITS = 60, 12
-"""Characters of a name that its hidden neighbours take over, well within the 255 bytes of file systems in any script;
-and hexadecimal digits behind them, of the whole name, that keep long names apart."""
+LONGEST_NAME, DIGITS = 60, 12  # well within the 255 bytes of file systems in any script; 48 bits keep names apart
+"""Characters of a name that its hidden neighbours take over, and hexadecimal digits behind them, of the whole name."""
 FULL = (errno.ENOSPC, errno.EDQUOT)
 """System errors of a full disk, or of a full quota of the user on it."""
 AT_FDCWD, RENAME_EXCHANGE = -100, 2
@@ -29,17 +28,7 @@ AT_FDCWD, RENAME_EXCHANGE = -100, 2
 
 
 class Claim:
-    """A result folder that this run alone writes.
-
-    Attributes
-    ----------
-    typed : Path
-        Where the result goes, as the user wrote it.
-    folder : Path
-        That path from the root.
-    place : Path
-        The hidden folder that is written into.
-    """
+    """A result folder that this run alone writes: as typed, from the root, and the hidden place of its files."""
 
     def __init__(self, folder: Path) -> None:
         self.typed, self.folder = folder, folder.absolute()
@@ -91,12 +80,9 @@ class Claim:
 
 @contextlib.contextmanager
 def claimed(folder: Path) -> Iterator[Claim]:
-    """Claim a result folder for this run; folders above it are made, and go again where nothing came into them.
+    """Claim a result folder for this run, unless another run has it or nothing can be written there.
 
-    Raises
-    ------
-    InputError
-        If another run has it, or nothing can be written there.
+    Folders above it are made, and go again where nothing came into them.
     """
     claim = Claim(folder)
     made = [parent for parent in claim.folder.parents if not parent.exists()]
@@ -149,13 +135,13 @@ def _lock(claim: Claim) -> int | None:
 
 def _identity(path: Path | int) -> tuple[int, int] | None:
     try:
-        found = os.stat(path)
+        entry = os.stat(path)
     except FileNotFoundError:
         return None
-    return found.st_dev, found.st_ino
+    return entry.st_dev, entry.st_ino
 
 
-def _exchange(one: Path, other: Path) -> bool:
+def _exchange(first: Path, second: Path) -> bool:
     """Let two folders change places in one step; return whether the system did."""
     import ctypes
 
@@ -163,7 +149,7 @@ def _exchange(one: Path, other: Path) -> bool:
         rename = ctypes.CDLL(None).renameat2
     except (AttributeError, OSError, TypeError):
         return False
-    return bool(rename(AT_FDCWD, os.fsencode(one), AT_FDCWD, os.fsencode(other), RENAME_EXCHANGE) == 0)
+    return bool(rename(AT_FDCWD, os.fsencode(first), AT_FDCWD, os.fsencode(second), RENAME_EXCHANGE) == 0)
 
 
 def hidden_beside(path: Path, ending: str) -> Path:
@@ -178,7 +164,7 @@ def hidden_beside(path: Path, ending: str) -> Path:
 
 
 def refusal(error: OSError, path: Path) -> str:
-    """Return why the system refused to write at a place; of a full disk which one it is, and what is free on it.
+    """Return the reason why the system refused to write at a place; of a full disk its place and free room.
 
     Examples
     --------
@@ -187,12 +173,12 @@ def refusal(error: OSError, path: Path) -> str:
     >>> refusal(OSError(errno.EFBIG, "File too large"), Path("a"))
     'File too large: the system limits the size of a file here (ulimit -f)'
     """
-    words = error.strerror or str(error)
+    reason = error.strerror or str(error)
     if error.errno == errno.EFBIG:
-        return f"{words}: the system limits the size of a file here (ulimit -f)"
+        return f"{reason}: the system limits the size of a file here (ulimit -f)"
     if error.errno not in FULL:
-        return words
-    place = next(one for one in (path.absolute(), *path.absolute().parents) if one.exists())
-    disk = next((one for one in (place, *place.parents) if one.is_mount()), place)
+        return reason
+    place = next(folder for folder in (path.absolute(), *path.absolute().parents) if folder.exists())
+    disk = next((folder for folder in (place, *place.parents) if folder.is_mount()), place)
     free = shutil.disk_usage(place).free / 1e6
-    return f"{words}: {free:.1f} MB are free on the disk at {disk}; free more, or choose another place"
+    return f"{reason}: {free:.1f} MB are free on the disk at {disk}; free more, or choose another place"

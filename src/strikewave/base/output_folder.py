@@ -18,8 +18,8 @@ MARKS = ("case.toml", "record.toml")
 """One of these files marks a folder as a result; its text distinguishes one result from another."""
 ANIMATIONS = ("machine.html", "machine.gif", "animation.html", "animation.gif")
 """Files that take long to make and depend on the inputs alone: a rerun that does not make them keeps them."""
-_RANDOM_BYTES = 6
-"""Random bytes behind the name of a file that is being written, of which no two runs ever share."""
+_RANDOM_BYTES = 6  # 48 bits: no two runs ever share them
+"""Random bytes behind the name of a file that is being written."""
 _LIST = "\n# The files of this result with their SHA-256. What was added or changed since is never replaced.\n"
 """Begins the list of the files at the end of the text that marks a folder."""
 _ROW = re.compile(r"# ([0-9a-f]{64}|none)  (.+)")
@@ -74,7 +74,7 @@ def list_files(folder: Path) -> None:
 
 
 def changed_files(folder: Path) -> list[str] | None:
-    """Return what lies in a result folder and was not written with it, or was changed since, but for what marks it.
+    """Return the files of a result folder that were added or changed since it was written, but for the mark.
 
     None stands for a folder without a list: an older strikewave wrote it, or somebody else.
     """
@@ -105,42 +105,36 @@ def _digest_of(text: str) -> str:
 
 
 def check_place(folder: Path, identity: str, force: bool = False) -> None:
-    """Refuse a result folder that holds something else.
+    """Refuse a result folder that holds something else, is a file, or cannot be written.
 
     A folder that is absent, empty, or holds the very same result (its ``case.toml`` or ``record.toml`` equals
     ``identity``, or begins with it where it is one line) may be written; any other result only by ``force``; one that
     holds other files, or files that were changed since, never, nor one without a list of its files.
-
-    Raises
-    ------
-    InputError
-        If the place is taken, is a file, or its parent cannot be written.
     """
     try:
-        _check(folder, identity, force)
+        if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
+            raise InputError("--out", folder, "a folder", "this is a file or a link; choose another name")
+        parent = next((p for p in folder.absolute().parents if p.exists()), None)
+        if parent is None:
+            raise InputError("--out", folder, "a folder below the root")
+        if not parent.is_dir() or not os.access(parent, os.W_OK):
+            raise InputError("--out", folder, "a place that can be written", f"{parent} cannot")
+        if not folder.exists() or not any(folder.iterdir()):
+            return
+        mark, changed = mark_of(folder), changed_files(folder)
+        if mark is None or changed is None or changed:
+            raise InputError("--out", folder, "an empty or new folder", _obstacle(folder, mark, changed))
+        text = mark_text(mark)
+        # the text of a search begins with what was asked, one line, and what was found follows
+        is_search = identity.endswith("\n") and identity.count("\n") == 1
+        if not force and not (text.startswith(identity) if is_search else text == identity):
+            raise InputError("--out", folder, "a new folder", "it holds another result; add --force to replace it")
     except OSError as error:
         raise InputError("--out", folder, "a folder that can be written", error.strerror or str(error)) from None
 
 
-def _check(folder: Path, identity: str, force: bool) -> None:
-    if folder.is_symlink() or (folder.exists() and not folder.is_dir()):
-        raise InputError("--out", folder, "a folder", "this is a file or a link; choose another name")
-    parent = next((p for p in folder.absolute().parents if p.exists()), None)
-    if parent is None:
-        raise InputError("--out", folder, "a folder below the root")
-    if not parent.is_dir() or not os.access(parent, os.W_OK):
-        raise InputError("--out", folder, "a place that can be written", f"{parent} cannot")
-    if not folder.exists() or not any(folder.iterdir()):
-        return
-    mark, changed = mark_of(folder), changed_files(folder)
-    if mark is None or changed is None or changed:
-        raise InputError("--out", folder, "an empty or new folder", _whose(folder, mark, changed))
-    if not force and not _is_marked(mark_text(mark), identity):
-        raise InputError("--out", folder, "a new folder", "it holds another result; add --force to replace it")
-
-
-def _whose(folder: Path, mark: Path | None, changed: list[str] | None) -> str:
-    """Return why a folder is not replaced, and what to do."""
+def _obstacle(folder: Path, mark: Path | None, changed: list[str] | None) -> str:
+    """Return the reason why a folder is not replaced, with the way out."""
     if mark is None:
         names = ", ".join(sorted(entry.name for entry in folder.iterdir()))
         return f"it holds files that are not of a result ({show(names)}); move them, or choose another folder"
@@ -151,20 +145,8 @@ def _whose(folder: Path, mark: Path | None, changed: list[str] | None) -> str:
     return f"it holds files that were added or changed since its run ({names}); move them, or choose another folder"
 
 
-def _is_marked(text: str, identity: str) -> bool:
-    """Tell whether a text marks a result: of a search it begins with what was asked, and what was found follows."""
-    asked = identity.endswith("\n") and identity.count("\n") == 1
-    return text.startswith(identity) if asked else text == identity
-
-
 def check_unchanged(folder: Path, identity: str) -> None:
-    """Refuse to replace a result whose ``case.toml`` was changed by hand after the run: it may be someone's only copy.
-
-    Raises
-    ------
-    InputError
-        If the text that marks the folder is not the one that its run wrote, nor the one to write.
-    """
+    """Refuse to replace a result whose ``case.toml`` was changed after the run: it may be someone's only copy."""
     with contextlib.suppress(OSError):
         mark = mark_of(folder)
         if mark is None:
@@ -182,11 +164,6 @@ def atomic_folder(claim: Claim, identity: str, force: bool = False) -> Iterator[
     """Give a temporary folder to write into; it takes the place of the claimed one once all is written.
 
     On any error, Ctrl-C or a full disk included, the temporary folder goes and the old result stays.
-
-    Raises
-    ------
-    InputError
-        As `check_place` does, or if the disk is full.
 
     Examples
     --------
@@ -232,13 +209,7 @@ def keep_true_files(old: Path, new: Path, identity: str) -> tuple[list[str], lis
 
 
 def write_atomically(path: Path, text: str) -> None:
-    """Write a text file that appears whole or not at all.
-
-    Raises
-    ------
-    InputError
-        If the place cannot be written.
-    """
+    r"""Write a text file that appears whole or not at all; its lines end with ``\n`` on every system."""
     partial = hidden_beside(path, secrets.token_hex(_RANDOM_BYTES))
     try:
         with partial.open("x", encoding="utf-8", newline="\n") as file:

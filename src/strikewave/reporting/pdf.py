@@ -25,7 +25,7 @@ _SHEETS = {"A4": (210.0, 297.0), "letter": (215.9, 279.4)}
 """Width and height, mm."""
 _SIDE = 13.0  # as in style.css
 """Margin at the left and at the right, mm."""
-_CELL_PADDING = 2.3  # as in style.css
+_CELL_PADDING = 2.3
 """Padding of a cell, both sides and the line, mm."""
 _LARGEST, _SMALLEST_UPRIGHT, _SMALLEST = 7.6, 5.8, 4.4  # as in style.css; chosen: read with ease; read at all
 """Letters of a table, points: below the second it gets a sheet across, below the third words break."""
