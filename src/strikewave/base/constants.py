@@ -37,7 +37,7 @@ class Material:
     kind: str = declare.word("metal, polymer, ...")
     source: str = declare.word("where the numbers come from")
     status: str = declare.word("how they are known", column=MORE)
-    note: str = declare.word("what is said of them")
+    note: str = declare.word("remarks on them")
     yield_strength: float | None = declare.number(
         Quantity("Pa", "MPa"), "yield strength", label="yield", column=MAIN, default=None
     )
@@ -46,7 +46,7 @@ class Material:
     from_memory: tuple[str, ...] = declare.word("which of them were seen in no text", default=())
 
     bar_speed = declare.computed(declare.number(Quantity("m/s", "m/s"), "speed of a wave in a thin bar", column=MAIN))(
-        lambda one: math.sqrt(one.youngs_modulus / one.density)
+        lambda row: math.sqrt(row.youngs_modulus / row.density)
     )
 
     @property
@@ -58,11 +58,6 @@ class Material:
 @functools.cache
 def materials() -> dict[str, Material]:
     """Return all materials by name, in the order of the table.
-
-    Returns
-    -------
-    dict of str to Material
-        By name.
 
     Examples
     --------
@@ -99,9 +94,8 @@ def material(name: str, field: str = "material") -> Material:
     >>> material("65mn").density
     7820
     """
-    folded = {known.lower(): known for known in materials()}
-    if str(name).lower() not in folded:
-        raise InputError(
-            field, name, "a material of the table (`strikewave materials`)", nearest(str(name), materials())
-        )
-    return materials()[folded[str(name).lower()]]
+    rows = {known.lower(): row for known, row in materials().items()}
+    if str(name).lower() not in rows:
+        allowed = "a material of the table (`strikewave materials`)"
+        raise InputError(field, name, allowed, nearest(str(name), materials()))
+    return rows[str(name).lower()]

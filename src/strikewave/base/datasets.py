@@ -1,7 +1,7 @@
 """Arrays with names, units and dimensions, as an xarray Dataset holds them, and the HDF5 files that hold them.
 
-Arrays with names, units and dimensions, as an xarray Dataset holds them, made and written without importing it.
-xarray takes a third of a second to import, pandas with it: a run, its page and its NetCDF file need neither.
+They are made and written without xarray, which takes a third of a second to import, pandas with it: a run, its page and
+its NetCDF file need neither.
 """
 
 from __future__ import annotations
@@ -24,27 +24,16 @@ if TYPE_CHECKING:
 
 SEAL, SUM = b"\nstrikewave sha256 ", 2 * hashlib.sha256().digest_size
 """Mark behind the end of a file, before its check sum, and the digits of that."""
-BLOCK = 1 << 20
+BLOCK = 1 << 20  # chosen: a file of any size needs no more memory
 """Bytes that are read at once for a check sum."""
 
 
 class EnduringFile(io.RawIOBase):
-    """A file for HDF5 that hides from it what the disk refuses, and keeps the first error for `check`.
+    """A file for HDF5 that hides errors of the disk from it, and keeps the first one for `check`.
 
-    HDF5 holds on to what it could not write, tries again when the process ends, and crashes there. Where all seems
-    written it comes to its end; whoever opened the file then calls `check`, and leaves aside what was written.
-
-    Parameters
-    ----------
-    path : Path
-        Where the file lies.
-    mode : str
-        "w+" for a new file, "r+" for one that goes on.
-
-    Raises
-    ------
-    OSError
-        If it cannot be opened.
+    HDF5 holds on to bytes that it could not write, tries again when the process ends, and crashes there. Where all
+    seems written it comes to its end; whoever opened the file then calls `check`, and drops it. The mode is "w+" for a
+    new file, "r+" for one that goes on.
     """
 
     def __init__(self, path: Path, mode: str = "w+") -> None:
@@ -75,7 +64,7 @@ class EnduringFile(io.RawIOBase):
         return self.tell() if size is None else size
 
     def readinto(self, buffer: Any) -> int:
-        """Read into a buffer; what is not there since it could not be written is zero."""
+        """Read into a buffer; bytes that could not be written are zero."""
         into = memoryview(buffer).cast("B")
         count = self._file.readinto(into) or 0
         if self._error is None:
@@ -118,12 +107,7 @@ class EnduringFile(io.RawIOBase):
 
 @contextlib.contextmanager
 def enduring_file(path: Path) -> Iterator[EnduringFile]:
-    """Give a new file to write HDF5 into, which is sealed at its end.
-
-    Raises
-    ------
-    OSError
-        At its end, if the disk refused any of it.
+    """Give a new file to write HDF5 into; at its end it is sealed, or an error of the disk is raised.
 
     Examples
     --------
@@ -149,48 +133,29 @@ def enduring_file(path: Path) -> Iterator[EnduringFile]:
 
 
 def seal(path: Path) -> None:
-    """Write the SHA-256 of a file behind its end, where HDF5 does not look: see `check_sealed`.
-
-    Raises
-    ------
-    OSError
-        If the disk refuses it.
-    """
+    """Write the SHA-256 of a file behind its end, where HDF5 does not look: see `check_sealed`."""
     with path.open("r+b") as file:
         file.write(SEAL + _sum(file, path.stat().st_size))
 
 
 def is_sealed(path: Path) -> bool:
-    """Tell whether a file ends as `seal` leaves one, which says nothing of the rest.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    """
+    """Tell whether a file ends as `seal` leaves one, which says nothing of the rest."""
     with path.open("rb") as file:
         return _seal_of(file, path.stat().st_size) is not None
 
 
 def check_sealed(path: Path) -> None:
-    """Refuse a file that is not, to the bit, as it was sealed, before HDF5 reads it.
+    """Refuse a file that is not, to the bit, as it was sealed, by a `ValueError`, before HDF5 reads it.
 
     HDF5 checks no numbers: another bit is another number, or a search without end in its own tables.
-
-    Raises
-    ------
-    OSError
-        If it cannot be read.
-    ValueError
-        If it is not as it was written.
     """
     size = path.stat().st_size
     with path.open("rb") as file:
-        kept = _seal_of(file, size)
-        if kept is None:
+        sealed = _seal_of(file, size)
+        if sealed is None:
             raise ValueError("its check sum is missing: it was cut, rewritten, or an older strikewave wrote it")
         file.seek(0)
-        if _sum(file, size - len(SEAL) - SUM) != kept:
+        if _sum(file, size - len(SEAL) - SUM) != sealed:
             raise ValueError("it is not as it was written: bytes of it have changed")
 
 
@@ -210,12 +175,12 @@ def _sum(file: IO[bytes], size: int) -> bytes:
     return digest.hexdigest().encode()
 
 
-LARGEST_LOAD = 4_000_000_000
-"""A file of a result that would take more bytes than this is refused."""
+LARGEST_LOAD = 4_000_000_000  # chosen: most machines hold it in memory, and a damaged head may claim anything
+"""Bytes of a file of a result above which it is refused."""
 
 
 class Variable(NamedTuple):
-    """An array: the names of its dimensions, its values, and what is said of it, such as ``units``."""
+    """An array: the names of its dimensions, its values, and its attributes, such as ``units``."""
 
     dims: tuple[str, ...]
     values: Any
@@ -229,17 +194,7 @@ def quantity(dimension: Any, values: Any, unit: str, name: str) -> tuple[Any, An
 
 @dataclass(frozen=True, eq=False)
 class LabelledArrays:
-    """Variables and coordinates by name, named as in an xarray Dataset, which `to_xarray` makes of them.
-
-    Attributes
-    ----------
-    data_vars : dict of str to Variable
-        Those that are no coordinates.
-    coords : dict of str to Variable
-        The places along a dimension, by its name.
-    attrs : dict
-        Attributes of the whole data set.
-    """
+    """Variables, coordinates and attributes by name, as in an xarray Dataset, which `to_xarray` makes of them."""
 
     data_vars: dict[str, Variable]
     coords: dict[str, Variable] = field(default_factory=dict)
@@ -257,23 +212,21 @@ class LabelledArrays:
         >>> arrays["f"].values.tolist(), arrays["f"].attrs["units"], arrays.sizes
         ([0.0, 1.0], 'N', {'time': 2})
         """
-        named = {name: _variable(*given) for name, given in variables.items()}
-        along = {name: one for name, one in named.items() if one.dims == (name,)}
-        data_vars = {name: one for name, one in named.items() if name not in along}
-        coords = {name: _variable(*given) for name, given in coordinates.items()} | along
+        data_vars: dict[str, Variable] = {}
+        coords = {name: _variable(*parts) for name, parts in coordinates.items()}
+        for name, parts in variables.items():
+            variable = _variable(*parts)
+            (coords if variable.dims == (name,) else data_vars)[name] = variable
         return cls(data_vars, coords, dict(attributes))
 
     @classmethod
     def of_xarray(cls, data: xarray.Dataset) -> LabelledArrays:
-        """Return what a dataset holds."""
-
-        def held(variables: Mapping[Any, Any]) -> dict[str, Variable]:
-            return {
-                str(name): Variable(tuple(map(str, one.dims)), one.values, dict(one.attrs))
-                for name, one in variables.items()
-            }
-
-        return cls(held(data.data_vars), held(data.coords), dict(data.attrs))
+        """Return the arrays of a dataset."""
+        data_vars, coords = (
+            {str(name): Variable(tuple(map(str, one.dims)), one.values, dict(one.attrs)) for name, one in group.items()}
+            for group in (data.data_vars, data.coords)
+        )
+        return cls(data_vars, coords, dict(data.attrs))
 
     def __getitem__(self, name: str) -> Variable:
         """Return a variable or a coordinate by its name."""
@@ -290,11 +243,14 @@ class LabelledArrays:
 
     @property
     def sizes(self) -> dict[str, int]:
-        """How long each dimension is."""
-        return {dim: n for one in self.variables.values() for dim, n in zip(one.dims, one.values.shape, strict=True)}
+        """Length of each dimension."""
+        sizes: dict[str, int] = {}
+        for variable in self.variables.values():
+            sizes.update(zip(variable.dims, variable.values.shape, strict=True))
+        return sizes
 
     def with_attributes(self, attributes: Mapping[str, Any]) -> LabelledArrays:
-        """Return the same arrays with more said of them all."""
+        """Return the same arrays with more attributes."""
         return LabelledArrays(self.data_vars, self.coords, {**self.attrs, **attributes})
 
     def to_xarray(self) -> xarray.Dataset:
@@ -322,13 +278,9 @@ class LabelledArrays:
 
 @contextlib.contextmanager
 def open_result(path: Path, allowed: str) -> Iterator[xarray.Dataset]:
-    """Open the NetCDF file of a result, and refuse what is none: ``allowed`` are the words for what it is to be.
+    """Open the NetCDF file of a result, and refuse others: ``allowed`` describes the file that is needed.
 
-    Raises
-    ------
-    InputError
-        If it is not as it was written, takes more than 4 GB in memory, or what is done with it raises whatever a
-        damaged file may.
+    Refused is a file that is not as it was written, takes more than 4 GB in memory, or raises an error in the block.
     """
     import xarray
 

@@ -59,19 +59,14 @@ def plain(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-MOST_PARTS = 40
-"""Parts of a dotted key: ours have five at most. Memory grows with their square, to 6 GB at 40 000."""
+MOST_PARTS = 40  # ours have five; memory grows with their square, to 6 GB at 40 000
+"""Parts of a dotted key at most."""
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
 _LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{MOST_PARTS}}}")
 
 
 def read_toml(text: str) -> dict[str, Any]:
-    """Return the tables of a TOML text.
-
-    Raises
-    ------
-    ValueError
-        If it is none, is nested too deeply, or has a key of more than `MOST_PARTS` parts.
+    """Return the tables of a TOML text; one that is none, is nested too deeply or has too long a key is a `ValueError`.
 
     Examples
     --------
@@ -92,7 +87,7 @@ def read_toml(text: str) -> dict[str, Any]:
 
 
 def _in_words(reason: str) -> str:
-    """Return why a text is no TOML as its writer sees it, with what to do.
+    """Return the reason why a text is no TOML in its writer's words, with the way out.
 
     Examples
     --------

@@ -54,7 +54,7 @@ class InputError(StrikewaveError, ValueError):
     'machine.speed: got "730"; allowed: a rotational speed with its unit; write "730 rpm"'
     >>> str(InputError("load.file", "blow.csv", EXISTING_FILE)), str(InputError("FILE", "blow.csv", EXISTING_FILE))
     ('load.file: no such file: blow.csv', 'no such file: blow.csv')
-    >>> str(InputError("--out", Path("out/map"), "a new folder", "add --force to replace what it holds"))
+    >>> str(InputError("--out", PurePath("out/map"), "a new folder", "add --force to replace what it holds"))
     '--out: out/map cannot be used; needed: a new folder; add --force to replace what it holds'
     """
 

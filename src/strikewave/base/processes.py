@@ -14,24 +14,18 @@ from types import FrameType
 from typing import Any
 
 OTHERS = tuple(getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name))
-"""Sent where a session, a terminal or a machine ends; Windows has no SIGHUP."""
-AGAIN = 0.02
+"""Signals that come where a session, a terminal or a machine ends; Windows has no SIGHUP."""
+AGAIN = 0.02  # chosen: too short to be noticed, too long to keep the processor busy
 """Seconds after which an interrupt that was put off or swallowed comes once more."""
-LONGEST = 10.0
-"""Seconds for which an interrupt is put off at most: importing a module or linking a kernel takes less than one."""
+LONGEST = 10.0  # importing a module or linking a kernel takes less than one
+"""Seconds for which an interrupt is put off at most."""
+# modules in C and the compiler's library go on to fail, or to write where they must not, when they are left half done
 WHOLE = ("<frozen importlib", f"{os.sep}llvmlite{os.sep}", f"{os.sep}numba{os.sep}core{os.sep}codegen.py")
-"""Files whose functions must not be left half done: modules in C and the compiler's library go on to fail, or to write
-where they must not, when they are."""
+"""Files whose functions must end before an interrupt is raised."""
 
 
 class Terminated(KeyboardInterrupt):
-    """A signal asks the program to end.
-
-    Parameters
-    ----------
-    number : int
-        Number of the signal.
-    """
+    """A signal, by its number, that asks the program to end."""
 
     def __init__(self, number: int) -> None:
         self.number = signal.Signals(number)
@@ -54,19 +48,19 @@ def exit_code(stop: BaseException | None) -> int:
 
 
 def _number_of(stop: BaseException | None) -> signal.Signals:
-    """Return the signal that stopped a program: what says none is Ctrl-C."""
+    """Return the signal that stopped a program; Ctrl-C has no number of its own."""
     return stop.number if isinstance(stop, Terminated) else signal.SIGINT
 
 
 class _Signals:
-    """What came: when the first of the interrupts that are put off did, and what was raised since somebody asked."""
+    """State of signals: the time of the first interrupt that is put off, and the signal raised since somebody asked."""
 
     put_off: float | None = None
     raised: signal.Signals | None = None
 
 
 def _stop(number: int) -> KeyboardInterrupt:
-    """Return what a signal raises."""
+    """Return the interrupt that a signal raises."""
     return KeyboardInterrupt() if number == signal.SIGINT else Terminated(number)
 
 
@@ -81,7 +75,7 @@ def _answer(number: int, frame: FrameType | None) -> None:
 
 
 def _is_half_done(frame: FrameType | None) -> bool:
-    """Tell whether any function that is running must be left to end."""
+    """Tell whether a function that is running must end first."""
     while frame is not None:
         code = frame.f_code
         if code.co_name == "__del__" or any(name in code.co_filename for name in WHOLE):
@@ -98,28 +92,23 @@ def _again(swallowed: Any) -> None:
 
 
 def _send_again(number: int) -> None:
-    """Send a signal to the main thread in a while; `threading` may hold its lock where a signal comes."""
+    """Send a signal to the main thread in a while, which wakes it where the system can do that."""
 
     def send() -> None:
         time.sleep(AGAIN)
-        _interrupt(number)
+        if hasattr(signal, "pthread_kill"):
+            signal.pthread_kill(threading.main_thread().ident or 0, number)
+        else:
+            _thread.interrupt_main(signal.Signals(number))
 
-    _thread.start_new_thread(send, ())
-
-
-def _interrupt(number: int) -> None:
-    """Send a signal to the main thread, which wakes it where the system can do that."""
-    if hasattr(signal, "pthread_kill"):
-        signal.pthread_kill(threading.main_thread().ident or 0, number)
-    else:
-        _thread.interrupt_main(signal.Signals(number))
+    _thread.start_new_thread(send, ())  # not by `threading`, which may hold its lock where a signal comes
 
 
 def heed() -> None:
-    """Let the other signals act as Ctrl-C does from now on; what ``nohup`` has them ignored by stays ignored.
+    """Let the other signals act as Ctrl-C does from now on; those that ``nohup`` ignores stay ignored.
 
-    No interrupt is lost: what a destructor swallows comes again. None tears what must not be left half done: it waits
-    until a module is imported, or a kernel linked.
+    No interrupt is lost: one that a destructor swallows comes again. Each waits until a module is imported, or a kernel
+    linked.
     """
     sys.unraisablehook = _again
     for number in (signal.SIGINT, *OTHERS):
@@ -130,13 +119,7 @@ def heed() -> None:
 
 @contextlib.contextmanager
 def interrupts_as_such() -> Iterator[None]:
-    """Raise an interrupt as such where a library in C made another error of it.
-
-    Raises
-    ------
-    KeyboardInterrupt
-        In the place of any error of the block, if a signal came before it.
-    """
+    """Raise an interrupt in the place of any error of the block that came after it, as a library in C makes of one."""
     _Signals.raised = None
     try:
         yield
@@ -147,7 +130,7 @@ def interrupts_as_such() -> Iterator[None]:
 
 
 SAFE = "PYTHONSAFEPATH"
-"""Tells Python to leave the folder it is started in, where data lie, out of those that modules are looked for in."""
+"""Variable by which Python imports no module from the folder that it is started in, where data lie."""
 
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMEXPR_MAX_THREADS"), "1")
 """Environment that keeps the threads of libraries from taking time and memory, in a process that reads a file."""

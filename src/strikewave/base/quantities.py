@@ -22,34 +22,25 @@ PROVENANCES: tuple[Provenance, ...] = get_args(Provenance)
 Distribution = Literal["normal", "uniform"]
 DISTRIBUTIONS: tuple[Distribution, ...] = get_args(Distribution)
 """How a value may scatter within its tolerance."""
-DEVIATIONS, TRUNCATION = 2.0, 3.0
-"""Standard deviations that a normal tolerance stands for, so that 95 % lie within; and at which draws end: what lies
-beyond, three in a thousand, an inspection sorts out."""
+DEVIATIONS, TRUNCATION = 2.0, 3.0  # 95 % lie within; an inspection sorts out the three in a thousand beyond
+"""Standard deviations that a normal tolerance stands for, and at which draws end."""
 TABLE = ("value", "provenance", "note", "tolerance", "distribution")
 """Keys that the table of a quantity may hold."""
 
 
 class ToleranceBand(BaseModel):
-    """How far a value may be off.
-
-    Attributes
-    ----------
-    size : float
-        Half width of the band in SI, or share of the value where it is relative.
-    typed : str or float
-        Value as typed, such as ``"2 %"`` or ``"20 um"``.
-    relative : bool
-        True if it is a share of the value.
-    distribution : str
-        Within the band: uniform, or normal with a half width of two standard deviations, cut off at three.
-    """
+    """Tolerance of a value."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
     size: float
+    """Half width of the band in SI, or share of the value where it is relative."""
     typed: str | int | float
+    """Value as typed, such as ``"2 %"`` or ``"20 um"``."""
     relative: bool
+    """True if it is a share of the value."""
     distribution: Distribution = "normal"
+    """Distribution: uniform, or normal with a half width of two standard deviations, cut off at three."""
 
 
 @declare.dataclass
@@ -104,7 +95,7 @@ class Value(BaseModel):
         return band.size * abs(self.si) if band.relative else band.size
 
     def document(self) -> Any:
-        """Return what stands in a case file: a table with provenance, tolerance and note."""
+        """Return its table in a case file, with provenance, tolerance and note."""
         band = self.tolerance
         table: dict[str, Any] = {"value": self.typed, "provenance": self.provenance}
         if band is not None:
@@ -116,7 +107,7 @@ class Value(BaseModel):
 
 @dataclass(frozen=True)
 class Range:
-    """What a value may be: its SI unit ("" for a number, "count" for a whole number), its limits, and a usual one."""
+    """Range of a value: its SI unit ("" for a number, "count" for a whole number), its limits, and a usual one."""
 
     unit: str
     low: float = -math.inf
@@ -144,13 +135,7 @@ class Range:
         return f'"{self.usual or DIMENSIONS[self.unit][1]}"' if self.unit in DIMENSIONS else "1"
 
     def read(self, raw: Any) -> Value:
-        """Turn what a case file holds, plain or as a table, into a `Value`.
-
-        Raises
-        ------
-        InputError
-            Its field is empty here; the case fills in the path.
-        """
+        """Turn an entry of a case file, plain or a table, into a `Value`; of an error the case fills in the field."""
         if isinstance(raw, Value):
             return raw
         if not isinstance(raw, dict):
@@ -161,7 +146,7 @@ class Range:
         return Value(si=si, typed=typed, provenance=provenance, note=note, tolerance=self._band(raw, si))
 
     def _within(self, typed: Any) -> float:
-        """Return what was typed in SI; refuse what lies outside the range."""
+        """Return a typed value in SI; refuse one outside the range."""
         si = self._number(typed)
         if si < self.low or si > self.high or (self.open_low and si <= self.low):
             raise InputError("", typed, self.allowed())
@@ -226,15 +211,15 @@ AUTO: Literal["auto"] = "auto"
 
 @dataclass(frozen=True)
 class RangeOrAuto(Range):
-    """What a value may be, or the word `AUTO`, which alone has no provenance: what it is found from has."""
+    """Range of a value, or the word `AUTO`, which alone has no provenance: the values that it is found from have."""
 
     def read(self, raw: Any) -> Any:
-        """Turn what a case file holds into a `Value`, or the word; see `Range.read`."""
+        """Turn an entry of a case file into a `Value`, or the word; see `Range.read`."""
         word = raw.get("value") if isinstance(raw, dict) else raw
         return AUTO if word == AUTO else super().read(raw)
 
     def _within(self, typed: Any) -> float:
-        """Return what was typed in SI; an error names the word too."""
+        """Return a typed value in SI; an error names the word too."""
         try:
             return super()._within(typed)
         except InputError as error:

@@ -1,8 +1,8 @@
-"""How messages are written: numbers and shares, the first few of many names, command lines, texts of strangers.
+"""Texts of messages: numbers and shares, the first few of many names, command lines, texts of strangers.
 
-Characters that command a screen or hide what stands beside them, in texts of strangers: titles, notes, file names.
-They are taken out where text leaves the program: pages, pictures, tables and JSON here, terminals and error lines
-more strictly, by `str.isprintable`.
+Titles, notes and names of files may hold characters that command a screen or hide their neighbours. They are taken out
+where text leaves the program: pages, pictures, tables and JSON here, terminals and error lines more strictly, by
+`str.isprintable`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Iterable, Sequence
 
-NO_DOUBT = 1e-5
+NO_DOUBT = 1e-5  # four digits are shown
 """Uncertainty over its value below which no digit that is shown depends on it."""
 
 
@@ -71,7 +71,7 @@ def beside_doubt(value: float, doubt: float) -> tuple[str, str]:
 
 
 def sign_needed(number: float) -> str:
-    """Say how a share is written that came without its sign; below 1 it may be meant either way.
+    """Return the spelling of a share that came without its sign; below 1 it may be meant either way.
 
     Examples
     --------
