@@ -282,7 +282,7 @@ class StudyPlan:
     variation : Variation
         Variation that makes a case of a row.
     evaluation : Evaluation
-        What is kept of each run.
+        Evaluation that gives what is kept of each run.
     rows : sequence of tuple
         The runs.
     noun : str
