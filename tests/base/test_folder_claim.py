@@ -12,13 +12,12 @@ import pytest
 
 from strikewave.base import folder_claim
 from strikewave.base.errors import InputError, StrikewaveWarning
-from strikewave.base.folder_claim import Claim, claimed
-from strikewave.base.output_folder import atomic_folder, mark_text
+from strikewave.base.output_folder import Claim, atomic_folder, claimed, mark_text
 
 WRITER = """
 import sys, time
 from pathlib import Path
-from strikewave.base.folder_claim import claimed
+from strikewave.base.output_folder import claimed
 from strikewave.base.output_folder import atomic_folder
 with claimed(Path(sys.argv[1])) as claim, atomic_folder(claim, "", force=True) as place:
     (place / "waves.nc").write_text("half")

@@ -11,8 +11,14 @@ import pytest
 
 from strikewave.base.compiled import PACKAGE, kernel_key
 from strikewave.base.errors import InputError
-from strikewave.base.folder_claim import claimed
-from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files, mark_text
+from strikewave.base.output_folder import (
+    atomic_folder,
+    check_place,
+    check_unchanged,
+    claimed,
+    keep_true_files,
+    mark_text,
+)
 
 
 def test_unwritable_kernel_cache_is_survived_with_a_word(tmp_path, environment):

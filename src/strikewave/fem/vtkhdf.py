@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from strikewave.base.datasets import EnduringFile
 from strikewave.base.errors import InputError
-from strikewave.base.folder_claim import refusal
+from strikewave.base.output_folder import refusal
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.solids import pressure, von_mises
 

@@ -16,8 +16,7 @@ from types import FrameType
 from typing import ClassVar, Generic, TypeVar
 
 from strikewave.base.errors import InputError, show
-from strikewave.base.folder_claim import Claim, claimed
-from strikewave.base.output_folder import atomic_folder, check_place, check_unchanged, keep_true_files
+from strikewave.base.output_folder import Claim, atomic_folder, check_place, check_unchanged, claimed, keep_true_files
 from strikewave.base.result import Notice, Result
 from strikewave.reporting.bands import banded_words
 from strikewave.reporting.measured_files import asked
