@@ -69,7 +69,7 @@ def test_meshes_report_their_progress_and_grow_finer():
 
 
 def test_bodies_stand_in_the_chosen_units():
-    answer = SimpleAnswer("lumped", np.zeros(0), np.zeros(0), 19685.34, 2.2e-4, 2.5, 1.1e-4, 2, 40e3)
+    answer = SimpleAnswer("lumped", np.zeros(0), np.zeros(0), 19685.34, 2.2e-4, 1.1e-4, 2, 2.5, 40e3)
     row = BodyRow("li-ma-2019-fem-rigid", "johnson", answer, answer)
     plain_cells = body_table([row]).rows[0][3:]
     assert plain_cells == ["19.69", "110", "220", "2", "2.5", "4079", "–"]

@@ -22,7 +22,9 @@ from numpy.typing import NDArray
 from strikewave.analyses.fem.build import build_model, solid_of, vector
 from strikewave.analyses.fem.result import FemSolution
 from strikewave.analyses.fem.run import run_model
+from strikewave.base import declare
 from strikewave.base.errors import MISSING, InputError
+from strikewave.base.shock_quantities import ACCELERATION, MEASURED_IMPULSE, MICROSECONDS
 from strikewave.cases.case import Case, document_of
 from strikewave.cases.tables.fem import AnyPart, Cylinder, FramePart, HalfCylinder, Tube
 from strikewave.contact import (
@@ -234,29 +236,20 @@ class FrameBlow:
         return stiffness_of(law, self.striker, self.frame, sizes).contact()
 
 
-@dataclass(frozen=True)
+@declare.dataclass(eq=False)
 class SimpleAnswer:
-    """The pulse of a simple model; histories are means over the intervals of the case, as for elements."""
+    """The pulse of a model in N, s, N s and m/s^2; histories are means over the intervals of the case."""
 
     name: str
     time: Array = field(repr=False)
-    """Middles of the intervals, s."""
     force: Array = field(repr=False)
-    """Contact force, N."""
-    peak: float
-    """Peak of the force, N."""
-    width: float
-    """Time from the first to the last tenth of the peak, gaps included, s."""
-    impulse: float
-    """Impulse of the force, N s."""
-    first_width: float
-    """Time from the first tenth of the peak until the force first falls below a tenth, s."""
-    pulses: int
-    """Number of times that the force rises above a tenth of its peak."""
-    rigid_peak: float
-    """Peak of the force over the mass of the struck object, m/s^2."""
-    watched_peak: float | None = None
-    """Largest acceleration of the part ``sensor`` (its mean) or of the far end of a bar, m/s^2."""
+    peak: float = declare.number(declare.NOT_MEASURED, "of the force, N: the peaks of joints are accelerations")
+    width: float = declare.number(MICROSECONDS, "from the first to the last tenth of the peak, gaps included")
+    first_width: float = declare.number(MICROSECONDS, "until the force first falls below a tenth")
+    pulses: int = declare.count("how often the force rises above a tenth of its peak")
+    impulse: float = declare.number(MEASURED_IMPULSE, "of the force")
+    rigid_peak: float = declare.number(ACCELERATION, "of the force over the mass of the struck object")
+    watched_peak: float | None = declare.number(ACCELERATION, "of the sensor, or of the far end of a bar", default=None)
 
 
 def frame_blow(case: Case) -> FrameBlow:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,19 +41,20 @@ from strikewave.papers.li_ma_2019.runs import coarser
 LAWS: tuple[LineLaw, ...] = ("palmgren", "johnson")
 
 
-@dataclass(frozen=True)
+@declare.dataclass(eq=False)
 class BodyRow:
-    """The answer of a model, beside that of the elements; ``law`` of the line contact is empty for elements."""
+    """The answer of a model, beside that of the elements."""
 
-    case: str
-    law: str
-    answer: SimpleAnswer
-    elements: SimpleAnswer
+    case: str = declare.word("name of the case")
 
-    @property
+    @declare.computed(declare.word("elements, lumped, layered, or layered with the sides hung"))
     def model(self) -> str:
-        """Name of the model: elements, lumped, layered, or layered with the sides hung."""
+        """Name of the model."""
         return self.answer.name
+
+    law: str = declare.word("of the line contact; empty of elements")
+    answer: SimpleAnswer = declare.part(SimpleAnswer, "what the model, or the elements, say of a blow", inline=True)
+    elements: SimpleAnswer
 
 
 def compare(case: Case, solution: FemSolution) -> tuple[BodyRow, ...]:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 from strikewave.base import declare
 from strikewave.base.declare import Quantity
 from strikewave.base.result import Notice, Result, Source
-from strikewave.base.shock_quantities import ACCELERATION, MEASURED_IMPULSE, MICROSECONDS, RATIO, STEP
+from strikewave.base.shock_quantities import RATIO, STEP
 from strikewave.papers.li_ma_2019.body_reasons import BodyRow, Reason, body_rows
 from strikewave.papers.li_ma_2019.compared_numbers import Computed, NumberRow, si_unit
 from strikewave.papers.li_ma_2019.element_studies import DimensionStudy, ElementStudies
@@ -46,22 +46,6 @@ class ElementRun:
     energy_error: float = declare.number(RATIO, "what the balance of energy misses, as a share")
     hourglass_share: float = declare.number(RATIO, "energy in hourglass modes, as a share")
     momentum_error: float = declare.number(RATIO, "what the balance of momentum misses, as a share")
-
-
-@declare.dataclass
-class BodyNumbers:
-    """The blow by a simple model or by the elements."""
-
-    case: str = declare.word("name of the case")
-    model: str = declare.word("elements, lumped, layered, or layered with the sides hung")
-    law: str = declare.word("of the line contact; empty of elements")
-    peak: float = declare.number(declare.NOT_MEASURED, "of the force, N: the peaks of joints are accelerations")
-    width: float = declare.number(MICROSECONDS, "from the first to the last tenth of the peak, gaps included")
-    first_width: float = declare.number(MICROSECONDS, "until the force first falls below a tenth")
-    pulses: int = declare.count("how often the force rises above a tenth of its peak")
-    impulse: float = declare.number(MEASURED_IMPULSE, "of the force")
-    rigid_peak: float = declare.number(ACCELERATION, "of the force over the mass of the struck object")
-    watched_peak: float | None = declare.number(ACCELERATION, "of the sensor, or of the far end of a bar")
 
 
 @declare.dataclass
@@ -127,14 +111,10 @@ class Reproduction(ShownResult):
         """The models on several meshes."""
         return {name: [declare.content(row) for row in rows] for name, rows in self.element_studies.meshes.items()}
 
-    @declare.computed(declare.rows(BodyNumbers, "the same bodies as elements, masses and layers", key="bodies"))
-    def body_numbers(self) -> list[BodyNumbers]:
+    @declare.computed(declare.rows(BodyRow, "the same bodies as elements, masses and layers", key="bodies"))
+    def body_numbers(self) -> list[BodyRow]:
         """Masses on springs and layers beside the elements."""
-        numbers = ("peak", "width", "first_width", "pulses", "impulse", "rigid_peak", "watched_peak")
-        return [
-            BodyNumbers(row.case, row.model, row.law, *(getattr(row.answer, name) for name in numbers))
-            for row in self.bodies
-        ]
+        return self.bodies
 
     @declare.computed(declare.rows(Reason, "why they part"))
     def reasons(self) -> tuple[Reason, ...]:
