@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from strikewave.base import folder_claim
+from strikewave.base import output_folder
 from strikewave.base.errors import InputError, StrikewaveWarning
 from strikewave.base.output_folder import Claim, atomic_folder, claimed, mark_text
 
@@ -69,7 +69,7 @@ def test_an_older_result_goes_only_for_a_whole_one(tmp_path, monkeypatch, exchan
     """With the system's exchange of two names, and with two renames where it has none."""
     folder = tmp_path / "out"
     if not exchanges:
-        monkeypatch.setattr(folder_claim, "_exchange", lambda one, other: False)
+        monkeypatch.setattr(output_folder, "_exchange", lambda one, other: False)
     write(folder, "first")
     write(folder, "second")
     assert mark_text(folder / "case.toml") == "second"
