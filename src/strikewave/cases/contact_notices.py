@@ -1,4 +1,4 @@
-"""Where the contact law of a case ends: its status, yield, and sizes and speeds beyond what the law holds for."""
+"""Notices on the contact law of a case: its status, yield, and sizes and speeds beyond its range."""
 
 from __future__ import annotations
 
@@ -34,14 +34,12 @@ from strikewave.contact.registry import Law
 SAME_RESTITUTION = 1e-9
 """Two restitutions that differ by less are the same: far more than rounding of the closed form, far less than any law
 errs."""
-LARGEST_STRAIN = 1.0
-"""Strain at which nothing is left of a cushion whose law does not end before."""
-KILO = 1e3
-"""Newtons from which on a force is written in kN."""
+LARGEST_STRAIN = 1.0  # nothing is then left of a cushion whose law does not end before
+KILO = 1e3  # newtons from which on a force is written in kN
 
 
 class PressedBlow(Protocol):
-    """What a blow tells of its contact, SI: such as `strikewave.machines.Blow`."""
+    """A blow with the numbers of its contact, SI, such as `strikewave.machines.Blow`."""
 
     @property
     def indentation(self) -> float:
@@ -49,7 +47,7 @@ class PressedBlow(Protocol):
 
     @property
     def residual_indentation(self) -> float:
-        """What stays of it, m."""
+        """Residual indentation, m."""
 
     @property
     def restitution(self) -> float:
@@ -85,7 +83,7 @@ def law_notices(case: Case) -> Iterator[Notice]:
 
 
 def first_yield_of(striker: AnyStriker, contact: ContactTable, face: Material) -> FirstYield | None:
-    """Return where a striker first yields on a face of a material, or the face below it; None where it is not known."""
+    """Return first yield of a striker on a face, or of the face below it; None where it is not known."""
     geometry = cap_geometry(striker, contact)
     return None if geometry is None else first_yield(material(striker.material), face, geometry)
 
@@ -145,7 +143,7 @@ def joint_yield_notices(case: Case, greatest: Sequence[float]) -> Iterator[Notic
 
 
 def cushion_notices(case: Case, pressed: Sequence[PressedBlow]) -> Iterator[Notice]:
-    """Report how far blows press the cushion of a case's contact, what it gives back, and what stays."""
+    """Report the strain of the cushion of a case's contact, the work that it gives back, and its set."""
     contact = case.contact
     if contact is None or contact.law != CUSHION or not pressed:
         return
@@ -206,14 +204,7 @@ class _Face(NamedTuple):
 def size_notices(case: Case, peak: float, indentation: float | None = None) -> Iterator[Notice]:
     """Warn where the contact of a striker is longer or wider than the face, or the nose heavier than its striker.
 
-    Parameters
-    ----------
-    case : Case
-        With [striker] and [contact], and an [object] or a stack that is struck.
-    peak : float
-        Largest contact force, N.
-    indentation : float, optional
-        The largest, m; that of the elastic law where it is not known.
+    ``peak`` is the largest contact force, N; ``indentation`` the largest, m, by the elastic law where it is not known.
     """
     striker, contact = case.striker, case.contact
     if striker is None or contact is None or contact.law in (POWER, CUSHION):
@@ -291,16 +282,7 @@ def speed_notices(bodies: Iterable[Material], speed: float, stated: str) -> Iter
     Above the wave speed c = sqrt(E/rho) of a body nothing runs ahead of the contact, and the elastic stress rho c v/2
     of equal bodies is half the modulus: it is a shock front. From v = sqrt(2 Y/rho) on, the stagnation pressure
     rho v^2/2 of material that flows is above its yield strength Y: contact laws are those of slow pressing, and no
-    longer hold.
-
-    Parameters
-    ----------
-    bodies : iterable of Material
-        Materials of the bodies that meet.
-    speed : float
-        Speed of the approach, m/s.
-    stated : str
-        Field and value that make it, such as ``load.speed = 6 km/s``.
+    longer hold. ``stated`` is the field with the value that makes the speed (m/s), such as ``load.speed = 6 km/s``.
     """
     rows = list(bodies)
     slowest = min(rows, key=lambda row: row.bar_speed)
@@ -382,7 +364,7 @@ def _layer_face(layer: LayerTable) -> _Face:
 
 
 def _struck_face(case: Case) -> _Face | None:
-    """Return the face that is struck: of a nose, that of a cube of its mass; None where nothing tells."""
+    """Return the struck face, of a nose that of a cube of its mass; None where it is not known."""
     if case.stack.layer:
         return _layer_face(case.stack.layer[0])
     if case.object is None or case.object.nose_mass is None:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import math
-from collections.abc import Callable
 
 from strikewave.base.constants import Material, material
 from strikewave.base.errors import MISSING, InputError, InputErrors, checked
@@ -19,10 +17,9 @@ from strikewave.cases.contact_parts import (
     pressure_words,
     refuse_beyond_law,
 )
-from strikewave.cases.stack_of_case import area_of, layer_material, need
+from strikewave.cases.stack_of_case import area_of, layer_material, need, typed
 from strikewave.cases.tables.contact import CUSHION, POWER, ContactTable
 from strikewave.cases.tables.machine import AnyStriker
-from strikewave.cases.tables.stack import JointTable
 from strikewave.contact import (
     AnyContact,
     Geometry,
@@ -63,40 +60,29 @@ def struck_material(case: Case) -> Material:
 
 
 def automatic_pressures(case: Case) -> dict[str, AutomaticPressure]:
-    """Return what contacts bear whose yield pressure is "auto", by its path; none of a contact that is refused.
+    """Return the pressures of contacts whose yield pressure is "auto", by its path; none of a contact that is refused.
 
     Examples
     --------
     >>> from strikewave import load_case
-    >>> found = automatic_pressures(load_case("iso-16063-22-dropball"))
-    >>> [(path, round(pressure.best / 1e9, 2)) for path, pressure in found.items()]
+    >>> pressures = automatic_pressures(load_case("iso-16063-22-dropball"))
+    >>> [(path, round(pressure.best / 1e9, 2)) for path, pressure in pressures.items()]
     [('contact.yield_pressure', 2.02)]
     """
-    bodies = dict[str, Callable[[], tuple[Material, Material]]]()
-    if case.contact is not None and case.contact.yield_pressure == AUTO:
-        bodies["contact.yield_pressure"] = functools.partial(_struck, case)
+    pressures, layers = dict[str, AutomaticPressure](), case.stack.layer
+    if case.contact is not None and case.contact.yield_pressure == AUTO and case.striker is not None:
+        path = "contact.yield_pressure"
+        with contextlib.suppress(InputError, ValueError):
+            nose = material(case.striker.material, "striker.material")
+            pressures[path] = pressure_of_materials(nose, struck_material(case), path)
     for joint in case.stack.joint:
         if joint.yield_pressure == AUTO:
-            bodies[f"stack.joint.{joint.after}.yield_pressure"] = functools.partial(_beside, case, joint)
-    pressures = dict[str, AutomaticPressure]()
-    for path, found in bodies.items():
-        with contextlib.suppress(InputError, ValueError):  # a joint behind no layer, or the last
-            pressures[path] = pressure_of_materials(*found(), path)
+            path = f"stack.joint.{joint.after}.yield_pressure"
+            with contextlib.suppress(InputError, ValueError):  # a joint behind no layer, or the last
+                first = [layer.name for layer in layers].index(joint.after)
+                one, other = [layer_material(row, f"stack.layer.{row.name}") for row in layers[first : first + 2]]
+                pressures[path] = pressure_of_materials(one, other, path)
     return pressures
-
-
-def _struck(case: Case) -> tuple[Material, Material]:
-    """Return the materials of striker and face."""
-    if case.striker is None:
-        raise InputError("striker", MISSING, "a [striker] table")
-    return material(case.striker.material, "striker.material"), struck_material(case)
-
-
-def _beside(case: Case, joint: JointTable) -> tuple[Material, Material]:
-    """Return the materials of the layers beside a joint."""
-    first = [layer.name for layer in case.stack.layer].index(joint.after)
-    one, other = case.stack.layer[first : first + 2]
-    return layer_material(one, f"stack.layer.{one.name}"), layer_material(other, f"stack.layer.{other.name}")
 
 
 def contact_source(case: Case) -> str:
@@ -117,7 +103,7 @@ def _power_stiffness(contact: ContactTable) -> Stiffness:
 
 
 def _nose_geometry(striker: AnyStriker, contact: ContactTable, depth: float | None) -> Geometry:
-    """Return the sizes of a nose on a plane face, those that the law needs all there."""
+    """Return the sizes of a nose on a plane face, or refuse one that the law needs and the case leaves out."""
     sizes = {"radius1": striker.nose_radius, "length": striker.contact_length}
     for (need_of, size), key in zip(sizes.items(), ("nose_radius", "contact_length"), strict=True):
         if size is None and need_of in stiffness_law(contact.law).needs:
@@ -131,11 +117,10 @@ def face_stiffness(striker: AnyStriker, contact: ContactTable, face: Material) -
     nose = material(striker.material, "striker.material")
     if contact.law == POWER:
         return _power_stiffness(contact)
-    foreign = next((key for key in _OF_POWER if getattr(contact, key) is not None), None)
-    if foreign is not None:
-        raise InputError(
-            f"contact.{foreign}", getattr(contact, foreign).typed, f"only for the law {POWER}", "remove it"
-        )
+    for key in _OF_POWER:
+        value = getattr(contact, key)
+        if value is not None:
+            raise InputError(f"contact.{key}", value.typed, f"only for the law {POWER}", "remove it")
     needs = stiffness_law(contact.law, "contact.law").needs
     depth = contact.datum_depth.si if contact.datum_depth else None
     if contact.datum_depth is not None and "datum_depth" not in needs:
@@ -178,7 +163,9 @@ def face_contact(striker: AnyStriker, contact: ContactTable, face: Material) -> 
     damping_law(contact.damping, "contact.damping")
     if contact.law == CUSHION:
         return cushion_contact(contact)
-    _refuse_stray_cushion(contact)
+    if contact.cushion is not None:  # a pad beside another contact law would do nothing
+        allowed = f'"{CUSHION}" where the case has [{CUSHION_PATH}]'
+        raise InputError("contact.law", contact.law, allowed, f"or remove [{CUSHION_PATH}]")
     stiffness, cap = face_stiffness(striker, contact, face), pressure_cap(striker, contact, face)
     if cap is not None and contact.yield_pressure is not None:
         field, nose = "contact.yield_pressure", material(striker.material, "striker.material")
@@ -193,13 +180,12 @@ def cushion_of_contact(contact: ContactTable) -> Cushion:
         raise InputError(
             CUSHION_PATH, MISSING, "a pad for the law cushion", f"add [{CUSHION_PATH}] with its thickness and area"
         )
-    given = {key: value for key in _NOT_OF_A_CUSHION if (value := getattr(contact, key)) is not None}
-    if given:
+    foreign = {key: value for key in _NOT_OF_A_CUSHION if (value := getattr(contact, key)) is not None}
+    if foreign:
         allowed, hint = "none for the law cushion", "remove it from the file"
-        wrong = [InputError(f"contact.{key}", getattr(one, "typed", one), allowed, hint) for key, one in given.items()]
-        raise InputErrors([str(each) for each in wrong])
-    area = area_of(contact.cushion, CUSHION_PATH)
-    return cushion_of(contact.cushion, CUSHION_PATH, area)
+        faults = [InputError(f"contact.{key}", typed(value), allowed, hint) for key, value in foreign.items()]
+        raise InputErrors(map(str, faults))
+    return cushion_of(contact.cushion, CUSHION_PATH, area_of(contact.cushion, CUSHION_PATH))
 
 
 def cushion_contact(contact: ContactTable) -> AnyContact:
@@ -215,20 +201,13 @@ def cushion_contact(contact: ContactTable) -> AnyContact:
 
 
 def _second_loss(contact: ContactTable) -> list[str]:
-    """Return what is wrong with the restitution beside a cushion that has a loss of its own: one line, or none."""
+    """Return the fault of a restitution beside a cushion that has a loss of its own: one line, or none."""
     if contact.cushion is None or contact.restitution.si == 1.0 or not loses_by_rate(contact.cushion):
         return []
     of_law = contact.cushion.retardation is None and contact.cushion.loss_factor is None
     has = f"the retardation of the law {contact.cushion.law}" if of_law else "a retardation or a loss factor"
     allowed, hint = f"1 where the cushion has {has}: it loses energy in one way", "write restitution = 1"
     return [str(InputError("contact.restitution", contact.restitution.typed, allowed, hint))]
-
-
-def _refuse_stray_cushion(contact: ContactTable) -> None:
-    """Refuse a pad beside another contact law, which would do nothing."""
-    if contact.cushion is not None:
-        allowed = f'"{CUSHION}" where the case has [{CUSHION_PATH}]'
-        raise InputError("contact.law", contact.law, allowed, f"or remove [{CUSHION_PATH}]")
 
 
 def refuse_sliding(contact: ContactTable) -> None:
@@ -241,5 +220,5 @@ def refuse_sliding(contact: ContactTable) -> None:
 
 
 def or_else(value: Value | None, default: float) -> float:
-    """Return a quantity in SI, or what holds where it is left out."""
+    """Return a quantity in SI, or its default where it is left out."""
     return default if value is None else value.si

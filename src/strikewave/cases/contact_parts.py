@@ -1,4 +1,4 @@
-"""What contacts of a case are built of: the force law of a pad, and the largest pressure that a contact bears."""
+"""Parts of the contacts of a case: the force law of a pad, and the largest pressure that a contact bears."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def cushion_of(table: CushionTable, path: str, area: float) -> Cushion:
         allowed = f"a number, for the law {law.name}"
         faults = [InputError(f"{path}.{key}", MISSING, allowed, f"add {_example(key)}") for key in missing]
         raise InputErrors(map(str, faults))
-    wear = Wear(_or_zero(table.settling), _or_zero(table.stiffening))
+    wear = Wear(table.settling.si if table.settling else 0.0, table.stiffening.si if table.stiffening else 0.0)
     blows = round(table.blows_before.si) if table.blows_before else 0
     pad = Pad(area, table.thickness.si)
     new = Cushion(law.name, pad, properties, wear, _retardation(table, law, path))
@@ -76,7 +76,7 @@ def _example(key: str) -> str:
 
 
 def _material_of(table: CushionTable, path: str) -> CushionMaterial | None:
-    """Return the row of the cushion materials that a table names; the name of a law is none, and is said to be one."""
+    """Return the row of the cushion materials that a table names; refuse the name of a law in its place."""
     name = table.material.lower()
     if name not in cushion_laws():
         return cushion_material(table.material, f"{path}.material") if name else None
@@ -108,14 +108,10 @@ def _retardation(table: CushionTable, law: CushionLaw, path: str) -> float:
     return table.retardation.si
 
 
-def _or_zero(value: Value | None) -> float:
-    return 0.0 if value is None else value.si
-
-
 ELASTIC, LOW, YIELDING, HIGH = "elastic", "yielding, low", "yielding", "yielding, high"
 """Names of the answers of a contact; low and high are the ends of what is known of the pressure that it bears."""
 WORTH_SHOWING = 0.05
-"""Elastic and yielding answers that differ by more are all shown: less is within what the elastic law itself errs."""
+"""Elastic and yielding answers that differ by more are all shown: less is within the error of the elastic law."""
 
 
 def capped_pressure(given: ContactPressure, one: Material, other: Material, field: str) -> float:
@@ -141,7 +137,7 @@ def pressure_of_materials(one: Material, other: Material, field: str) -> Automat
 
 
 def _missing(body: Material) -> str:
-    """Return in words why a material gives no pressure; nothing where it gives one."""
+    """Return the reason why a material gives no pressure, in words; nothing where it gives one."""
     if hardness_of(body) is None:
         return "has neither hardness nor yield strength in the table of materials"
     return "" if body.kind == "metal" else "is no metal, so that its hardness does not follow from its yield strength"
@@ -172,16 +168,7 @@ def refuse_beyond_law(
 ) -> None:
     """Refuse a cap that a logarithmic law cannot reach: its indentation grows with the force up to B/e only.
 
-    Parameters
-    ----------
-    cap : PressureCap
-        On the contact.
-    stiffness : Stiffness or LogarithmicStiffness
-        Stiffness of the contact.
-    typed, field : str
-        Value as typed, and its field.
-    pressure : float, optional
-        Pressure of the cap, Pa; without it, the typed value is the load at which it yields.
+    ``pressure`` is that of the cap, Pa; without it, the typed value is the load at which the contact yields.
 
     Examples
     --------

@@ -1,12 +1,11 @@
-"""The fields of a file by their paths: what may stand there, how one is changed, and what is wrong with them.
+"""The fields of a file by their paths: their ranges, changes, faults, and the provenance of their values.
 
 A path names tables and a key, such as ``machine.speed``; a row of an array of tables goes by its name or its place.
 Where a table may be one of several, its ``kind`` (``shape``, ``law``) tells which; it stands in pydantic's paths, not
 in ours.
 
-Where the values of a file of one's own come from: what was typed or changed there is the user's. A built-in case
-states the provenance of every value. A file that begins from one, by its ``source``, is held against it: a badge or a
-note that came along with a value is no longer true of another value.
+A built-in case states the provenance of every value. In a file of one's own, typed or changed values are the user's; a
+file with a built-in ``source`` is compared with it: provenance or note of a value there is not true of another value.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ NOTHING = "none"
 
 
 def row_name(row: Any, place: int) -> str:
-    """Return how a path calls a row of an array of tables: by its name, what it comes after, its number or place."""
+    """Return the name of a row of an array of tables in a path: its name, the row before it, its number or place."""
     get = row.get if isinstance(row, Mapping) else (lambda key, default: getattr(row, key, default))
     number = get("number", "")
     number = number.get("value", "") if isinstance(number, Mapping) else number
@@ -45,7 +44,7 @@ def row_name(row: Any, place: int) -> str:
 
 
 def _name_in(rows: Sequence[Any], place: int, inner: Sequence[str | int]) -> str:
-    """Return how a path calls a row: by a name that is its own, and is not itself what is wrong; else by its place."""
+    """Return the name of a row in a path where it is unique and not itself the fault; else its place."""
     names = [row_name(row, k) if isinstance(row, Mapping) else str(k) for k, row in enumerate(rows)]
     name = names[place]
     is_wrong = bool(inner) and inner[0] in NAMING
@@ -59,7 +58,7 @@ def _shown(place: str | int) -> str:
 
 @runtime_checkable
 class Reader(Protocol):
-    """What turns a number of a file into a value, and knows how one is written."""
+    """A rule that reads a number of a file as a value, and gives an example of one."""
 
     def read(self, raw: Any) -> Any:
         """Return the value."""
@@ -72,17 +71,7 @@ class Reader(Protocol):
 
 @dataclass(frozen=True)
 class Form(Generic[Held]):
-    """What a file holds: its model, what the file is called in an error line, and a change that shows how.
-
-    Attributes
-    ----------
-    model : type
-        Model of the whole file.
-    name : str
-        Such as ``case``.
-    example : str
-        A change, such as ``machine.speed="500 rpm"``.
-    """
+    """The form of a file: its model, its name in an error line, and an example of a change for it."""
 
     model: type[Held]
     name: str
@@ -91,7 +80,7 @@ class Form(Generic[Held]):
     def change(self, document: dict[str, Any], change: str) -> None:
         """Set ``path=value`` in a document; a bare number is SI; a changed quantity is marked as the user's.
 
-        It keeps its tolerance, which ``path.tolerance=value`` changes; a share of nothing is nothing: 0 goes without.
+        It keeps its tolerance, which ``path.tolerance=value`` changes; a value of 0 has no relative one.
         ``path=none`` takes a quantity out.
 
         Examples
@@ -147,20 +136,14 @@ class Form(Generic[Held]):
         return place
 
     def read(self, document: Mapping[str, Any], before: str = "") -> Held:
-        """Return what a document holds, as the model of the file.
-
-        Raises
-        ------
-        InputErrors
-            With a line for each fault, after ``before``; see `lines`.
-        """
+        """Return a document as the model of the file, or raise a line for each fault, after ``before``."""
         try:
             return self.model.model_validate(document)
         except ValidationError as error:
             raise InputErrors(before + line for line in self.lines(error, document)) from None
 
     def lines(self, error: ValidationError, document: Mapping[str, Any]) -> list[str]:
-        """Turn pydantic's report into one line a fault: field, what came, what is allowed, what to do."""
+        """Return pydantic's report as one line a fault: field, value, allowed values, advice."""
         lines: list[str] = []
         for fault in error.errors():
             path = ".".join(self._called(fault["loc"], document))
@@ -194,15 +177,11 @@ class Form(Generic[Held]):
         return f"{path or self.name}: got {show(got)}; {fault['msg']}"
 
     def _kinds_with(self, places: list[str]) -> list[str]:
-        """Return the other kinds of the table that an unknown key stands in which have such a key."""
+        """Return the other kinds of a table that have a key which is unknown in it."""
         siblings = self.tables_at(places[:-2])
         if len(places) < 3 or places[-2] not in map(_kind_of, siblings):
             return []
-        return [_kind_of(one) for one in siblings if places[-1] in self._keys_of(one)]
-
-    @staticmethod
-    def _keys_of(model: type[BaseModel]) -> list[str]:
-        return [field.alias or key for key, field in model.model_fields.items()]
+        return [_kind_of(model) for model in siblings if places[-1] in _keys_of(model)]
 
     def tables_at(self, places: list[str]) -> list[type[BaseModel]]:
         """Return the models of the table at a path; a name or number stands for the row of an array of tables."""
@@ -216,10 +195,13 @@ class Form(Generic[Held]):
             if chosen:
                 models = chosen
                 continue
-            fields = [model.model_fields[place] for model in models if place in model.model_fields]
-            options = [_tables_of(field.annotation) for field in fields]
-            models = list(dict.fromkeys(model for tables, _ in options for model in tables))
-            in_rows = any(rows for _, rows in options)
+            inner: dict[type[BaseModel], None] = {}
+            for model in models:
+                if place in model.model_fields:
+                    tables, rows = _tables_of(model.model_fields[place].annotation)
+                    inner.update(dict.fromkeys(tables))
+                    in_rows = in_rows or rows
+            models = list(inner)
         return models
 
     def table_at(self, places: list[str]) -> type[BaseModel] | None:
@@ -228,28 +210,33 @@ class Form(Generic[Held]):
 
     def keys_at(self, places: list[str]) -> list[str]:
         """Return the keys of the table at a path; none where there is no table."""
-        return [key for model in self.tables_at(places) for key in self._keys_of(model)]
+        return [key for model in self.tables_at(places) for key in _keys_of(model)]
 
     def range_at(self, places: list[str]) -> Range | None:
-        """Return what the quantity at a path may be; None where there is no quantity."""
-        return next((owner for owner in self._readers_at(places) if isinstance(owner, Range)), None)
+        """Return the range of the quantity at a path; None where there is no quantity."""
+        for reader in self._readers_at(places):
+            if isinstance(reader, Range):
+                return reader
+        return None
 
     def _readers_at(self, places: list[str]) -> list[Reader]:
-        """Return what reads the number at a path; nothing where there is none."""
-        rules = [rule for field in self._fields_at(places) for rule in field.metadata]
-        owners = [getattr(getattr(rule, "func", None), "__self__", None) for rule in rules]
-        return [owner for owner in owners if isinstance(owner, Reader)]
+        """Return the readers of the number at a path; none where there is no number."""
+        readers = []
+        for field in self._fields_at(places):
+            owners = [getattr(getattr(rule, "func", None), "__self__", None) for rule in field.metadata]
+            readers += [owner for owner in owners if isinstance(owner, Reader)]
+        return readers
 
     def _fields_at(self, places: list[str]) -> list[FieldInfo]:
         tables = self.tables_at(places[:-1])
         return [model.model_fields[places[-1]] for model in tables if places[-1] in model.model_fields]
 
     def _called(self, places: Sequence[str | int], document: Mapping[str, Any]) -> list[str]:
-        """Return the places of a fault as paths call them: rows by their names, without what only tells the kind."""
+        """Return the places of a fault as in paths: rows by their names, without the kinds of tables."""
         called: list[str] = []
         part: Any = document
         for depth, place in enumerate(places):
-            shown = [_shown(one) for one in places[: depth + 1]]
+            shown = [_shown(part_of_path) for part_of_path in places[: depth + 1]]
             if depth and len(several := self.tables_at(shown[:-1])) > 1 and shown[-1] in map(_kind_of, several):
                 continue
             if isinstance(place, int) and isinstance(part, list | tuple) and place < len(part):
@@ -275,26 +262,26 @@ class Form(Generic[Held]):
         return any(str in (field.annotation, *get_args(field.annotation)) for field in self._fields_at(places))
 
     def _example(self, places: list[str]) -> str:
-        """Say how what is missing is added: a number with its unit, a table, a text."""
-        for owner in self._readers_at(places):
-            if isinstance(owner, Range) and owner.unit not in DIMENSIONS:
-                return f"add {places[-1]}, {owner.allowed()}"
-            return f"add {places[-1]} = {owner.example()}"
+        """Return the advice on a missing entry: a number with its unit, a table, a text."""
+        for reader in self._readers_at(places):
+            if isinstance(reader, Range) and reader.unit not in DIMENSIONS:
+                return f"add {places[-1]}, {reader.allowed()}"
+            return f"add {places[-1]} = {reader.example()}"
         is_table = self.tables_at(places) not in ([], [Value])
-        choices = [str(one) for field in self._fields_at(places) for one in _choices(field.annotation) if one]
+        kinds = [field.annotation for field in self._fields_at(places) if get_origin(field.annotation) is Literal]
+        choices = [str(choice) for kind in kinds for choice in get_args(kind) if choice]
         if choices:
             return f"add {places[-1]}, one of {', '.join(dict.fromkeys(choices))}"
         text = ' = "..."' if self._takes_text(places) else ""
         return f"add [{'.'.join(places)}]" if is_table else f"add {places[-1]}{text}"
 
 
-def _choices(kind: Any) -> tuple[Any, ...]:
-    """Return the words that an annotation allows, if it is a choice."""
-    return get_args(kind) if get_origin(kind) is Literal else ()
+def _keys_of(model: type[BaseModel]) -> list[str]:
+    return [field.alias or key for key, field in model.model_fields.items()]
 
 
 def _row_hint(place: Any, inner: Any, path: str, change: str) -> str:
-    """Return which rows there are, where a change names none of an array of tables, or one that there is not."""
+    """Return the rows of an array of tables, where a change names none of them."""
     rows = inner if isinstance(inner, list) else place
     names = [row_name(row, k) for k, row in enumerate(rows)] if isinstance(rows, list) else []
     if not names:
@@ -305,7 +292,7 @@ def _row_hint(place: Any, inner: Any, path: str, change: str) -> str:
 
 
 def _is_zero(allowed: Range, typed: Any) -> bool:
-    """Tell whether what was typed is a valid value of 0."""
+    """Tell whether a typed value is valid and 0."""
     try:
         return allowed.read(typed).si == 0.0
     except InputError:
@@ -324,13 +311,16 @@ def _tables_of(kind: Any) -> tuple[list[type[BaseModel]], bool]:
     """Return the tables that an annotation may hold, with their stricter forms, and whether it holds rows of them."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return [kind, *kind.__subclasses__()], False
-    options = [_tables_of(part) for part in get_args(kind)]
-    rows = any(inner for _, inner in options) or (get_origin(kind) is tuple and any(tables for tables, _ in options))
-    return [table for tables, _ in options for table in tables], rows
+    tables, in_rows = list[type[BaseModel]](), False
+    for part in get_args(kind):
+        inner, rows = _tables_of(part)
+        tables += inner
+        in_rows = in_rows or rows or (get_origin(kind) is tuple and bool(inner))
+    return tables, in_rows
 
 
 def _kind_of(table: type[BaseModel]) -> str:
-    """Return the kind (shape, law) that a table is of; empty where it is of none."""
+    """Return the kind (shape, law) of a table; empty where it has none."""
     for key in ("kind", "shape", "law"):
         kinds = get_args(table.model_fields[key].annotation) if key in table.model_fields else ()
         if len(kinds) == 1:
@@ -343,7 +333,9 @@ T = TypeVar("T")
 
 def quantities_of(part: Any, path: str) -> Iterator[tuple[str, Value]]:
     """Yield every quantity below a part of a case with its path."""
-    return ((place, leaf) for place, leaf in _leaves(part, path) if isinstance(leaf, Value))
+    for place, leaf in _leaves(part, path):
+        if isinstance(leaf, Value):
+            yield place, leaf
 
 
 def entries_of(part: Any, path: str) -> Iterator[tuple[str, float | str]]:
@@ -356,7 +348,7 @@ def entries_of(part: Any, path: str) -> Iterator[tuple[str, float | str]]:
 
 
 def _leaves(part: Any, path: str) -> Iterator[tuple[str, Any]]:
-    """Yield what stands in a part of a case, below its tables and rows, with its path."""
+    """Yield the entries of a part of a case below its tables and rows, each with its path."""
     if isinstance(part, BaseModel) and not isinstance(part, Value):
         for key, value in part:
             yield from _leaves(value, f"{path}.{key}")
@@ -368,7 +360,7 @@ def _leaves(part: Any, path: str) -> Iterator[tuple[str, Any]]:
 
 
 def with_quantities(part: T, values: Mapping[str, Value]) -> T:
-    """Return a part of a case with quantities at paths below it, also such as it leaves out; none is checked.
+    """Return a part of a case with quantities at paths below it, also where none is stated; none is checked.
 
     Examples
     --------
@@ -400,26 +392,18 @@ def _with_tree(part: Any, tree: Value | dict[str, Any]) -> Any:
     return part.model_copy(update={key: _with_tree(getattr(part, key), branch) for key, branch in tree.items()})
 
 
-SAME = 1e-12
-"""Relative difference up to which two values are the same: another unit may cost a few bits."""
+SAME = 1e-12  # relative difference of values that are the same: another unit may cost a few bits
 
 
 def with_provenance(part: T, raw: Any, origin: Any = None) -> T:
-    """Return a part of a case as read from a file, with the provenance that its values have in truth.
+    """Return a validated part of a case with the true provenance of its values.
 
-    - A value typed without a provenance is the user's; where it is that of the source, it has the provenance there.
-    - A value that differs from the source is the user's, unless the file gives it another provenance or note than the
-      source does: then the file speaks of the new value, and is believed. Of a value that became the user's the note of
-      the source goes.
+    - A value typed without a provenance is the user's; where it equals that of the source, it has the provenance there.
+    - A value that differs from the source is the user's, without the note of the source, unless the file gives it
+      another provenance or note than the source does.
 
-    Parameters
-    ----------
-    part : model, tuple or value
-        As validated.
-    raw : mapping, list or scalar
-        Values that the file holds there.
-    origin : model, tuple or value, optional
-        The same part of the built-in case named as source; rows are found by name, else by place.
+    ``raw`` are the values in the file, ``origin`` is the same part of the built-in case named as source; rows are found
+    by name, else by place.
 
     Examples
     --------
@@ -433,13 +417,12 @@ def with_provenance(part: T, raw: Any, origin: Any = None) -> T:
         new = _of_value(part, raw, origin)
     elif isinstance(part, BaseModel) and isinstance(raw, Mapping):
         fields = type(part).model_fields
-        found = {key: (entry, fields[key].alias or key) for key, entry in part}
-        update = {
-            key: with_provenance(entry, raw[name], getattr(origin, key, None))
-            for key, (entry, name) in found.items()
-            if name in raw
-        }
-        update = {key: entry for key, entry in update.items() if entry is not found[key][0]}
+        update = {}
+        for key, entry in part:
+            name = fields[key].alias or key
+            changed = with_provenance(entry, raw[name], getattr(origin, key, None)) if name in raw else entry
+            if changed is not entry:
+                update[key] = changed
         new = part.model_copy(update=update) if update else part
     elif isinstance(part, tuple) and isinstance(raw, list) and len(raw) == len(part):
         rows = tuple(map(with_provenance, part, raw, _partners(part, origin)))
@@ -458,7 +441,7 @@ def _of_value(value: Value, raw: Any, origin: Any) -> Value:
 
 
 def _partners(rows: tuple[Any, ...], origin: Any) -> list[Any]:
-    """Return for each row of an array that of the source: by its name, else the one at its place that none has."""
+    """Return the row of the source for each row of an array: by its name, else that at its place if it is free."""
     theirs = {row_name(row, place): row for place, row in enumerate(origin)} if isinstance(origin, tuple) else {}
     names = [row_name(row, place) for place, row in enumerate(rows)]
     places = dict(enumerate(theirs))
