@@ -9,7 +9,7 @@ import pytest
 from strikewave.analyses.hopkinson.build import example_setup, parse_setup, with_test
 from strikewave.base.errors import InputError
 from strikewave.cases.case import dump_case, load_case, parse_case
-from strikewave.cases.stated_test import load_test
+from strikewave.cases.performed_test import load_test
 from strikewave.cases.tables.common import EXAMPLE, LONGEST_LINE, LONGEST_NOTES, PerformedTest
 from strikewave.reporting.chapters import Summary, result_page
 

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image, ImageFile
 
 from strikewave.base.errors import InputError
-from strikewave.cases.stated_test import (
+from strikewave.cases.performed_test import (
     LONGEST_SIDE,
     MOST_PHOTOGRAPHS,
     ReportTables,

@@ -1,4 +1,4 @@
-"""Which analysis a case or a set-up is for, as its tables say, its run, and the check that its parts fit together.
+"""The analysis of a case or a set-up by its tables, its run, and the check that its parts fit together.
 
 Only the analyses that a case is for are imported: elements and split bars take their time.
 """
@@ -25,9 +25,8 @@ def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = F
         from strikewave.analyses.hopkinson.screen import run_setup
 
         if animate:
-            raise InputError(
-                "--animate", name, "a machine, a layered bar or elements", "a set-up of bars has no motion"
-            )
+            allowed = "a machine, a layered bar or elements"
+            raise InputError("--animate", name, allowed, "a set-up of bars has no motion")
         return run_setup(load_setup(name, changes), changes, output)
     case = load_case(name, changes)
     if case.command == "fem":
@@ -59,7 +58,7 @@ def holds_setup(text: str) -> bool:
 
 
 def check_case(case: Case) -> None:
-    """Build all parts of a case, so that what does not fit together is said."""
+    """Build all parts of a case, so that parts that do not fit together are refused."""
     if case.machine is not None:
         from strikewave.analyses.machine.build import build_machine
 

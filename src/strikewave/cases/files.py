@@ -1,4 +1,4 @@
-"""Case files, built in or in a folder, and small files that are no case: of a test, of a sensor."""
+"""Case files, built in or in a folder, and small files of another kind: of a test, of a sensor."""
 
 from __future__ import annotations
 

@@ -1,9 +1,8 @@
-"""The numbers that materials named in a case stand for, and densities and moduli far from those of any material.
+"""The numbers of the materials named in a case, and densities and moduli far from those of any material.
 
-The numbers that materials named in a case stand for: which they are, where they come from, which fields take them. A
-layer, a gasket or a pad names its material, and its modulus stands in no field of the case. Here each such number has
+A layer, a gasket or a pad names its material, and its modulus stands in no field of the case. Here each such number has
 a path of its own, ``material.PTFE.modulus``, one for all parts of that material: they are of one grade, and off
-together. What a part states itself overrules the table, and is not listed.
+together. A number that a part states itself overrules the table, and is not listed.
 """
 
 from __future__ import annotations
@@ -28,20 +27,13 @@ OF_A_GASKET = ("density", "modulus", "loss_factor")
 _WITHOUT_UNIT = ("loss_factor", "compression_factor")
 _PRESSURES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
 _COLUMNS = {"modulus": "youngs_modulus"}
-"""Where the table of materials calls a number by another name than a case does."""
+"""Names of numbers in the table of materials where they differ from those of a case."""
 
 
 class NamedNumber(NamedTuple):
-    """A number that a named material stands for.
+    """A number of a named material with its provenance, and the fields of the case that take it.
 
-    Attributes
-    ----------
-    value : Value
-        The number, with the provenance that the table gives it.
-    fields : tuple of str
-        Paths of the fields of the case that take it, none of which is stated.
-    plausible : PlausibleRange or None
-        How far it differs from piece to piece, where nobody can weigh it or read it off.
+    ``plausible`` is its range from piece to piece, where nobody can weigh it or read it off.
     """
 
     value: Value
@@ -50,13 +42,13 @@ class NamedNumber(NamedTuple):
 
 
 def named_numbers(case: Case) -> dict[str, NamedNumber]:
-    """Return the numbers that materials named in a case stand for, by path; a name that no table has is left out.
+    """Return the numbers of the materials named in a case, by path; a name that no table has is left out.
 
     Examples
     --------
     >>> from strikewave import load_case
-    >>> found = named_numbers(load_case("li-ma-2019-fig5"))["material.PTFE.modulus"]
-    >>> found.value.typed, found.value.provenance, found.fields[0]
+    >>> number = named_numbers(load_case("li-ma-2019-fig5"))["material.PTFE.modulus"]
+    >>> number.value.typed, number.value.provenance, number.fields[0]
     ('475 MPa', 'published', 'sensor.buffered.gasket.0.modulus')
     """
     numbers = dict[str, NamedNumber]()
@@ -99,7 +91,7 @@ def _of_table(table: Any, path: str, keys: tuple[str, ...]) -> Iterator[tuple[st
 
 
 def _plausible(row: Material, key: str) -> PlausibleRange | None:
-    """Return how far a number of a material differs from piece to piece: the modulus of a metal does not."""
+    """Return the range of a number of a material from piece to piece; the modulus of a metal has none."""
     return None if key == "density" or (key == "modulus" and row.kind == "metal") else PLAUSIBLE[f"stack.joint.{key}"]
 
 
@@ -117,7 +109,7 @@ def _of_cushion(table: CushionTable, path: str) -> Iterator[tuple[str, str, Name
 
 
 def _row(name: str, rows: Mapping[str, T]) -> T | None:
-    """Return the row of a name, whatever its case; None where there is none, which what builds the case refuses."""
+    """Return the row of a name, whatever its case; None where there is none, which the build refuses."""
     return next((row for known, row in rows.items() if known.lower() == name.lower()), None)
 
 
@@ -133,7 +125,7 @@ def as_typed(key: str, number: float) -> str | float:
         return number
     if key == "density":
         return f"{number:.10g} kg/m^3"
-    scale, unit = next((one for one in _PRESSURES if number >= one[0]), _PRESSURES[-1])
+    scale, unit = next((row for row in _PRESSURES if number >= row[0]), _PRESSURES[-1])
     return f"{number / scale:.10g} {unit}"
 
 
@@ -167,25 +159,20 @@ def material_notices(case: Case) -> Iterator[Notice]:
 
 def far_numbers(parts: Iterable[tuple[str, Any]]) -> Iterator[Notice]:
     """Report densities and moduli of named tables far from those of any known material, alone or together."""
-    values, named = dict[str, Value](), dict[str, Material]()
+    named, tables = dict[str, Material](), dict[str, dict[str, Value]]()
+    known = [name.lower() for name in materials()]
     for name, part in parts:
-        values.update(quantities_of(part, name))
+        for path, value in quantities_of(part, name):
+            table, _, key = path.rpartition(".")
+            if key in _LIMITED_COLUMNS:
+                tables.setdefault(table, {})[key] = value
         for path, entry in entries_of(part, name):
-            if path.endswith(".material") and str(entry).lower() in _known():
+            if path.endswith(".material") and str(entry).lower() in known:
                 named[path.removesuffix(".material")] = material(str(entry))
-    tables = dict[str, dict[str, Value]]()
-    for path, value in values.items():
-        table, _, key = path.rpartition(".")
-        if key in _LIMITED_COLUMNS:
-            tables.setdefault(table, {})[key] = value
     for table, stated in tables.items():
         row = named.get(table) or named.get(table.rpartition(".")[0])
         far = [notice for key, value in stated.items() for notice in _far(f"{table}.{key}", key, value, row)]
         yield from far or _too_fast(table, stated, row)
-
-
-def _known() -> set[str]:
-    return {name.lower() for name in materials()}
 
 
 def _far(path: str, key: str, value: Value, row: Material | None) -> Iterator[Notice]:

@@ -53,10 +53,8 @@ from strikewave.waves.spectral import USUAL_BAND, fit_loss
 
 T = TypeVar("T")
 
-DEFAULT_LAW = "hertz"
-"""Stiffness law of a contact between two layers that names none."""
-USUAL_TAPS = 20
-"""Taps where a case names none: the middle of each layer, of many layers as many as a figure can hold."""
+DEFAULT_LAW = "hertz"  # stiffness law of a contact between two layers that names none
+USUAL_TAPS = 20  # where a case names none: the middle of each layer, of many layers as many as a figure can hold
 _EXAMPLES = {
     "density": 'density = "2700 kg/m^3"',
     "modulus": 'modulus = "70 GPa"',
@@ -77,7 +75,7 @@ _JOINT_FIELDS = {
 
 
 class Matter(NamedTuple):
-    """What a table says of a material: the row of the table of materials, or numbers of its own."""
+    """The material of a table: its numbers, its own or those of the table of materials, and its row there."""
 
     density: float | None
     modulus: float | None
@@ -93,15 +91,13 @@ def need(value: Value | None, path: str, allowed: str, hint: str = "") -> float:
 
 
 def matter_of(table: Any, path: str) -> Matter:
-    """Return what a table says of a material; its own numbers overrule those of the named material."""
-    row = material(table.material, f"{path}.material") if table.material else None
-    density, modulus, loss = (getattr(table, key, None) for key in ("density", "modulus", "loss_factor"))
-    return Matter(
-        density.si if density else (row.density if row else None),
-        modulus.si if modulus else (row.youngs_modulus if row else None),
-        loss.si if loss else (row.loss_factor if row else None),
-        row,
-    )
+    """Return the material of a table; its own numbers overrule those of the named material."""
+    row, numbers = material(table.material, f"{path}.material") if table.material else None, []
+    for key, column in (("density", "density"), ("modulus", "youngs_modulus"), ("loss_factor", "loss_factor")):
+        own = getattr(table, key, None)
+        numbers.append(own.si if own else getattr(row, column, None))
+    density, modulus, loss = numbers
+    return Matter(density, modulus, loss, row)
 
 
 def area_of(table: Any, path: str, other: float | None = None) -> float:
@@ -125,9 +121,8 @@ def _layer(table: LayerTable, dispersion: Theory) -> Layer:
         raise InputError(f"{path}.material", MISSING, "a material, or density and modulus", 'add material = "65Mn"')
     ratio = _poissons_ratio(table, matter)
     if dispersion != "none" and ratio is None:
-        raise InputError(
-            f"{path}.poissons_ratio", MISSING, f"a Poisson's ratio for the dispersion {dispersion}", "add one"
-        )
+        allowed = f"a Poisson's ratio for the dispersion {dispersion}"
+        raise InputError(f"{path}.poissons_ratio", MISSING, allowed, "add one")
     return Layer(
         table.name,
         matter.density,
@@ -151,7 +146,7 @@ def _poissons_ratio(table: LayerTable, matter: Matter) -> float | None:
 
 
 def layer_material(table: LayerTable, path: str) -> Material:
-    """Return the material of a layer as a contact law needs it: its own numbers, and those of the named one."""
+    """Return the material of a layer for a contact law: its own numbers, and those of the named one."""
     matter = matter_of(table, path)
     density, modulus, ratio = matter.density, matter.modulus, _poissons_ratio(table, matter)
     if density is None or modulus is None or ratio is None:
@@ -181,13 +176,11 @@ def fitted(table: LayerTable | JointTable, path: str, stiffness: float, loss_fac
 
 def _joint(table: JointTable, before: LayerTable, after: LayerTable) -> Joint:
     path = f"stack.joint.{table.after}"
-    fields = {key for keys in _JOINT_FIELDS.values() for key in keys}
-    foreign = [k for k in sorted(fields) if getattr(table, k) not in (None, "") and k not in _JOINT_FIELDS[table.kind]]
-    if foreign:
-        allowed = ", ".join(_JOINT_FIELDS[table.kind]) or "no other field"
-        raise InputError(
-            f"{path}.{foreign[0]}", typed(getattr(table, foreign[0])), f"for a joint of kind {table.kind}: {allowed}"
-        )
+    takes = _JOINT_FIELDS[table.kind]
+    for key in sorted({field for fields in _JOINT_FIELDS.values() for field in fields} - set(takes)):
+        if getattr(table, key) not in (None, ""):
+            allowed = f"for a joint of kind {table.kind}: {', '.join(takes) or 'no other field'}"
+            raise InputError(f"{path}.{key}", typed(getattr(table, key)), allowed)
     damping = table.damping.si if table.damping else 0.0
     if table.kind == "compliant":
         return Joint(need(table.stiffness, f"{path}.stiffness", "a stiffness", 'add stiffness = "90 MN/m"'), damping)
@@ -205,7 +198,14 @@ def _joint(table: JointTable, before: LayerTable, after: LayerTable) -> Joint:
     if table.kind == "contact":
         return _contact(table, path, before, after)
     if table.kind == CUSHION:
-        return _cushion(table, path, min(area_of(x, f"stack.layer.{x.name}") for x in (before, after)))
+        if table.cushion is None:
+            hint = "add [stack.joint.cushion] with its thickness and law"
+            raise InputError(f"{path}.cushion", MISSING, "a pad", hint)
+        smaller = min(area_of(x, f"stack.layer.{x.name}") for x in (before, after))
+        area = area_of(table.cushion, f"{path}.cushion", smaller)
+        cushion = cushion_of(table.cushion, f"{path}.cushion", area)
+        gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
+        return checked(path, lambda: Joint(contact=cushion.contact(), gap=gap, preload=preload))
     return BONDED
 
 
@@ -255,16 +255,6 @@ def _contact(table: JointTable, path: str, before: LayerTable, after: LayerTable
     law = named_contact(stiffness, "exact", 1.0, cap)
     gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
     return checked(path, lambda: Joint(contact=law, gap=gap, preload=preload))
-
-
-def _cushion(table: JointTable, path: str, area: float) -> Joint:
-    """Return a pad between two layers, of the area of the smaller one where it has none."""
-    if table.cushion is None:
-        raise InputError(f"{path}.cushion", MISSING, "a pad", "add [stack.joint.cushion] with its thickness and law")
-    own = f"{path}.cushion"
-    cushion = cushion_of(table.cushion, own, area_of(table.cushion, own, area))
-    gap, preload = (value.si if value else 0.0 for value in (table.gap, table.preload))
-    return checked(path, lambda: Joint(contact=cushion.contact(), gap=gap, preload=preload))
 
 
 def _gasket(table: JointTable, path: str, area: float) -> Joint:
@@ -331,9 +321,9 @@ def _end(case: Case) -> End:
 
 def once(path: str, names: list[str]) -> None:
     """Refuse a name that stands twice."""
-    twice = next((name for k, name in enumerate(names) if name in names[:k]), None)
-    if twice is not None:
-        raise InputError(path, twice, "each name once", "give the second one another name")
+    for k, name in enumerate(names):
+        if name in names[:k]:
+            raise InputError(path, name, "each name once", "give the second one another name")
 
 
 def build_taps(case: Case) -> tuple[tuple[str, Tap], ...]:
@@ -465,9 +455,9 @@ def memory_notices(table: SensorTable) -> Iterator[Notice]:
 
 
 def _given(table: SensorTable, fields: dict[str, Any]) -> dict[str, Any]:
-    """Return the fields that a table gives, in SI."""
-    given = {key: (getattr(table, key), kind) for key, kind in fields.items()}
-    return {key: kind(value.si) for key, (value, kind) in given.items() if isinstance(value, Value)}
+    """Return the stated fields of a table, in SI."""
+    values = [(key, getattr(table, key), kind) for key, kind in fields.items()]
+    return {key: kind(value.si) for key, value, kind in values if isinstance(value, Value)}
 
 
 def _recorder(table: SensorTable, rate: float | None) -> Recorder:
@@ -499,7 +489,7 @@ def _mounting(table: SensorTable, path: str) -> Mounting:
 
 
 class SensorFile(CaseTable):
-    """What such a file holds: the [[sensor]] of a case, as ``buffer --record`` writes it."""
+    """A file with the [[sensor]] of a case, as ``buffer --record`` writes it."""
 
     sensor: tuple[SensorTable, ...]
 
@@ -509,17 +499,7 @@ ALLOWED = 'a TOML file with one [[sensor]], such as name = "shock" and model = "
 
 
 class StatedSensor(NamedTuple):
-    """A sensor with its recorder, and where its numbers come from.
-
-    Attributes
-    ----------
-    sensor, recorder : Sensor, Recorder
-        Sensor, and the recorder that keeps its signal.
-    model : Accelerometer or None
-        The row of the table that its numbers are from, as far as they are not its own.
-    notices : tuple of Notice
-        Numbers from memory.
-    """
+    """A sensor with its recorder, the model of which its numbers are as far as they are not its own, and notices."""
 
     sensor: Sensor
     recorder: Recorder
@@ -545,8 +525,8 @@ def stated_sensor(asked: str, field: str) -> StatedSensor:
         raise InputError(field, asked, f"an accelerometer of the table{listed}, or a file that ends in .toml", hint)
     message = f"range and resonance of {model.name} are from memory: no data sheet that states them could be opened; "
     message += "give them in a file with [[sensor]] from yours"
-    said = (Notice("sensor-from-memory", message, 1.0, 0.0, INFO),) if model.status == FROM_MEMORY else ()
-    return StatedSensor(model.mounted(), Recorder(), model, said)
+    notices = (Notice("sensor-from-memory", message, 1.0, 0.0, INFO),) if model.status == FROM_MEMORY else ()
+    return StatedSensor(model.mounted(), Recorder(), model, notices)
 
 
 def _of_table(table: SensorTable, field: str) -> StatedSensor:

@@ -23,7 +23,7 @@ from strikewave.base.result import Notice
 from strikewave.base.texts import command_line, file_word
 from strikewave.cases.case import Case, comment_lines, document_of, dump_case, load_case, own_case, parse_case
 from strikewave.cases.files import bundled_cases, read_case_text
-from strikewave.cases.stated_test import example_file
+from strikewave.cases.performed_test import example_file
 from strikewave.cases.tables.common import EXAMPLE as TEST_EXAMPLE
 from strikewave.reporting.layout import keys, texts
 from strikewave.reporting.numbers import showing

@@ -37,7 +37,7 @@ from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import progress_bar, say
 
 if TYPE_CHECKING:
-    from strikewave.cases.stated_test import StatedTest
+    from strikewave.cases.performed_test import StatedTest
     from strikewave.records import ChannelReading, FileReading, Options, Record, Request
     from strikewave.signal.filters import Filter
     from strikewave.specifications.judged_records import Asked
@@ -439,7 +439,7 @@ class Judging(RecordJudging):
     @property
     def performed(self) -> StatedTest | None:
         """Statements of that file."""
-        from strikewave.cases.stated_test import load_test
+        from strikewave.cases.performed_test import load_test
 
         return None if self.test is None else load_test(Path(self.test), "test")
 
@@ -726,7 +726,7 @@ def source_of_records(name: str, paths: Sequence[Path], output: Output, usual: s
 
 def source_in_python(name: str, test: StatedTest | str | Path | None = None) -> Source:
     """Return the source of a result of measured files that a call makes; ``test`` is a file as ``--test`` takes it."""
-    from strikewave.cases.stated_test import NO_TEST, load_test
+    from strikewave.cases.performed_test import NO_TEST, load_test
 
     read = load_test(Path(test)) if isinstance(test, str | Path) else test
     return replace(UNKNOWN, name=name, test=(read or NO_TEST).stated())

@@ -26,7 +26,7 @@ from strikewave.reporting.terminal import Screen, screen
 
 if TYPE_CHECKING:
     from strikewave.cases.case import Case
-    from strikewave.cases.stated_test import StatedTest
+    from strikewave.cases.performed_test import StatedTest
 
 LONGEST_FOLDER = 150  # file systems take 255, and the name of the hidden folder beside it is longer
 """Bytes of the name of a folder that nobody asked for."""
@@ -146,7 +146,7 @@ class Output(Shown):
     @functools.cached_property
     def performed(self) -> StatedTest:
         """Statements of the file ``--test``, read once."""
-        from strikewave.cases.stated_test import NO_TEST, load_test
+        from strikewave.cases.performed_test import NO_TEST, load_test
 
         return NO_TEST if self.test is None else load_test(self.test)
 

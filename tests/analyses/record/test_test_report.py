@@ -27,7 +27,7 @@ from strikewave.analyses.record.laboratory_report import (
 )
 from strikewave.analyses.record.sentences import tag_of_records
 from strikewave.base.errors import InputError, StrikewaveError
-from strikewave.cases.stated_test import NO_TEST, ReportTables, StatedTest, example_file, load_test
+from strikewave.cases.performed_test import NO_TEST, ReportTables, StatedTest, example_file, load_test
 from strikewave.cases.tables.common import PerformedTest
 from strikewave.reporting.pdf import check_pdf, pdf_of
 from strikewave.specifications.ideal_pulses import IdealPulse

@@ -84,7 +84,7 @@ def machine_bands(
     if not by_fast_engine(case):
         of_sensors = sensors if case.launched() else {}
         return _as_it_is(case, {**results, **of_sensors}, bool(of_sensors), say, threads)
-    share = 0.2 if sensors else 1.0  # of the progress: runs of sensors take four times as long
+    share = 0.2 if sensors else 1.0  # of the progress: chosen, as runs of sensors take longer
     runs = runs or fast_runs(case, lambda done: say(share * done), threads)
     bands, method = _fast_bands(case, results, runs)
     if sensors:

@@ -38,7 +38,7 @@ from strikewave.sensors.trial import SensorChannel, sensor_sources
 from strikewave.signal.filters import Filter
 
 if TYPE_CHECKING:
-    from strikewave.cases.stated_test import StatedTest
+    from strikewave.cases.performed_test import StatedTest
     from strikewave.records.budget import Budget
     from strikewave.specifications.reading import Specification
 

@@ -29,7 +29,7 @@ from strikewave.analyses.record.tables import short_names, status_tag
 from strikewave.analyses.record.verdict_chapter import limit_words_of, several_channels
 from strikewave.base.shock_quantities import ACCELERATION, SECONDS
 from strikewave.base.texts import percent
-from strikewave.cases.stated_test import NO_TEST, CaseTable, StatedTest
+from strikewave.cases.performed_test import NO_TEST, CaseTable, StatedTest
 from strikewave.reporting import chapters, faces
 from strikewave.reporting.chapters import Head, whole_page
 from strikewave.reporting.columns import page_table

@@ -59,7 +59,7 @@ from strikewave.specifications.judged_records import RecordsVerdict
 from strikewave.specifications.judging import FAIL, NOT_JUDGED
 
 if TYPE_CHECKING:
-    from strikewave.cases.stated_test import StatedTest
+    from strikewave.cases.performed_test import StatedTest
 
 OWN = "as in the file"  # stands for the unit of figures whose file does not say it
 MEANS_SHOWN = ("m/s^2", "s", "N", "m/s")  # SI units of figures whose means are key numbers

@@ -18,7 +18,7 @@ from strikewave.analyses.record.chapters import pair_words, response_words
 from strikewave.analyses.record.rows import counted
 from strikewave.analyses.record.tables import between, called, figure_text, percents, plus_minus, rows_of, short_names
 from strikewave.base.texts import are_many, first_few
-from strikewave.cases.stated_test import StatedTest
+from strikewave.cases.performed_test import StatedTest
 from strikewave.records.campaign import COPY, Campaign
 from strikewave.records.health_notice import worst
 from strikewave.records.measuring import RecordedPulse

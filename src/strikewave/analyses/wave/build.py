@@ -15,10 +15,8 @@ from strikewave.waves import Impactor, Load, LoadPulse, Sampled, Stack, WantedEr
 from strikewave.waves.li_ma import EXACT
 from strikewave.waves.load import Prescribed
 
-NO_LOAD = 1e-6
-"""Duration of the load of zero of a bar that a moving layer strikes, s: any time does, as the force is zero."""
-ACCELERATION_ERROR = 10.0
-"""Wanted error of acceleration over that of velocity, both shares of their peaks: a derivative is less exact."""
+NO_LOAD = 1e-6  # s; duration of the load of zero of a bar that a moving layer strikes: any, as the force is zero
+ACCELERATION_ERROR = 10.0  # wanted error of acceleration over that of velocity: a derivative is less exact
 _APPLIED: dict[str, Prescribed] = {"force": "force", "incident wave": "incident"}
 
 
@@ -28,7 +26,7 @@ def of_the_paper(case: Case) -> bool:
 
 
 def build_load(case: Case, stack: Stack) -> Load:
-    """Return what loads the stack of a bar alone."""
+    """Return the load of the stack of a bar alone."""
     load = case.load
     if load is None and any(layer.speed for layer in stack.layers):
         return LoadPulse("rectangle", 0.0, NO_LOAD)
@@ -47,20 +45,17 @@ def build_load(case: Case, stack: Stack) -> Load:
     if load.shape == "file":
         if not load.file:
             raise InputError("load.file", MISSING, "a file with time and force", 'add file = "force.csv"')
-        return _as_applied(read_load(load.file), load)
+        measured = read_load(load.file)
+        if load.applied == "force":
+            return measured
+        if measured.kind != "force":
+            allowed = "force, for a file that holds the motion of the face"
+            raise InputError("load.applied", load.applied, allowed)
+        return Sampled(measured.time, measured.values, "incident", measured.told)
     peak = need(load.peak, "load.peak", "a force", 'add peak = "20 kN"')
     duration = need(load.duration, "load.duration", "a time", 'add duration = "100 us"')
     rise = load.rise.si if load.rise else 0.0
     return checked("load", lambda: LoadPulse(load.shape, peak, duration, rise, _APPLIED[load.applied]))
-
-
-def _as_applied(load: Sampled, table: LoadTable) -> Sampled:
-    """Return a measured force as an incident wave where the case asks for one."""
-    if table.applied == "force":
-        return load
-    if load.kind != "force":
-        raise InputError("load.applied", table.applied, "force, for a file that holds the motion of the face")
-    return Sampled(load.time, load.values, "incident", load.told)
 
 
 def _impactor(case: Case, load: LoadTable) -> Impactor:
@@ -78,7 +73,7 @@ def _impactor(case: Case, load: LoadTable) -> Impactor:
 
 
 def wanted(case: Case, channels: Sequence[SensorChannel] = ()) -> WantedError:
-    """Return the errors that the waves of a case may have, the time step, the method, and what the sensors resolve."""
+    """Return the allowed errors of the waves of a case, the time step, the method, and the period of the sensors."""
     step = case.solver.step.si if case.solver.step else None
     asked = WantedError(step=step, method=case.solver.method, period=shortest_period(channels))
     if case.solver.error is None:

@@ -53,8 +53,8 @@ LONGER = 10.0
 """A measured load that lasts so many times as long as the run is noticed (chosen: nine tenths of it are then
 ignored)."""
 FEWEST_SAMPLES = 12.0
-"""Samples a period of what a sensor feels below which its reading is noticed: averages about n of them, and straight
-lines between them, take 2 (pi/n)^2/3 off what rings, 4.6 % at 12."""
+"""Samples a period of a sensor's input below which its reading is noticed: averages about n of them, and straight lines
+between them, take 2 (pi/n)^2/3 off a ringing, 4.6 % at 12."""
 
 
 class Front(NamedTuple):
@@ -69,7 +69,7 @@ def layered_bar_notices(
     solution: WaveSolution, front: Front, extremes: tuple[Array, Array, Array], lasting: float
 ) -> Iterator[Notice]:
     """Yield the notices on a layered bar under a load that lasts so long, s; for the extremes see `bar_extremes`."""
-    case, run, stack, accuracy = solution.case, solution.run, solution.run.stack, solution.accuracy
+    case, run, stack = solution.case, solution.run, solution.run.stack
     most, least, greatest = extremes
     yield from momentum_notices(run)
     yield from origin_notices(case)
@@ -78,8 +78,10 @@ def layered_bar_notices(
     yield from grid_notices(run.grid)
     yield from _file_notices(run)
     yield from _longer_load(run)
-    yield from _jump(front.rise)
-    if front.rise > 0.0:
+    if not front.rise > 0.0:
+        message = "the load jumps: velocities jump with it, and no finite peak acceleration exists; none is quoted"
+        yield Notice("discontinuous-load", message, front.rise, 0.0)
+    else:
         yield from rise_notices(stack, front.rise, front.bandwidth, front.peak)
     yield from layer_notices(stack, most)
     yield from _not_reached(solution)
@@ -88,7 +90,7 @@ def layered_bar_notices(
     yield from end_notices(stack, lasting)
     yield from channel_notices(solution.channels, [solution.sensors], stack.mass)
     yield from _unresolved(solution.channels, float(run.time[1]))
-    yield from _missed_accuracy(case, run, accuracy)
+    yield from _missed_accuracy(case, run, solution.accuracy)
     yield from _without_routes(case, run)
     yield from sensor_notices(case)
     yield from _contact_notices(case, run)
@@ -112,39 +114,30 @@ def _fast_layers(case: Case, stack: Stack) -> Iterator[Notice]:
             yield Notice("faster-than-wave", message, meeting, slowest.bar_speed)
 
 
-def _jump(rise: float) -> list[Notice]:
-    if rise > 0.0:
-        return []
-    message = "the load jumps: velocities jump with it, and no finite peak acceleration exists; none is quoted"
-    return [Notice("discontinuous-load", message, rise, 0.0)]
-
-
-def _file_notices(run: BarRun) -> list[Notice]:
-    """Return notices on a measured load: no unit, far longer than the run, an offset at its start."""
+def _file_notices(run: BarRun) -> Iterator[Notice]:
+    """Yield notices on a measured load: no unit, far longer than the run, an offset at its start."""
     load = run.load
     if not isinstance(load, Sampled):
-        return []
-    notices = []
+        return
     if not load.told:
         message = (
             f"the load file names no unit: taken as N and s, {plain(load.largest, 4)}\xa0N over "
             f"{plain(load.duration, 4)}\xa0s"
         )
-        notices.append(Notice("load-unit", message, load.largest, 0.0))
+        yield Notice("load-unit", message, load.largest, 0.0)
     if load.duration > LONGER * run.duration:
         message = (
             f"the load lasts {plain(load.duration, 4)}\xa0s, the run {plain(run.duration, 4)}\xa0s: most of it is "
             "ignored"
         )
-        notices.append(Notice("load-long", message, load.duration, run.duration))
+        yield Notice("load-long", message, load.duration, run.duration)
     begins = abs(float(load.values[0]))
     if load.kind != "speed" and begins > LOAD_OFFSET * load.largest:
         message = (
             f"the load begins with {plain(begins, 4)}\xa0N, {percent(begins / load.largest, 1)} of its largest: it "
             "jumps there; subtract the baseline, and cut the record at the onset of the blow"
         )
-        notices.append(Notice("load-offset", message, begins, LOAD_OFFSET * load.largest))
-    return notices
+        yield Notice("load-offset", message, begins, LOAD_OFFSET * load.largest)
 
 
 def _longer_load(run: BarRun) -> Iterator[Notice]:
@@ -152,9 +145,8 @@ def _longer_load(run: BarRun) -> Iterator[Notice]:
     load = run.load
     if isinstance(load, LoadPulse) and load.duration > run.duration:
         message = (
-            f"the load lasts {plain(load.duration * 1e6, 4)}\xa0us and the run "
-            f"{plain(run.duration * 1e6, 4)}\xa0us: what is shown "
-            "is the begin of the blow; raise solver.duration, or shorten load.duration"
+            f"the load lasts {plain(load.duration * 1e6, 4)}\xa0us and the run {plain(run.duration * 1e6, 4)}\xa0us: "
+            "what is shown is the begin of the blow; raise solver.duration, or shorten load.duration"
         )
         yield Notice("load-long", message, load.duration, run.duration)
     if isinstance(load, Impactor) and run.touches.size and run.touches[-1, 1] >= run.duration:
@@ -166,15 +158,14 @@ def _longer_load(run: BarRun) -> Iterator[Notice]:
 
 
 def _unresolved(channels: Sequence[SensorChannel], step: float) -> Iterator[Notice]:
-    """Report sensors that ring too fast for what is kept of a run, every ``step`` s."""
+    """Report sensors that ring too fast for the samples of a run, every ``step`` s."""
     for channel in channels:
         period = shortest_period([channel])
         if period < FEWEST_SAMPLES * step:
             message = (
                 f"sensor {channel.sensor.name} answers up to {plain(1e-3 / period, 4)}\xa0kHz, but what it feels "
-                "is kept every "
-                f"{plain(step * 1e9, 4)} ns: its reading of steep fronts is low; leave solver.step out, or take "
-                f"one below {plain(period / FEWEST_SAMPLES * 1e9)} ns and a shorter solver.duration"
+                f"is kept every {plain(step * 1e9, 4)} ns: its reading of steep fronts is low; leave solver.step out, "
+                f"or take one below {plain(period / FEWEST_SAMPLES * 1e9)} ns and a shorter solver.duration"
             )
             yield Notice("sensor-unresolved", message, step, period / FEWEST_SAMPLES)
 
@@ -190,12 +181,11 @@ def _without_routes(case: Case, run: BarRun) -> Iterator[Notice]:
         yield Notice("routes-left-out", message, float(len(run.time)), 0.0, severity=INFO)
 
 
-def momentum_notices(run: BarRun) -> list[Notice]:
-    """Return the failed check of the momentum balance of a bar; none where it holds."""
-    if run.momentum_error <= BALANCE_LIMIT:
-        return []
-    message = f"the momentum balance error is {run.momentum_error:.1e}"
-    return [Notice("momentum-balance", message, run.momentum_error, BALANCE_LIMIT, severity=FAILED)]
+def momentum_notices(run: BarRun) -> Iterator[Notice]:
+    """Yield the failed check of the momentum balance of a bar, if it fails."""
+    if run.momentum_error > BALANCE_LIMIT:
+        message = f"the momentum balance error is {run.momentum_error:.1e}"
+        yield Notice("momentum-balance", message, run.momentum_error, BALANCE_LIMIT, severity=FAILED)
 
 
 def _not_reached(solution: WaveSolution) -> Iterator[Notice]:
@@ -205,7 +195,11 @@ def _not_reached(solution: WaveSolution) -> Iterator[Notice]:
     if not faces:
         return
     stated = f"solver.duration = {case.solver.duration.typed}" if case.solver.duration else "the run"
-    taps = [(f"{name}{_sensors_at(solution, k)}", tap) for k, (name, tap) in enumerate(solution.taps)]
+    taps = []
+    for k, (name, tap) in enumerate(solution.taps):
+        sensors = [channel.sensor.name for channel in solution.channels if channel.tap == k]
+        label = f"{name} with {'sensor' if len(sensors) == 1 else 'sensors'} {', '.join(sensors)}" if sensors else name
+        taps.append((label, tap))
     yield from not_reached_notices(stack, taps, run.duration, stated, faces, onset)
     arrivals = [(name, arrival_time(stack, tap.layer, tap.position, faces)) for name, tap in taps]
     cut = [(name, time + peak) for name, time in arrivals if time + onset <= run.duration < time + peak]
@@ -217,12 +211,6 @@ def _not_reached(solution: WaveSolution) -> Iterator[Notice]:
             f"follow it for more than {plain(last * 1e6, 4)}\xa0us"
         )
         yield Notice("peak-not-reached", message, run.duration, last)
-
-
-def _sensors_at(solution: WaveSolution, tap: int) -> str:
-    """Return the sensors that sit at a tap, in words."""
-    names = [channel.sensor.name for channel in solution.channels if channel.tap == tap]
-    return f" with {'sensor' if len(names) == 1 else 'sensors'} {', '.join(names)}" if names else ""
 
 
 def _moved_faces(run: BarRun) -> list[int]:
@@ -237,7 +225,7 @@ def _moved_faces(run: BarRun) -> list[int]:
 
 
 def _times_of_load(run: BarRun) -> tuple[float, float]:
-    """Return when the load begins and when it is largest within the run, s; where it only begins later, that twice.
+    """Return the times at which the load begins and is largest within the run, s; twice that of a later begin.
 
     A face that a file moves has no peak: it keeps its speed. A striker touches at the start.
     """

@@ -139,7 +139,7 @@ MOST_CURVES = 4
 
 
 def _staircase(field: WaveField, layer: int, solution: WaveSolution) -> Picture:
-    """Show how force grows at both faces of a layer between two others."""
+    """Show the growth of the force at both faces of a layer between two others."""
     name, run = field.stack.layers[layer].name, solution.run
     caption = (
         f"Force at both faces of {name} over the largest load. Dashed: the closed form for bonded joints and endless "
@@ -190,17 +190,12 @@ def wave_sections(solution: WaveSolution, quantity: str = "stress") -> list[Sect
         sections.append(
             route_section(name, solution.quoted, time, run.acceleration[:, tap], solution.rigid, waves, _SINCE_LOAD)
         )
-    return [*sections, _peak_section(solution)]
-
-
-def _peak_section(solution: WaveSolution) -> Section:
-    """List the peak values at the taps, of contact, masses, joints and layers."""
-    taps = face_table(solution, "tap_histories", caption="Peak values at the taps")
-    return Section("Peak values", "", [taps, *wave_tables(solution)])
+    peaks = face_table(solution, "tap_histories", caption="Peak values at the taps")
+    return [*sections, Section("Peak values", "", [peaks, *wave_tables(solution)])]
 
 
 def _accuracy_section(solution: WaveSolution) -> Section:
-    """Say how exact the waves are."""
+    """Return the section on the accuracy of the waves."""
     accuracy = error_words(solution)
     accuracy = accuracy[0].upper() + accuracy[1:]
     tables: list[Part] = [] if solution.method == "spectral" else [layer_table(solution.waves)]
@@ -300,12 +295,7 @@ ANIMATION_NOTE = (
 def wave_page(field: WaveField, title: str, name: str = "") -> str:
     """Return a page that shows stress and velocity along a stack while a pulse runs through it.
 
-    Parameters
-    ----------
-    field : WaveField
-        Field that is shown, with velocities.
-    title, name : str
-        Title of the page, and name of the case; plain text.
+    ``field`` has velocities; title of the page and name of the case are plain text.
 
     Examples
     --------
@@ -390,26 +380,14 @@ def _rounded(value: float) -> float:
 
 
 def write_wave_gif(field: WaveField, title: str, path: Path, progress: Callable[[float], None] | None = None) -> None:
-    """Write the waves as a GIF.
-
-    Parameters
-    ----------
-    field : WaveField
-        Field that is shown, with velocities.
-    title : str
-        Above it; plain text.
-    path : Path
-        Where it is written.
-    progress : callable, optional
-        Called with the share that is done, 0 to 1.
-    """
+    """Write the waves of a field with velocities as a GIF under a title in plain text."""
     rows = even_rows(len(field.time), GIF_FRAMES)
     figure, show = _moving_figure(field, title, rows)
     write_gif(path, figure, show, rows.tolist(), progress)
 
 
 def _moving_figure(field: WaveField, title: str, rows: NDArray[np.int64]) -> tuple[Figure, Callable[[int], None]]:
-    """Return a figure of both panels, and what brings it to a row of the field."""
+    """Return a figure of both panels, and the function that brings it to a row of the field."""
     figure = Figure(figsize=(8.0, 5.4), dpi=_DPI, layout="constrained")
     figure.suptitle(textwrap.fill(printable(title), 90), x=0.01, ha="left", fontsize=10, parse_math=False)
     clock = figure.text(0.99, 0.01, "", ha="right", va="bottom", fontsize=10, family="monospace")

@@ -1,4 +1,4 @@
-"""What a bar alone did: histories, tables, documents."""
+"""The result of a bar alone: histories, tables, documents."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class TapPeaks:
 
 @declare.dataclass
 class TapHistory:
-    """What a tap sees by the route of the case."""
+    """Histories at a tap by the route of the case."""
 
     name: str = declare.word("what the tap is called", label="tap", column=KEY)
     route: str = declare.word("exact, or as printed", column=MORE + 1)
@@ -125,7 +125,7 @@ class ContactInterval:
 
 @declare.dataclass
 class StrikerContact:
-    """What the contact of a striker came to."""
+    """Results of the contact of a striker."""
 
     peak_force: float = declare.number(FORCE, "largest force", column=MAIN)
     impulse: float = declare.number(IMPULSE, "impulse on the first face", column=MAIN)
@@ -149,7 +149,7 @@ class HungMass:
 
 @declare.dataclass
 class OpeningJoint:
-    """A joint that can open, and when it did."""
+    """A joint that can open, and the times at which it did."""
 
     after: str = declare.word("the layer before it", column=KEY)
     kind: str = declare.word("what kind of joint it is", column=MAIN)
@@ -161,9 +161,7 @@ class OpeningJoint:
 
 @declare.dataclass
 class WaveSolution(CaseResult):
-    """What a bar under its load did; see `Result` for what it shares with others.
-
-    Beside what documents have:
+    """Results of a bar under its load; see `Result` for what it shares with others.
 
     Attributes
     ----------
@@ -176,7 +174,7 @@ class WaveSolution(CaseResult):
     rigid : ndarray
         Acceleration of the stack as one rigid body, m/s^2, at the times of the run.
     routes : dict
-        By tap and route: what the paper's routes say, where the tap lies between two fixtures.
+        Histories by the paper's routes, by tap and route, where the tap lies between two fixtures.
     channels : tuple of SensorChannel
         The sensors.
     readings : tuple of SensorReading
@@ -240,12 +238,14 @@ class WaveSolution(CaseResult):
         >>> list(run_wave(load_case("li-ma-2019-fig13-bar")).figures)[:2]
         ['tap.sensor.peak_force', 'tap.sensor.peak_velocity']
         """
-        told = {name: one.band for name, one in declarations(TapPeaks).items() if one.in_document}
+        rows = [(name, row.band) for name, row in declarations(TapPeaks).items() if row.in_document]
         figures: dict[str, float | None] = {}
         for k, (tap, _) in enumerate(self.taps):
             peaks = self.peaks(k, self.route)
-            figures |= {f"tap.{tap}.{band}": getattr(peaks, name) for name, band in told.items()}
-        figures |= {f"sensor.{name}.peak": pulse.peak for name, pulse in self.sensors.items()}
+            for name, band in rows:
+                figures[f"tap.{tap}.{band}"] = getattr(peaks, name)
+        for name, pulse in self.sensors.items():
+            figures[f"sensor.{name}.peak"] = pulse.peak
         return {name: abs(value) for name, value in figures.items() if value and math.isfinite(value)}
 
     @property
@@ -290,7 +290,7 @@ class WaveSolution(CaseResult):
 
     @declare.computed(declare.number(RATIO, "momentum that the balance misses, as a share"))
     def momentum_error(self) -> float:
-        """What the balance of momentum misses."""
+        """Error of the momentum balance."""
         return self.run.momentum_error
 
     @declare.computed(declare.word("theory by which short waves run slower; none"))
@@ -300,7 +300,7 @@ class WaveSolution(CaseResult):
 
     @declare.computed(declare.rows(FittedLoss, "what loses energy, and how well its loss factor is fitted"))
     def losses(self) -> tuple[FittedLoss, ...]:
-        """Where the stack loses energy, and how well the loss factor is held over its band."""
+        """Losses of the stack, and the error of each fitted loss factor over its band."""
         return fitted_losses(self.case)
 
     @declare.computed(declare.part(StrikerContact, "what the contact of a striker came to; null without one"))
@@ -346,7 +346,7 @@ class WaveSolution(CaseResult):
         )
     )
     def tap_histories(self) -> list[TapHistory]:
-        """What each tap sees, where the route of the case knows it."""
+        """Histories at each tap that the route of the case knows."""
         taps = []
         for k, (name, tap) in enumerate(self.taps):
             layer, history = self.run.stack.layers[tap.layer], self.by_route(k, self.route)
@@ -368,7 +368,7 @@ class WaveSolution(CaseResult):
 
     @declare.computed(declare.count("how many taps there are", headline="taps", in_document=False))
     def tap_count(self) -> int:
-        """How many taps there are."""
+        """Number of taps."""
         return len(self.taps)
 
     def by_route(self, k: int, route: str) -> RouteHistory | None:
@@ -388,12 +388,8 @@ class WaveSolution(CaseResult):
     @functools.cached_property
     def arrays(self) -> LabelledArrays:
         """All histories and the x-t field with units, and the case."""
-        attributes = {
-            "strikewave_schema": SCHEMA,
-            "strikewave_version": __version__,
-            "case": self.source.text,
-            "route": self.route,
-        }
+        attributes = {"strikewave_schema": SCHEMA, "strikewave_version": __version__}
+        attributes |= {"case": self.source.text, "route": self.route}
         return dataclasses.replace(self.labelled_histories(), attrs=attributes)
 
     def labelled_histories(self) -> LabelledArrays:
@@ -439,16 +435,13 @@ class WaveSolution(CaseResult):
 
     def tables(self) -> dict[str, str]:
         """Return the histories of all taps as CSV text, every column with its unit."""
-        return {"taps.csv": self._tap_table()}
-
-    def _tap_table(self) -> str:
         units = (("force", "N"), ("stress", "Pa"), ("velocity", "m/s"), ("acceleration", "m/s^2"))
         by = "" if self.route == EXACT else f" ({self.route})"
         columns = [Column("time", self.run.time, "s")]
         for (name, _), histories in zip(self.taps, self._histories(), strict=True):
             for (what, si), values in zip(units, histories, strict=True):
                 columns.append(Column(f"{name} {what}{by}", values, si))
-        return csv_table(columns, HISTORY_DIGITS)
+        return {"taps.csv": csv_table(columns, HISTORY_DIGITS)}
 
 
 def wave_words(solution: WaveSolution) -> str:
@@ -461,7 +454,7 @@ def wave_words(solution: WaveSolution) -> str:
 
 
 def error_words(solution: WaveSolution) -> str:
-    """Say how exact the waves of a bar are."""
+    """Return the accuracy of the waves of a bar in words."""
     velocity, acceleration = solution.accuracy
     bounds = "no bound" if math.isinf(velocity) else f"velocity {velocity:.1e}, acceleration {acceleration:.1e}"
     step = amount(STEP, solution.waves.step)

@@ -76,7 +76,7 @@ def run_wave(case: Case, period: float = math.inf) -> WaveSolution:
 
 
 def followed(case: Case) -> WaveSolution:
-    """Return the solution of a case by its own route alone, without notices: what studies run many times."""
+    """Return the solution of a case by its own route alone, without notices, for studies of many runs."""
     return _follow(case, math.inf, (case.solver.route,))[0]
 
 
@@ -86,7 +86,7 @@ def bar_figures(case: Case) -> dict[str, float]:
 
 
 def _follow(case: Case, period: float, wanted_routes: Sequence[str]) -> tuple[WaveSolution, Noticed]:
-    """Return a solution without its notices, and what these need: front, extremes, and how long the load lasts, s."""
+    """Return a solution without its notices, and their front, extremes, and duration of the load, s."""
     stack, taps, channels = build_stack(case), build_taps(case), build_channels(case)
     load = build_load(case, stack)
     check_route(case, taps, channels)
@@ -111,7 +111,7 @@ def _follow(case: Case, period: float, wanted_routes: Sequence[str]) -> tuple[Wa
         )
         for sensor, tap, recorder in channels
     )
-    rise = min([load_rise(run), *(front(values, step) for values in run.acceleration.T)])
+    rise = min([load_rise(run), *[front(values, step) for values in run.acceleration.T]])
     peak = largest(run.acceleration.ravel())
     run = dataclasses.replace(run, acceleration=_from_rest(run.acceleration.T, step, bandwidth).T)
     for key, wave in routes.items():
@@ -136,32 +136,26 @@ def _follow(case: Case, period: float, wanted_routes: Sequence[str]) -> tuple[Wa
 
 
 def _reading(sensor: Sensor, recorder: Recorder, felt: Array, step: float) -> SensorReading:
-    """Return what a sensor reads of a history that is at rest one step before its first sample.
+    """Return the reading of a sensor of a history that is at rest one step before its first sample.
 
     Where the load begins with a jump of velocity the first sample holds it, and counts from that step on.
     """
-    whole = recorder.sampling_rate * step
-    phase = 0.0 if math.isinf(whole) else whole % 1.0
+    samples = recorder.sampling_rate * step
+    phase = 0.0 if math.isinf(samples) else samples % 1.0
     reading = read(sensor, recorder, np.append(0.0, felt), step, -step, phase)
     interval = step if math.isinf(recorder.sampling_rate) else 1.0 / recorder.sampling_rate
-    kept = reading.time > -0.5 * interval
-    return reading._replace(time=np.maximum(reading.time[kept], 0.0), values=reading.values[kept])
-
-
-def _incident_force(run: BarRun) -> Array:
-    """Return the force that goes down the first layer, as if nothing came back, N."""
-    load = run.load
-    if isinstance(load, Impactor) or load.kind == "force":
-        return run.face_force
-    scale = run.stack.layers[0].impedance if load.kind == "speed" else 1.0
-    return np.asarray(scale * load.at(run.time))
+    inside = reading.time > -0.5 * interval
+    return reading._replace(time=np.maximum(reading.time[inside], 0.0), values=reading.values[inside])
 
 
 def _routes(
     stack: Stack, taps: Sequence[tuple[str, Tap]], run: BarRun, wanted_routes: Sequence[str]
 ) -> dict[tuple[str, str], RouteHistory]:
-    """Return what those of the paper's routes that are wanted say of each tap in a layer between two others."""
-    incident = _incident_force(run)
+    """Return the histories by the wanted routes of the paper at each tap in a layer between two others."""
+    load, incident = run.load, run.face_force
+    if not isinstance(load, Impactor) and load.kind != "force":  # the force down the first layer, nothing coming back
+        scale = stack.layers[0].impedance if load.kind == "speed" else 1.0
+        incident = np.asarray(scale * load.at(run.time))
     return {
         (name, route): route_history(stack, tap.layer, tap.position, run.time, incident, route)
         for name, tap in taps
@@ -225,8 +219,7 @@ BAND_ERROR = 0.01
 more than 2.4e-3, and the ends of no band by more than 5e-4; a bound of 1e-3 takes eight times as long."""
 BAND_WORK = 2e9
 """Samples times layers of all runs together: some ten seconds of the solver."""
-BAR_STREAM = 21
-"""Key of the draws."""
+BAR_STREAM = 21  # key of the draws: any that no other draw has
 
 
 def with_bands(
@@ -234,14 +227,7 @@ def with_bands(
 ) -> WaveSolution:
     """Return a solution with the band of each of its results; where the bar takes too long, with a notice alone.
 
-    Parameters
-    ----------
-    solution : WaveSolution
-        Solution of a layered bar.
-    progress : callable, optional
-        Called with the share done, 0 to 1.
-    threads : int, optional
-        As many as processors, where it is left out; their number changes no bit.
+    ``progress`` is called with the share done, 0 to 1; the number of threads changes no bit.
     """
     case = solution.case
     runs = min(BAND_RUNS, int(BAND_WORK / (solution.run.time.size * len(solution.run.stack.layers))))
@@ -253,17 +239,16 @@ def with_bands(
         notice = Notice("no-band", message, float(runs), float(FEWEST_BAND_RUNS), severity=INFO)
         return dataclasses.replace(solution, notices=(*solution.notices, notice))
     inputs, quick = allowed_inputs(case, known_inputs(case, _uncertain_tables(case)), _build_all), coarse_case(case)
-    points = latin_hypercube(sum(one.count for one in inputs), runs, stream=BAR_STREAM)
+    points = latin_hypercube(sum([row.count for row in inputs]), runs, stream=BAR_STREAM)
 
     def run(row: Array) -> dict[str, float]:
         return bar_figures(drawn_case(quick, inputs, row.tolist()))
 
     numbers = list(drawn(inputs, points))
-    found = on_threads(run, numbers, threads, progress)
-    nothing: dict[str, float] = {}
-    rows = [nothing if one is None else one for one in found]
+    outcomes = on_threads(run, numbers, threads, progress)
+    rows = [outcome or {} for outcome in outcomes]
     results = {name: np.array([row.get(name, math.nan) for row in rows]) for name in solution.figures}
-    failed, why = sum(one is None for one in found), why_failed(run, numbers, found)
+    failed, why = outcomes.count(None), why_failed(run, numbers, outcomes)
     method = BandMethod("full runs", LEVEL, SEED, runs, failed=failed, why=why)
     bands, method = find_bands(Sample(inputs, points), results, method)
     notices = (*solution.notices, *lacking_notices(solution.figures, bands, method))
@@ -271,7 +256,7 @@ def with_bands(
 
 
 def _build_all(case: Case) -> None:
-    """Build what a run of a bar takes, to see whether its parts go together."""
+    """Build the parts of a run of a bar, so that parts that do not go together are refused."""
     build_load(case, build_stack(case))
     build_channels(case)
 

@@ -58,7 +58,7 @@ class WaveCommand(Command[WaveSolution]):
             return with_bands(solution, report)
 
     def summary(self, result: WaveSolution) -> str:
-        """Say what the taps show."""
+        """Return the peak values at the taps in words."""
         return wave_words(result)
 
     def show(self, result: WaveSolution) -> None:

@@ -487,7 +487,7 @@ def bearing(sketch: Schematic, case: Case, foot: Point, top: Point) -> None:
 
 DRAWN = {"deg": "°", "gram": "g", "rpm": "r/min"}
 """Units that drawings spell otherwise than sentences do."""
-MOST_LAYERS = 6  # of a stack that are listed one by one: more would make the table longer than a page
+MOST_LAYERS = 6  # of a stack that are listed one by one: chosen
 MASS, STIFFNESS = "mass", "stiffness"
 """Units by the size of a number: g below a tenth of a kilogram, MN/m from a million N/m on."""
 PartRow = tuple[str, Value | None, str]

@@ -1,7 +1,6 @@
-"""The file of a test: [test], and what a test report of a laboratory holds beside it. It changes no figure.
+"""The file of a test: [test], and the further tables of a test report of a laboratory. It changes no result.
 
-Photographs that a test file names: checked, made small and free of all but the picture, to stand in a page. Nothing
-of a file goes into a page as it is: it is decoded, and what is seen is written anew.
+Photographs that it names are decoded, made small and written anew, so that nothing of a file goes into a page as it is.
 """
 
 from __future__ import annotations
@@ -131,7 +130,7 @@ class SignatureTable(CaseTable):
 
 
 class ReportTables(CaseTable):
-    """What a file of a test holds beside [test]."""
+    """The tables of a file of a test beside [test]."""
 
     report: ReportTable = ReportTable()
     customer: CustomerTable = CustomerTable()
@@ -143,7 +142,7 @@ class ReportTables(CaseTable):
 
 
 class Lapse(NamedTuple):
-    """An instrument whose calibration does not hold on a day of the test, and why."""
+    """An instrument whose calibration does not hold on a day of the test, with the reason."""
 
     instrument: str
     why: str
@@ -151,19 +150,7 @@ class Lapse(NamedTuple):
 
 @dataclass(frozen=True)
 class StatedTest:
-    """What is stated of a test.
-
-    Attributes
-    ----------
-    test : PerformedTest
-        The table [test].
-    tables : ReportTables
-        The others.
-    photographs : tuple of Photograph
-        Those of the set-up.
-    file : str
-        In which it stands; empty for none.
-    """
+    """A test as stated in a file: the table [test], the others, and the photographs of the set-up."""
 
     test: PerformedTest = field(default_factory=PerformedTest)
     tables: ReportTables = field(default_factory=ReportTables)
@@ -171,17 +158,17 @@ class StatedTest:
     file: str = ""
 
     def stated(self) -> dict[str, Any]:
-        """Return what is given: the keys of [test], then the other tables by their names.
+        """Return the stated entries: the keys of [test], then the other tables by their names.
 
         Examples
         --------
         >>> StatedTest(PerformedTest(item="board 7"), ReportTables(customer={"name": "B. Buyer"})).stated()
         {'item': 'board 7', 'customer': {'name': 'B. Buyer'}}
         """
-        found = {**self.test.stated(), **_given(self.tables)}
-        for row in found.get("setup", {}).get("photograph", []):
-            row["sha256"] = next((one.digest for one in self.photographs if one.file == row.get("file")), "")
-        return found
+        stated, digests = {**self.test.stated(), **_given(self.tables)}, {x.file: x.digest for x in self.photographs}
+        for row in stated.get("setup", {}).get("photograph", []):
+            row["sha256"] = digests.get(row.get("file"), "")
+        return stated
 
     @property
     def last_day(self) -> str:
@@ -191,35 +178,29 @@ class StatedTest:
     @property
     def lapses(self) -> list[Lapse]:
         """The instruments whose calibration does not hold on all days of the test."""
-        first, last, found = self.test.date or self.last_day, self.last_day, list[Lapse]()
-        for one in self.tables.equipment:
-            if last and one.calibration_due and one.calibration_due < last:
-                found.append(Lapse(one.called, f"calibration was due on {one.calibration_due}, the test was on {last}"))
-            elif first and one.calibrated and one.calibrated > first:
-                found.append(Lapse(one.called, f"was calibrated on {one.calibrated}, after the test on {first}"))
-        return found
+        first, last, lapses = self.test.date or self.last_day, self.last_day, list[Lapse]()
+        for row in self.tables.equipment:
+            if last and row.calibration_due and row.calibration_due < last:
+                why = f"calibration was due on {row.calibration_due}, the test was on {last}"
+                lapses.append(Lapse(row.called, why))
+            elif first and row.calibrated and row.calibrated > first:
+                lapses.append(Lapse(row.called, f"was calibrated on {row.calibrated}, after the test on {first}"))
+        return lapses
 
     def notices(self) -> list[Notice]:
         """Return a warning for each calibration that does not hold."""
-        return [Notice("calibration-overdue", f"{one.instrument}: {one.why}", severity=WARNING) for one in self.lapses]
+        return [Notice("calibration-overdue", f"{lapse[0]}: {lapse[1]}", severity=WARNING) for lapse in self.lapses]
 
 
 NO_TEST = StatedTest()
 """Test of which nothing is stated."""
 
 
-def _given(table: CaseTable) -> dict[str, Any]:
-    """Return what a table states, without what is empty."""
-    found: dict[str, Any] = {}
-    for key, entry in table:
-        if isinstance(entry, CaseTable):
-            found[key] = _given(entry)
-        elif isinstance(entry, tuple):
-            found[key] = [_given(row) if isinstance(row, CaseTable) else row for row in entry]
-            found[key] = [row for row in found[key] if row]
-        else:
-            found[key] = entry
-    return {key: entry for key, entry in found.items() if entry}
+def _given(part: Any) -> Any:
+    """Return the entries of a table, without empty ones."""
+    if isinstance(part, tuple):
+        return [entry for row in part if (entry := _given(row))]
+    return {key: entry for key, row in part if (entry := _given(row))} if isinstance(part, CaseTable) else part
 
 
 TEST_FORM = Form(PerformedTest, "test", 'item="board 7"')
@@ -227,33 +208,29 @@ TABLES_FORM = Form(ReportTables, "test", 'report.number="2026-117"')
 
 
 def load_test(file: Path, option: str = "--test") -> StatedTest:
-    """Read what a TOML file states of a test: a [test] table, or its keys alone, and tables of a test report."""
+    """Read a test from a TOML file: a [test] table, or its keys alone, and tables of a test report."""
     document = read_small_file(file, option, 'a TOML file with [test], such as item = "board 7"')
     table = document.pop("test", {})
     if not isinstance(table, dict):
         raise InputError(option, table, "a table [test]")
     tables = {key: document.pop(key) for key in ReportTables.model_fields if key in document}
     test = TEST_FORM.read({**document, **table}, f"{option} ")
-    more = _without_empty_rows(TABLES_FORM.read(tables, f"{option} "))
+    more = TABLES_FORM.read(tables, f"{option} ")
+    lists = {key: rows for key, rows in more if isinstance(rows, tuple)}  # rows in which nothing is filled in go
+    more = more.model_copy(update={key: tuple(filter(_given, rows)) for key, rows in lists.items()})
     photographs = [
-        read_photograph(file.parent, one.file, one.caption, f"{option} setup.photograph")
-        for one in more.setup.photograph
-        if one.file
+        read_photograph(file.parent, row.file, row.caption, f"{option} setup.photograph")
+        for row in more.setup.photograph
+        if row.file
     ]
-    found = StatedTest(test, more, tuple(photographs), str(file))
-    if not found.stated():
+    stated = StatedTest(test, more, tuple(photographs), str(file))
+    if not stated.stated():
         raise InputError(option, file, "a file with one of " + ", ".join(PerformedTest.model_fields))
-    return found
-
-
-def _without_empty_rows(tables: ReportTables) -> ReportTables:
-    """Return tables without the rows of which nothing is filled in."""
-    lists = {key: rows for key, rows in tables if isinstance(rows, tuple)}
-    return tables.model_copy(update={key: tuple(row for row in rows if _given(row)) for key, rows in lists.items()})
+    return stated
 
 
 def example_file() -> str:
-    """Return a test file to fill in: every table and key, each with what it is for.
+    """Return a test file to fill in: every table and key, each with its explanation.
 
     Examples
     --------
@@ -302,34 +279,20 @@ def _example_tables(model: type[BaseModel], path: str) -> Iterator[str]:
 
 
 def _row_model(annotation: Any) -> type[BaseModel] | None:
-    """Return the table of which an array of tables is made; None of what is none."""
+    """Return the table of the rows of an array of tables; None where the annotation is of no such array."""
     inner = next(iter(get_args(annotation)), None) if get_origin(annotation) is tuple else None
     return inner if isinstance(inner, type) and issubclass(inner, BaseModel) else None
 
 
-LARGEST_PHOTOGRAPH = 30_000_000
-"""Bytes of a file, at most: a camera of 50 million pixels writes less."""
-MOST_PIXELS = 50_000_000
-"""Pixels, at most: they are some 200 MB while they are decoded."""
-LONGEST_SIDE = 1400
-"""Pixels of a side in a page: 180 mm of paper at 200 dots an inch."""
-QUALITY = 85
-"""Quality of the JPEG in a page."""
+LARGEST_PHOTOGRAPH = 30_000_000  # bytes of a file: a camera of 50 million pixels writes less
+MOST_PIXELS = 50_000_000  # some 200 MB while they are decoded
+LONGEST_SIDE = 1400  # pixels of a side in a page: 180 mm of paper at 200 dots an inch
+QUALITY = 85  # of the JPEG in a page: chosen
 
 
 @dataclass(frozen=True)
 class Photograph:
-    """A photograph fit for a page.
-
-    Attributes
-    ----------
-    file, caption : str
-        As stated.
-    digest : str
-        SHA-256 of the file.
-    jpeg : bytes
-        The picture.
-    """
+    """A photograph fit for a page: name and caption as stated, the SHA-256 of the file, and the picture."""
 
     file: str
     caption: str
