@@ -33,17 +33,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Given:
-    """What is known of the bodies, as far as it was typed.
-
-    Attributes
-    ----------
-    known : dict
-        Speed, stiffness, exponent, restitution, SI.
-    masses : dict
-        Typed masses, by option.
-    window : (float or None, Typed or None)
-        From when to when the blow is fitted.
-    """
+    """Known numbers of the bodies (SI), their typed masses by option, and the begin and end of the fit."""
 
     known: dict[str, float]
     masses: dict[str, Typed | None]
@@ -52,7 +42,7 @@ class Given:
 
 @declare.dataclass
 class ExaminedRecord:
-    """The channel that the blow was taken of, and what it was taken as."""
+    """The channel of the blow, with its unit, status and calibration."""
 
     channel: str = declare.word("channel")
     measured_unit: str = declare.word("unit of the channel")
@@ -71,7 +61,7 @@ class IdentifiedNumber:
 
 @declare.dataclass
 class ContactValues:
-    """What a contact has."""
+    """The values of a contact."""
 
     stiffness: IdentifiedNumber = declare.part(IdentifiedNumber, "K of F = K d^n", quantity=Quantity("N/m^n", "N/m^n"))
     exponent: IdentifiedNumber = declare.part(IdentifiedNumber, "n", quantity=RATIO)
@@ -82,7 +72,7 @@ class ContactValues:
 
 @declare.dataclass
 class PulseCombinations:
-    """What a pulse determines, whatever is given."""
+    """Combinations of values that a pulse determines in any case."""
 
     momentum: IdentifiedNumber = declare.part(IdentifiedNumber, "m v", quantity=IMPULSE._replace(label="mass x speed"))
     impulse: IdentifiedNumber = declare.part(IdentifiedNumber, "m v (1 + e)", quantity=IMPULSE)
@@ -95,7 +85,7 @@ class PulseCombinations:
 
 @declare.dataclass
 class Correlation:
-    """How the errors of values go together."""
+    """The correlation of the errors of values."""
 
     names: tuple[str, ...] = declare.word("what was determined and not given")
     matrix: Array = declare.history(NO_UNIT, "correlation of the errors of their logarithms (of begin as it is)")
@@ -103,7 +93,7 @@ class Correlation:
 
 @declare.dataclass
 class IdentifiedContact:
-    """What a pulse tells of a contact, and how well."""
+    """A contact identified from a pulse, with the errors of its values."""
 
     values: ContactValues = declare.part(ContactValues, "what the contact has")
     begin: IdentifiedNumber = declare.part(
@@ -138,7 +128,7 @@ class IdentifiedRow:
 
     @declare.computed(declare.word("what faces call it", label="identified", column=KEY, in_document=False))
     def name(self) -> str:
-        """What it is called."""
+        """Name on screen and page."""
         return self.quantity.label or self.key.replace("_", " ")
 
     @declare.computed(
@@ -147,7 +137,7 @@ class IdentifiedRow:
         )
     )
     def stated(self) -> str:
-        """The value with its standard error and its unit, as far as there are any."""
+        """The value with its standard error and its unit where it has them."""
         value, error, given = self.number.value, self.number.standard_error, self.number.given
         if value is None:
             return "not determined"
@@ -159,17 +149,7 @@ class IdentifiedRow:
 
 @declare.dataclass
 class IdentifyResult(measured.AskedResult):
-    """What a channel of a file tells of a contact; see `Result` for what it shares with others.
-
-    Beside what documents have:
-
-    Attributes
-    ----------
-    reading : ChannelReading
-        The channel, examined.
-    found : Identified
-        Identified values.
-    """
+    """A contact identified from a channel of a file; see `Result` for what it shares with others."""
 
     command: ClassVar[str] = "identify"
     drawing: ClassVar[str] = "identified_report"
@@ -186,12 +166,12 @@ class IdentifyResult(measured.AskedResult):
 
     @property
     def broken(self) -> bool:
-        """Whether the law does not describe the blow."""
+        """True if the law does not describe the blow."""
         return not self.found.described
 
     @declare.computed(declare.part(ExaminedRecord, "what the channel was taken as", inline=True))
     def record(self) -> ExaminedRecord:
-        """The channel, and what it was taken as."""
+        """The channel with its unit, status and calibration."""
         channel = self.reading.channel
         return ExaminedRecord(channel.name, channel.unit, self.reading.status, self.reading.calibration.stated())
 
@@ -200,26 +180,23 @@ class IdentifyResult(measured.AskedResult):
     )
     def identified_rows(self) -> list[IdentifiedRow]:
         """Values and combinations with their standard errors."""
-        contact = self.contact
-        numbers = [
-            (key, getattr(part, key), one.quantity)
-            for part in (contact.values, contact, contact.combinations)
-            for key, one in declarations(type(part)).items()
-            if one.of is IdentifiedNumber
-        ]
-        return [IdentifiedRow(key, number, quantity.si, quantity) for key, number, quantity in numbers]
+        contact, rows = self.contact, list[IdentifiedRow]()
+        for part in (contact.values, contact, contact.combinations):
+            for key, declared in declarations(type(part)).items():
+                if declared.of is IdentifiedNumber:
+                    rows.append(IdentifiedRow(key, getattr(part, key), declared.quantity.si, declared.quantity))
+        return rows
 
     @declare.computed(declare.part(IdentifiedContact, "what the pulse tells", inline=True, headline="first"))
     def contact(self) -> IdentifiedContact:
-        """What was identified, as documents have it."""
-        found = self.found
-        values, combinations = (
-            {name: IdentifiedNumber(*one) for name, one in part.items()} for part in (found.values, found.combinations)
-        )
-        parts = ContactValues(**values), IdentifiedNumber(*found.begin), PulseCombinations(**combinations)
+        """The identified contact as in the document."""
+        fit = self.found
+        values = {name: IdentifiedNumber(*number) for name, number in fit.values.items()}
+        combinations = {name: IdentifiedNumber(*number) for name, number in fit.combinations.items()}
+        parts = ContactValues(**values), IdentifiedNumber(*fit.begin), PulseCombinations(**combinations)
         same = ("noise", "offset", "residual", "described", "words", "time", "measured", "fitted")
-        told = {name: getattr(found, name) for name in same}
-        return IdentifiedContact(*parts, Correlation(found.names, found.correlation), **told)
+        numbers = {name: getattr(fit, name) for name in same}
+        return IdentifiedContact(*parts, Correlation(fit.names, fit.correlation), **numbers)
 
     def preview(self) -> Curve:
         """Return the measured force."""
@@ -251,22 +228,24 @@ class IdentifyCommand(Command[IdentifyResult]):
     origin: Source
 
     def solve(self) -> IdentifyResult:
-        """Return what the blow tells."""
+        """Return the identified contact."""
         masses = self.given.masses
         reading = measured.examined_channel(self.file, self.stated, self.options, "peak", "the blow")
         scale = _newtons(reading, masses["--m2"])
         reduced = _reduced(masses, reading.channel.unit == "m/s^2")
         known = self.given.known if reduced is None else {**self.given.known, "mass": reduced}
         contact = _identified(self.file, reading, scale, known, self.given.window)
-        notices = _identified_notices(reading, contact)
-        return IdentifyResult(self.file, reading, contact, origin=self.origin, notices=notices)
+        notices = [row.notice for row in reading.findings if row.severity != "good" and "peak" in row.harms]
+        if not contact.described:
+            notices.append(Notice("law-misfit", contact.words[-1], contact.residual, DESCRIBED))
+        return IdentifyResult(self.file, reading, contact, origin=self.origin, notices=tuple(notices))
 
     def summary(self, result: IdentifyResult) -> str:
-        """Say what the pulse determines of the contact."""
+        """Return the values that the pulse determines, in words."""
         return identified_words(result)
 
     def show(self, result: IdentifyResult) -> None:
-        """Print what the pulse determines of the contact."""
+        """Print the values that the pulse determines, and its misfit."""
         contact = result.contact
         title = f"Contact of {Path(result.file).name}, {result.reading.channel.name}: F = K d^n (1 + chi d'/v0)"
         print_rows(title, face_columns(result, "identified_rows"))
@@ -286,16 +265,6 @@ class IdentifyCommand(Command[IdentifyResult]):
         with drawing(folder / "report.html") as path:
             path.write_text(identified_report(result), "utf-8", newline="\n")
         return ["report.html", "summary.svg"]
-
-
-def _identified_notices(reading: ChannelReading, found: Identified) -> tuple[Notice, ...]:
-    """Return what harms the peak, and a law that does not describe the blow."""
-    notices: list[Notice] = [
-        finding.notice for finding in reading.findings if finding.severity != "good" and "peak" in finding.harms
-    ]
-    if not found.described:
-        notices.append(Notice("law-misfit", found.words[-1], found.residual, DESCRIBED))
-    return tuple(notices)
 
 
 def _reduced(masses: dict[str, Typed | None], acceleration: bool) -> float | None:
@@ -356,12 +325,12 @@ def _identified(
 
 
 def identified_words(result: IdentifyResult) -> str:
-    """Say in words what the pulse determines."""
+    """Return the summary of an identified contact in words."""
     contact = result.contact
     fits = "describes" if contact.described else "does not describe"
-    words = [
+    sentences = [
         f"The law F = K d^n (1 + chi d'/v0) of two free bodies {fits} the blow of {result.reading.channel.name} in "
         f"{Path(result.file).name}: the misfit is {text_of(contact, 'residual')} of the peak.",
         *(text[0].upper() + text[1:].rstrip(".") + "." for text in contact.words),
     ]
-    return " ".join(words)
+    return " ".join(sentences)

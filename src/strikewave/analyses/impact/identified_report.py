@@ -53,7 +53,7 @@ def _value_section(result: IdentifyResult) -> Section:
 
 
 def _record_section(result: IdentifyResult) -> Section:
-    """List what the channel was taken as."""
+    """Return the section on the channel, its calibration, unit and status."""
     reading = result.reading
     stated = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in reading.calibration.stated().items())
     row: list[Cell] = [
@@ -80,11 +80,6 @@ FIT_SIZE = (9.0, 5.0)
 
 def identified_figure(found: Identified) -> Figure:
     """Draw measured and fitted force from first touch on, and measured minus fitted below; N and microseconds.
-
-    Parameters
-    ----------
-    found : Identified
-        As `strikewave.contact.identification.identify` gives it.
 
     Examples
     --------

@@ -45,12 +45,7 @@ MARKS = ("o", "s", "^", "D", "v")
 
 
 def asked_given(laws: Mapping[str, DampingLaw] | None = None) -> Figure:
-    """Draw the restitution that comes out of damping laws over the one asked for, and the difference below.
-
-    Parameters
-    ----------
-    laws : mapping of str to DampingLaw, optional
-        All by default.
+    """Draw the restitution of damping laws, all by default, over the one asked for, and the difference below.
 
     Examples
     --------
@@ -79,15 +74,7 @@ def stiffness_over_load(one: ElasticBody, other: ElasticBody, geometry: Geometry
     """Draw the indentation of two bodies over the load by every stiffness law, and the difference below.
 
     Laws that need a size not given, or do not hold for the sizes, are left out; a law ends where its formula ends.
-
-    Parameters
-    ----------
-    one, other : ElasticBody
-        The bodies, such as a `Material`.
-    geometry : Geometry
-        Their sizes.
-    loads : array_like
-        Ascending, N.
+    Loads ascend, N.
 
     Examples
     --------

@@ -85,7 +85,7 @@ class AskedDamper(AskedLaw):
         declare.word("what comes out", label="restitution", column=MORE, tables="list", order=1, in_document=False)
     )
     def relation(self) -> str:
-        """How what comes out stands to the restitution asked for."""
+        """Relation of the resulting restitution to the one asked for."""
         if self.asked is None or self.given is None:
             return "cannot be prescribed"
         if all(abs(value - asked) < 1e-9 for value, asked in zip(self.given, self.asked, strict=True)):
@@ -103,15 +103,7 @@ class LawOfKind:
 
 @declare.dataclass
 class LawsResult(measured.AskedResult):
-    """The laws that are shown; see `Result` for what it shares with others.
-
-    Attributes
-    ----------
-    laws : Laws
-        Those of the name that was asked for, or all.
-    everything : Laws
-        All laws, which the pictures show.
-    """
+    """The laws of a name, or all; see `Result` for what it shares with others. The pictures show ``everything``."""
 
     command: ClassVar[str] = "laws"
     drawing: ClassVar[str] = "law_figures"
@@ -122,7 +114,7 @@ class LawsResult(measured.AskedResult):
 
     @property
     def title(self) -> str:
-        """What it lists."""
+        """Title of the list."""
         return "Contact laws"
 
     @declare.computed(declare.number(RATIO, "n for the dampers whose restitution depends on it"))
@@ -187,13 +179,13 @@ class LawsCommand(Command[LawsResult]):
     origin: Source
 
     def solve(self) -> LawsResult:
-        """Return the laws, with what each makes of the restitution asked for."""
+        """Return the laws, each with the restitution that it gives for the one asked."""
         everything = _all_laws()
         laws = _named(everything, self.name)
         return LawsResult(laws, everything, origin=self.origin, notices=_notices(laws))
 
     def summary(self, result: LawsResult) -> str:
-        """Count the laws, or say what those of a name are."""
+        """Return the counts of the laws, or those of a name, in words."""
         laws = [(kind, list(laws_of_kind.values())) for kind, laws_of_kind in result.laws.kinds if laws_of_kind]
         if self.name is None:
             return f"{listed([f'{len(of_kind)} {kind}s' for kind, of_kind in laws])}."
@@ -253,7 +245,7 @@ def _all_laws() -> Laws:
 
 
 def _try(given: dict[str, list[float] | None], kind: str, law: Any) -> bool:
-    """Put down what a law gives, and tell whether it works."""
+    """Keep the restitutions that a law gives, and tell whether it works."""
     asked = np.array(ASKED)
     try:
         answer: Any = None
@@ -290,7 +282,7 @@ def _asked(laws: Laws, kind: str, law: Law) -> tuple[list[float] | None, list[fl
 
 
 def _given_columns(rows: Sequence[FaceRow]) -> list[Column]:
-    """Return columns of what comes out for every other restitution asked for."""
+    """Return columns of the resulting restitution for every other one asked."""
     return [
         Column(f"e = {ASKED[place]:g}", [row.value.given[place] for row in rows], decimals=4, priority=MORE)
         for place in range(0, len(ASKED), 2)
@@ -300,8 +292,8 @@ def _given_columns(rows: Sequence[FaceRow]) -> list[Column]:
 def _print_each(result: LawsResult) -> None:
     for row in result.every_law:
         law = row.law
-        told = [(one.head, *one.texts()) for one in columns_of(type(law), [law], "full") if one.values[0]]
-        table(f"{law.name}, {KINDS[row.kind]}", [*keys(""), *texts("")], [*told, *law.symbols.items()])
+        rows = [(column.head, *column.texts()) for column in columns_of(type(law), [law], "full") if column.values[0]]
+        table(f"{law.name}, {KINDS[row.kind]}", [*keys(""), *texts("")], [*rows, *law.symbols.items()])
     for asked in result.damping:
         _print_given(asked, "Restitution of the damping law")
     for asked in result.dampers:

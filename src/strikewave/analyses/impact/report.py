@@ -81,15 +81,6 @@ def impact_sheet(impacts: Sequence[Impact], labels: Sequence[str], title: str) -
     """Draw blows on one sheet: force over time, force over indentation, phase plane.
 
     Blows on one spot stand where they begin; the phase plane has shares of the approach speed and of the largest depth.
-
-    Parameters
-    ----------
-    impacts : sequence of Impact
-        Single blows.
-    labels : sequence of str
-        One a blow.
-    title : str
-        Title above the picture.
     """
     from matplotlib.figure import Figure
 

@@ -1,11 +1,12 @@
-"""What an impact of two free bodies comes to: its blows, its contact elastic and yielding, and notices."""
+"""The result of an impact of two free bodies: its blows, its contact elastic and yielding, and notices."""
 
 from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,7 +20,16 @@ from strikewave.base.result import INFO, Notice
 from strikewave.base.shock_quantities import FORCE, KILOGRAMS, RATIO, RESTITUTION, VELOCITY
 from strikewave.cases.contact_notices import duration_notices, indentation_notices, speed_notices
 from strikewave.cases.contact_parts import ELASTIC, HIGH, LOW, WORTH_SHOWING, YIELDING, pressures_of_answers
-from strikewave.contact import Impact, Stiffness, cap_of, first_yield, impact_history, reduced_mass, solve_impact
+from strikewave.contact import (
+    DampingLaw,
+    Impact,
+    Stiffness,
+    cap_of,
+    first_yield,
+    impact_history,
+    reduced_mass,
+    solve_impact,
+)
 from strikewave.contact.elastoplastic import cap_law_of
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.columns import HISTORY_DIGITS, Column, csv_table
@@ -51,7 +61,7 @@ class ImpactAnswers:
 
     @property
     def differ(self) -> bool:
-        """Whether their peak forces differ by so much that all are shown."""
+        """True if their peak forces differ by so much that all are shown."""
         forces = [row.peak_force for row in self.rows]
         return max(forces) > (1.0 + WORTH_SHOWING) * min(forces)
 
@@ -71,26 +81,17 @@ def impact_answers(setup: Setup, blow: Impact) -> ImpactAnswers:
 
     An elastic contact is set beside one that yields at the pressure of its materials, where they give one.
     """
-    taken = ELASTIC if setup.cap is None else YIELDING
-    found = {taken: _answer(taken, setup, blow)}
-    if setup.loss.damper is None:
-        for name, other in _others(setup, taken).items():
-            with contextlib.suppress(ValueError):  # a logarithmic law that ends below the pressure
-                found[name] = _answer(name, other, solve_impact(other.contact, *setup.masses, setup.speed))
-    return ImpactAnswers(tuple(found[name] for name in (ELASTIC, LOW, YIELDING, HIGH) if name in found))
-
-
-def _others(setup: Setup, taken: str) -> dict[str, Setup]:
-    """Return the set-up of each answer but the one taken."""
-    base = setup.base
+    taken, base = ELASTIC if setup.cap is None else YIELDING, setup.base
     others = {} if taken == ELASTIC else {ELASTIC: replace(setup, cap=None)}
-    by_materials = (setup.automatic or setup.cap is None) and base.bodies is not None
-    if not by_materials or base.bodies is None or base.sizes.radius1 is None:
-        return others
-    for name, pressure in pressures_of_answers(None, *base.bodies).items():
-        if name != taken and pressure is not None:
-            others[name] = replace(setup, cap=cap_of(*base.bodies, base.cap_sizes, pressure))
-    return others
+    if (setup.automatic or setup.cap is None) and base.bodies is not None and base.sizes.radius1 is not None:
+        for name, pressure in pressures_of_answers(None, *base.bodies).items():
+            if name != taken and pressure is not None:
+                others[name] = replace(setup, cap=cap_of(*base.bodies, base.cap_sizes, pressure))
+    answers = {taken: _answer(taken, setup, blow)}
+    for name, other in others.items() if setup.loss.damper is None else ():
+        with contextlib.suppress(ValueError):  # a logarithmic law that ends below the pressure
+            answers[name] = _answer(name, other, solve_impact(other.contact, *setup.masses, setup.speed))
+    return ImpactAnswers(tuple(answers[name] for name in (ELASTIC, LOW, YIELDING, HIGH) if name in answers))
 
 
 def _answer(name: str, setup: Setup, blow: Impact) -> ImpactAnswer:
@@ -101,10 +102,8 @@ def _answer(name: str, setup: Setup, blow: Impact) -> ImpactAnswer:
 
 ERRORS = {"closed form": 1e-9, "integrator": 1e-6}
 """Difference of restitutions, by the method, from which on it is no rounding."""
-LEAST_ENERGY = 1e-100
-"""Smallest m v0^2 solved, J; the largest is its inverse."""
-MOST_ROWS = 20
-MOST_DRAWN = 5
+LEAST_ENERGY = 1e-100  # smallest m v0^2 solved, J, and inverse of the largest: products beyond overflow
+MOST_ROWS, MOST_DRAWN = 20, 5  # blows in a table and in a picture: chosen
 
 
 @declare.dataclass
@@ -185,25 +184,17 @@ class ForceLaw:
         """Units of the stiffness and of the damper, with the exponents that they have."""
         damper = None if self.damper_exponent is None else self.damper_exponent + 1.0
         powers = ((OF_STIFFNESS, "N/m", self.exponent), (OF_DAMPER, "N s/m", damper))
-        units = {one.given_by: unit if power == 1.0 else f"{unit}^{power:.6g}" for one, unit, power in powers if power}
-        return {given_by: (unit, unit) for given_by, unit in units.items()}
+        units = {}
+        for kind, base, power in powers:
+            if power:
+                unit = base if power == 1.0 else f"{base}^{power:.6g}"
+                units[kind.given_by] = (unit, unit)
+        return units
 
 
 @declare.dataclass
 class ImpactResult(measured.AskedResult):
-    """Blows of two free bodies, and what was asked for; see `Result` for what it shares with others.
-
-    Beside what documents have:
-
-    Attributes
-    ----------
-    setup : Setup
-        Requested set-up.
-    blows : list of Impact
-        One blow after another on the same spot.
-    answers : ImpactAnswers
-        The first blow with its contact elastic and yielding.
-    """
+    """Blows of two free bodies on the same spot, and their set-up; see `Result` for what it shares with others."""
 
     command: ClassVar[str] = "impact"
     main_rows: ClassVar[str] = "spot_blows"
@@ -214,12 +205,13 @@ class ImpactResult(measured.AskedResult):
 
     @property
     def title(self) -> str:
-        """The laws, and the restitution that comes out."""
-        setup, first = self.setup, self.blows[0]
+        """The laws, and the resulting coefficient of restitution."""
+        setup, first, stiffness = self.setup, self.blows[0], self.setup.base.stiffness
         kind = "damping" if setup.loss.damper is None else "damper"
         asked = "" if setup.loss.asked is None else f", {setup.loss.asked:g} asked for"
-        where = " in blow 1" if setup.repeat > 1 else ""
-        law = _stiffness_words(setup) if setup.base.stiffness.law == "given" else setup.base.stiffness.law
+        where, law = " in blow 1" if setup.repeat > 1 else "", stiffness.law
+        if law == "given" and isinstance(stiffness, Stiffness):
+            law = f"{stiffness.stiffness:.6g} N/m^{stiffness.exponent:.4g}"
         return f"Stiffness {law}, {kind} {setup.loss.law.name}: e = {float(first.restitution):.4g}{where}{asked}"
 
     @declare.computed(declare.part(FirstBlow, "numbers of the first blow", label="first blow", inline=True))
@@ -237,11 +229,29 @@ class ImpactResult(measured.AskedResult):
     @declare.computed(declare.part(ForceLaw, "law of the contact", label="contact", inline=True))
     def law(self) -> ForceLaw:
         """The force law."""
-        return _force_law(self.setup)
+        stiffness, loss, cap = self.setup.base.stiffness, self.setup.loss, self.setup.cap
+        damping, damper = (loss.law, None) if loss.damper is None else (None, loss.law)
+        cap_law = None if cap is None else cap_law_of(cap)
+        return ForceLaw(
+            **{key: getattr(stiffness, key, None) for key in ("stiffness", "exponent", "slope", "load")},
+            hysteresis_factor=loss.factor if damping else None,
+            law=stiffness.law,
+            law_status=stiffness.status,
+            damping=getattr(damping, "name", None),
+            damping_status=getattr(damping, "status", None),
+            damper=getattr(damper, "name", None),
+            damper_status=getattr(damper, "status", None),
+            damper_coefficient=getattr(loss.damper, "coefficient", None),
+            damper_exponent=getattr(loss.damper, "exponent", None),
+            yield_load=getattr(cap, "yield_load", None),
+            shape=getattr(cap, "shape", None),
+            cap=getattr(cap_law, "name", None),
+            cap_status=getattr(cap_law, "status", None),
+        )
 
     @property
     def given_units(self) -> GivenUnits:
-        """Those of its law."""
+        """Units of the numbers of its law."""
         return self.law.given_units
 
     @declare.computed(declare.rows(SpotBlow, "blows on the same spot", key="blows", headline="first"))
@@ -251,7 +261,7 @@ class ImpactResult(measured.AskedResult):
 
     @declare.computed(declare.word("whether the answers of the contact differ so much that all are shown"))
     def differ(self) -> bool:
-        """Whether the answers of the contact differ by so much that all are shown."""
+        """True if the answers of the contact differ by so much that all are shown."""
         return self.answers.differ
 
     @declare.computed(declare.rows(ImpactAnswer, "first blow with its contact elastic and yielding", key="answers"))
@@ -271,7 +281,12 @@ class ImpactResult(measured.AskedResult):
 
     def tables(self) -> dict[str, str]:
         """Return the drawn blows in time as CSV text."""
-        return {"history.csv": _histories(self, self.drawn)}
+        histories = {k + 1: impact_history(self.blows[k]) for k in self.drawn}
+        columns = [Column("blow", [blow for blow, history in histories.items() for _ in history.time])]
+        for name, si in (("time", "s"), ("indentation", "m"), ("rate", "m/s"), ("force", "N")):
+            values = np.concatenate([getattr(history, name) for history in histories.values()])
+            columns.append(Column(name, values, si))
+        return {"history.csv": csv_table(columns, HISTORY_DIGITS)}
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
@@ -279,144 +294,102 @@ class ImpactResult(measured.AskedResult):
 
 
 def impact_notices(setup: Setup, blow: Impact, answers: ImpactAnswers) -> tuple[Notice, ...]:
-    """Return what is odd about the first blow, and the laws that stand here from memory."""
-    notices = [
-        _restitution_differs(setup, blow),
-        _contact_yields(setup, blow, answers),
-        _answers_differ(setup, answers),
-    ]
-    return (*_beyond(setup, blow), *(notice for notice in notices if notice), *_from_memory(setup))
+    """Return the notices on the first blow, and on laws from memory."""
+    beyond, restitution = _beyond(setup, blow), _restitution_differs(setup, blow)
+    contact = [*_contact_yields(setup, blow, answers), *_answers_differ(setup, answers)]
+    return (*beyond, *restitution, *contact, *_from_memory(setup))
 
 
 def solved_blows(setup: Setup) -> list[Impact]:
-    """Solve the blows; without a cap on the pressure one is as the other."""
+    """Solve the blows; without a cap on the pressure all are equal."""
+    stated = f"{setup.masses[0]:g} kg, {setup.masses[1]:g} kg, {setup.speed:g} m/s"
     if not LEAST_ENERGY < float(reduced_mass(*setup.masses)) * setup.speed * setup.speed < 1.0 / LEAST_ENERGY:
-        raise InputError("impact", _given(setup), "masses and a speed whose energy is finite")
+        raise InputError("impact", stated, "masses and a speed whose energy is finite")
     blows: list[Impact] = []
     deepest = 0.0
     for _ in range(setup.repeat if setup.cap is not None else 1):
         try:
             blow = solve_impact(setup.contact, *setup.masses, setup.speed, deepest)
         except ValueError as error:
-            raise InputError("impact", _given(setup), "numbers that the contact can do with", str(error)) from None
+            raise InputError("impact", stated, "numbers that the contact can do with", str(error)) from None
         blows.append(blow)
         if not all(map(math.isfinite, _numbers(blow).values())):
-            raise InputError("impact", _given(setup), "masses, speed and stiffness whose result is finite")
+            raise InputError("impact", stated, "masses, speed and stiffness whose result is finite")
         deepest = float(blow.deepest)
     return blows if setup.cap is not None else blows * setup.repeat
-
-
-def _given(setup: Setup) -> str:
-    return f"{setup.masses[0]:g} kg, {setup.masses[1]:g} kg, {setup.speed:g} m/s"
 
 
 def _numbers(blow: Impact) -> dict[str, float]:
     return {name: float(getattr(blow, name)) for name in declarations(SpotBlow)}
 
 
-def _force_law(setup: Setup) -> ForceLaw:
-    stiffness, loss, cap = setup.base.stiffness, setup.loss, setup.cap
-    damping, damper = (loss.law, None) if loss.damper is None else (None, loss.law)
-    cap_law = None if cap is None else cap_law_of(cap)
-    return ForceLaw(
-        **{key: getattr(stiffness, key, None) for key in ("stiffness", "exponent", "slope", "load")},
-        hysteresis_factor=loss.factor if damping else None,
-        law=stiffness.law,
-        law_status=stiffness.status,
-        damping=getattr(damping, "name", None),
-        damping_status=getattr(damping, "status", None),
-        damper=getattr(damper, "name", None),
-        damper_status=getattr(damper, "status", None),
-        damper_coefficient=getattr(loss.damper, "coefficient", None),
-        damper_exponent=getattr(loss.damper, "exponent", None),
-        yield_load=getattr(cap, "yield_load", None),
-        shape=getattr(cap, "shape", None),
-        cap=getattr(cap_law, "name", None),
-        cap_status=getattr(cap_law, "status", None),
-    )
-
-
-def _beyond(setup: Setup, blow: Impact) -> list[Notice]:
-    """Return notices on an indentation large beside the radius, too fast an approach, too short a contact."""
-    radius, bodies, notices = setup.base.sizes.radius1, setup.base.bodies, list[Notice]()
+def _beyond(setup: Setup, blow: Impact) -> Iterator[Notice]:
+    """Yield notices on an indentation large beside the radius, too fast an approach, too short a contact."""
+    radius, bodies = setup.base.sizes.radius1, setup.base.bodies
     if setup.base.shape == "point" and radius is not None:
-        notices += indentation_notices(float(blow.max_indentation), radius)
+        yield from indentation_notices(float(blow.max_indentation), radius)
     if bodies is not None:
         names = [body.name for body in bodies]
-        notices += speed_notices(bodies, setup.speed, f"--speed {setup.speed:g}\xa0m/s")
-        notices += duration_notices(zip(names, setup.masses, strict=True), float(blow.duration))
-    return notices
+        yield from speed_notices(bodies, setup.speed, f"--speed {setup.speed:g}\xa0m/s")
+        yield from duration_notices(zip(names, setup.masses, strict=True), float(blow.duration))
 
 
-def _restitution_differs(setup: Setup, blow: Impact) -> Notice | None:
+def _restitution_differs(setup: Setup, blow: Impact) -> Iterator[Notice]:
+    """Yield a notice where the restitution is not the one asked for; of a damper with that of its own relation."""
     asked, came = setup.loss.asked, float(blow.restitution)
-    if asked is None or abs(came - asked) <= ERRORS[blow.method]:
-        return None
-    if float(blow.flattening) > 1.0:
-        if asked == 1.0:
-            return None
-        message = (
-            f"the contact yields: e = {came:.4f} comes out, not the {asked:g} asked of {setup.loss.law.name} alone"
-        )
-    elif setup.loss.damper is None:
-        message = f"the law {setup.loss.law.name} gives e = {came:.4f}, not the {asked:g} asked for; exact gives it"
+    yields, law = float(blow.flattening) > 1.0, setup.loss.law
+    if asked is None or abs(came - asked) <= ERRORS[blow.method] or (yields and asked == 1.0):
+        return
+    if yields:
+        message = f"the contact yields: e = {came:.4f} comes out, not the {asked:g} asked of {law.name} alone"
+    elif isinstance(law, DampingLaw):
+        message = f"the law {law.name} gives e = {came:.4f}, not the {asked:g} asked for; exact gives it"
     else:
-        message = (
-            f"the damper {_expected(setup)}gives e = {came:.4f}, not the {asked:g} asked for; tsuji-cut-off gives it"
-        )
-    return Notice("restitution-differs", message, came, asked)
+        expected = asked if law.given is None else float(law.given(asked, setup.base.stiffness[1]))
+        relation = f"(its relation says {expected:.4f}) " if abs(expected - asked) > 1e-9 else ""
+        message = f"the damper {law.name} {relation}gives e = {came:.4f}, not the {asked:g} asked for; tsuji-cut-off "
+        message += "gives it"
+    yield Notice("restitution-differs", message, came, asked)
 
 
-def _expected(setup: Setup) -> str:
-    """Return the name of a damper, and what its own relation says where it is something else than asked for."""
-    law: Any = setup.loss.law
-    expected = float(law.given(setup.loss.asked, setup.base.stiffness[1]))
-    relation = f"(its relation says {expected:.4f}) " if abs(expected - float(setup.loss.asked or 0.0)) > 1e-9 else ""
-    return f"{law.name} {relation}"
-
-
-def _answers_differ(setup: Setup, answers: ImpactAnswers) -> Notice | None:
-    """Say what a contact that yields would give as elastic, and over what is known of its pressure."""
+def _answers_differ(setup: Setup, answers: ImpactAnswers) -> Iterator[Notice]:
+    """Report the peak force of a contact that yields, as elastic and over the range of its pressure."""
     elastic, yielding = answers.row(ELASTIC), answers.row(YIELDING)
-    if setup.cap is None or elastic is None or yielding is None or not answers.differ:
-        return None
-    message = f"the contact yields: the first blow gives {_kilonewtons(yielding.peak_force)}{_known(answers)}; elastic "
-    message += _kilonewtons(elastic.peak_force)
-    return Notice("contact-yields", message, elastic.peak_force, yielding.yield_load or math.nan, severity=INFO)
+    if setup.cap is not None and elastic is not None and yielding is not None and answers.differ:
+        message = f"the contact yields: the first blow gives {_kilonewtons(yielding.peak_force)}{_known(answers)}; "
+        message += f"elastic {_kilonewtons(elastic.peak_force)}"
+        yield Notice("contact-yields", message, elastic.peak_force, yielding.yield_load or math.nan, severity=INFO)
 
 
 def _known(answers: ImpactAnswers) -> str:
     """Return the range of the peak force in words; nothing where the pressure was given."""
     if answers.band is None:
         return ""
-    low, high = (_kilonewtons(force) for force in answers.band)
-    return f" ({low} to {high} over what is known of the hardness)"
+    return f" ({' to '.join(map(_kilonewtons, answers.band))} over what is known of the hardness)"
 
 
 def _kilonewtons(force: float) -> str:
     return f"{force / 1e3:.4g} kN"
 
 
-def _contact_yields(setup: Setup, blow: Impact, answers: ImpactAnswers) -> Notice | None:
+def _contact_yields(setup: Setup, blow: Impact, answers: ImpactAnswers) -> Iterator[Notice]:
     """Warn of a contact solved as elastic whose materials would yield, of a cap below that, or of no check at all."""
     sizes, bodies, peak = setup.base.sizes, setup.base.bodies, float(blow.peak_force)
-    if bodies is None:
-        return None
-    if sizes.radius1 is None:
-        message = "whether the contact yields is not checked: --radius1 says where"
-        return None if setup.cap else Notice("yield-unchecked", message)
-    first = first_yield(*bodies, setup.base.cap_sizes)
+    first = None if bodies is None or sizes.radius1 is None else first_yield(*bodies, setup.base.cap_sizes)
+    if bodies is not None and sizes.radius1 is None and setup.cap is None:
+        yield Notice("yield-unchecked", "whether the contact yields is not checked: --radius1 says where")
     if first is None:
-        return None
+        return
     pressure, limit = first
     if setup.cap is not None:
         capped = float(setup.cap.yield_load)  # type: ignore[arg-type]
-        if capped >= limit:
-            return None
-        message = f"the contact is let yield from {capped:.4g} N on; the materials first yield inside at {limit:.4g} N"
-        return Notice("yield-pressure-low", message + f" ({pressure / 1e9:.3g} GPa): is the unit right?", capped, limit)
+        if capped < limit:
+            message = f"the contact is let yield from {capped:.4g} N on; the materials first yield inside at "
+            message += f"{limit:.4g} N ({pressure / 1e9:.3g} GPa): is the unit right?"
+            yield Notice("yield-pressure-low", message, capped, limit)
+        return
     if peak <= limit:
-        return None
+        return
     message = (
         f"the peak force of {peak / 1e3:.4g} kN is above the {limit / 1e3:.4g} kN at which the materials first yield "
         f"inside; elastic here (first yield is at {pressure / 1e9:.3g} GPa)"
@@ -426,7 +399,7 @@ def _contact_yields(setup: Setup, blow: Impact, answers: ImpactAnswers) -> Notic
         message += "; --yield-pressure takes yielding in"
     else:
         message += f"; --yield-pressure {AUTO} gives {_kilonewtons(yielding.peak_force)}{_known(answers)}"
-    return Notice("contact-yield", message, peak, limit)
+    yield Notice("contact-yield", message, peak, limit)
 
 
 def _from_memory(setup: Setup) -> list[Notice]:
@@ -437,15 +410,6 @@ def _from_memory(setup: Setup) -> list[Notice]:
     return [
         Notice("law-from-memory", f"the {k} {name} {origin}", severity=INFO) for k, name, s in used if s == FROM_MEMORY
     ]
-
-
-def _histories(result: ImpactResult, drawn: list[int]) -> str:
-    """Return the drawn blows in time as CSV."""
-    histories = {k + 1: impact_history(result.blows[k]) for k in drawn}
-    columns = [Column("blow", [blow for blow, history in histories.items() for _ in history.time])]
-    for name, si in (("time", "s"), ("indentation", "m"), ("rate", "m/s"), ("force", "N")):
-        columns.append(Column(name, np.concatenate([getattr(one, name) for one in histories.values()]), si))
-    return csv_table(columns, HISTORY_DIGITS)
 
 
 def _drawn(count: int) -> list[int]:
@@ -461,13 +425,6 @@ def _drawn(count: int) -> list[int]:
     return [round(count ** (k / (MOST_DRAWN - 1))) - 1 for k in range(MOST_DRAWN)]
 
 
-def _stiffness_words(setup: Setup) -> str:
-    stiffness = setup.base.stiffness
-    if isinstance(stiffness, Stiffness):
-        return f"{stiffness.stiffness:.6g} N/m^{stiffness.exponent:.4g}"
-    return f"slope {stiffness.slope:.6g} N/m, load {stiffness.load:.6g} N"
-
-
 def blow_columns(result: ImpactResult) -> list[Column]:
     """Return the columns of the blows on the same spot: of many, the first and the last."""
     rows = [replace(row, name=str(k)) for k, row in enumerate(face_rows(result, "spot_blows"), start=1)]
@@ -478,7 +435,7 @@ def blow_columns(result: ImpactResult) -> list[Column]:
 
 
 def impact_words(result: ImpactResult) -> str:
-    """Say in words what happens."""
+    """Return the summary of an impact in words."""
     setup, numbers = result.setup, dict(result.highlights())
     m1, m2 = (amount(KILOGRAMS, mass) if mass < float("inf") else "a fixed body" for mass in setup.masses)
     return (

@@ -1,4 +1,4 @@
-"""The impact that the options of ``strikewave impact`` ask for."""
+"""The impact by the options of ``strikewave impact``."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Base:
 
 @dataclass(frozen=True)
 class ContactLoss:
-    """What takes energy: a damping law with its factor, or a damper."""
+    """The loss of energy: a damping law with its factor, or a damper."""
 
     law: DampingLaw | DamperLaw
     asked: float | None
@@ -63,7 +63,7 @@ class ContactLoss:
 
 @dataclass(frozen=True)
 class Setup:
-    """An impact asked for, in SI; ``automatic`` tells that the materials gave the cap."""
+    """The set-up of an impact, SI; ``automatic`` is True if the materials gave the cap."""
 
     masses: tuple[float, float]
     speed: float
