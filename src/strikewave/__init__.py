@@ -64,7 +64,7 @@ if TYPE_CHECKING:  # for type checkers and editors; at run time a name is import
     from strikewave.studies.scatter.study import scatter as scatter
     from strikewave.studies.search.design import DesignStudy as DesignStudy
     from strikewave.studies.search.design import design as design
-    from strikewave.studies.search.drop_table import DropStudy as DropStudy
+    from strikewave.studies.search.drop_table import DropTableStudy as DropTableStudy
     from strikewave.studies.search.drop_table import drop_table as drop_table
     from strikewave.studies.search.plan import SearchMethod as SearchMethod
     from strikewave.studies.search.rotary import SettingsChoices as SettingsChoices
@@ -81,7 +81,7 @@ _HOMES = {
     "CompareResult": "analyses.compare.result",
     "Contact": "contact.law",
     "DesignStudy": "studies.search.design",
-    "DropStudy": "studies.search.drop_table",
+    "DropTableStudy": "studies.search.drop_table",
     "Examination": "analyses.record.options",
     "FemSolution": "analyses.fem.result",
     "Filtering": "reporting.measured_files",

@@ -584,7 +584,7 @@ class WantedPulse:
 
 
 @declare.dataclass(eq=False)
-class DropStudy(MachineSearch):
+class DropTableStudy(MachineSearch):
     """Ranked designs of a drop table for a specification; see `MachineSearch`."""
 
     command: ClassVar[str] = "settings"
@@ -717,7 +717,7 @@ def design_drop_table(
     store: RunStore | None = None,
     pool: Pool | None = None,
     advance: Advance | None = None,
-) -> DropStudy:
+) -> DropTableStudy:
     """Return designs of a drop table for a specification, ranked; see `drop_table`."""
     choice = choice or DropChoices()
     check_drop(case, goal, choice)
@@ -731,7 +731,7 @@ def design_drop_table(
     _check_height(designs, goal)
     with given_or_temporary(store) as kept, pool or ProcessPool(1) as open_pool:
         candidates, failed, verdicts = ranked(tried_designs(designs, kept, open_pool, advance))
-    study = DropStudy(case, goal, choice, candidates, failed, citations=SOURCES, verdicts=verdicts)
+    study = DropTableStudy(case, goal, choice, candidates, failed, citations=SOURCES, verdicts=verdicts)
     return replace(study, notices=(*_notices(study), *verdicts.notices()))
 
 
@@ -764,7 +764,7 @@ def _check_height(designs: Sequence[DropDesign], goal: DropGoal) -> None:
     )
 
 
-def _notices(study: DropStudy) -> Iterator[Notice]:
+def _notices(study: DropTableStudy) -> Iterator[Notice]:
     """Yield the warnings on programmers that lose nothing, on those of an assumed law, and on the first candidate."""
     lossless = [candidate for candidate in study.candidates if candidate.lossless]
     if lossless:
@@ -794,7 +794,7 @@ def drop_table(
     workers: int | Workers | None = None,
     store: Path | str | None = None,
     progress: Callable[[float], None] | None = None,
-) -> DropStudy:
+) -> DropTableStudy:
     """Find drop height and programmer of a drop table that give the pulse of a specification.
 
     Every design is checked by full runs, about a tenth of a second each.
@@ -821,7 +821,7 @@ def drop_table(
 
     Returns
     -------
-    DropStudy
+    DropTableStudy
         Designs, the best first, each with its full run.
 
     Raises

@@ -28,7 +28,7 @@ from strikewave.studies.command import Report, StudyCommand
 from strikewave.studies.engine.runner import share_reporter
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.search import rotary_candidate
-from strikewave.studies.search.drop_table import WITHIN, DropCandidate, DropGoal, DropStudy, design_drop_table
+from strikewave.studies.search.drop_table import WITHIN, DropCandidate, DropGoal, DropTableStudy, design_drop_table
 from strikewave.studies.search.machine import MachineCandidate, MachineSearch, asked_line, limit_columns
 from strikewave.studies.search.rotary import SettingsStudy, design_settings
 from strikewave.studies.search.rotary_candidate import SettingsCandidate
@@ -105,7 +105,7 @@ class SearchCommand(StudyCommand[MachineSearch]):
 
     def show(self, result: MachineSearch) -> None:
         """Print the ranking, the judgement of the first, and failures."""
-        if isinstance(result, DropStudy):
+        if isinstance(result, DropTableStudy):
             show_drop_table(result)
         elif isinstance(result, SettingsStudy):
             show_settings(result)
@@ -138,7 +138,7 @@ def show_settings(study: SettingsStudy) -> None:
         tell(f"left out, {left.strikers} strikers: {left.why}")
 
 
-def show_drop_table(study: DropStudy) -> None:
+def show_drop_table(study: DropTableStudy) -> None:
     """Print the designs of a drop table."""
     first = study.candidates[0]
     rows = leading(study.candidates, MOST_DESIGNS, lambda candidate: candidate.programmer.name)
@@ -171,7 +171,7 @@ def picture(study: MachineSearch) -> Figure:
     """Draw the outcome of a search on one sheet."""
     from matplotlib.figure import Figure
 
-    if isinstance(study, DropStudy):
+    if isinstance(study, DropTableStudy):
         figure = style.new_figure(SIZE)
         left, right = figure.subplots(1, 2)
         first = study.candidates[0]
@@ -264,7 +264,7 @@ def draw_scatter(axes: Any, candidates: Sequence[SettingsCandidate]) -> None:
     axes.legend(**BELOW, ncols=4)
 
 
-def draw_designs(axes: Any, study: DropStudy) -> None:
+def draw_designs(axes: Any, study: DropTableStudy) -> None:
     """Draw the rise of each pulse, as a share of its width, over the drop height; filled where the goal is met."""
     metre, _ = axis_unit(*LENGTH.units)
 
@@ -287,7 +287,7 @@ def draw_designs(axes: Any, study: DropStudy) -> None:
 def page(study: MachineSearch) -> str:
     """Return the report of a search as one HTML page: no script, nothing fetched, the same bytes each time."""
     inputs = chapters.inputs(study.case_of())
-    if isinstance(study, DropStudy):
+    if isinstance(study, DropTableStudy):
         caption = (
             "Left, what a sensor on the table reads in the full run of the first design, its zero taken in the fall, "
             "and what it is held against. Right, all designs: how fast their pulses rise (10 to 90 %) beside a "
@@ -351,7 +351,7 @@ def settings_sections(study: SettingsStudy) -> list[Section]:
     return [Section("The first candidate", typical, tables), Section("Candidates", text, rankings)]
 
 
-def drop_sections(study: DropStudy) -> list[Section]:
+def drop_sections(study: DropTableStudy) -> list[Section]:
     """Return the sections on the first design, on the ranking, and on designs that miss the goal."""
     first = study.candidates[0]
     counts = Counter(value.provenance for value in first.case.values().values())
