@@ -131,11 +131,11 @@ class ContributionTable(SpecificationTable):
     def _whole(self) -> Self:
         fields = FIELDS_OF_KINDS.get(self.kind, KindFields())
         for name in FIELDS:
-            given = bool(getattr(self, name))
-            if given and name not in fields.needs:
+            stated = bool(getattr(self, name))
+            if stated and name not in fields.needs:
                 typed = getattr(getattr(self, name), "typed", name)
                 raise InputError(name, typed, f"with kind {self.kind} only {', '.join(fields.needs)}", "leave it out")
-            if name in fields.needs and not given:
+            if name in fields.needs and not stated:
                 raise InputError(name, MISSING, f"with kind {self.kind}: {', '.join(fields.needs)}")
         amount = self.kind in ("offset", "drift", "noise")
         if self.value is not None and not amount and not _is_share(self.value):

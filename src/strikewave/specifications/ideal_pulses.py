@@ -1,4 +1,4 @@
-"""The ideal pulses of shock specifications, and the band in time and amplitude that a measured one must stay in.
+"""Ideal pulses of shock specifications, and the band in time and amplitude for measured ones.
 
 The band that a measured pulse must stay in: the ideal pulse widened in time and amplitude, and where it is placed.
 
@@ -54,7 +54,7 @@ class IdealPulse:
 
     @property
     def top(self) -> tuple[float, float]:
-        """From when to when it stands at its peak, s."""
+        """Begin and end of its top, s."""
         low, high = {HALF_SINE: (0.5, 0.5), SAWTOOTH: (1.0, 1.0)}.get(self.shape, (self.rise, 1.0 - self.fall))
         return low * self.duration, high * self.duration
 
@@ -83,7 +83,7 @@ class IdealPulse:
 
     @property
     def velocity_change(self) -> float:
-        """Its integral: half-sine 2 A D / pi, sawtooth A D / 2, trapezoid A D (1 - (rise + fall) / 2)."""
+        """Integral: half-sine 2 A D / pi, sawtooth A D / 2, trapezoid A D (1 - (rise + fall) / 2)."""
         area = {HALF_SINE: 2.0 / math.pi, SAWTOOTH: 0.5}.get(self.shape, 1.0 - 0.5 * (self.rise + self.fall))
         return area * self.peak * self.duration
 
@@ -92,8 +92,8 @@ def from_width(
     shape: str, peak: float, duration: float, level: float, rise: float = 0.1, fall: float = 0.1
 ) -> IdealPulse:
     """Return the ideal pulse whose width at a share of its peak is stated; level 0 states its duration itself."""
-    whole = IdealPulse(shape, peak, 1.0, rise, fall)
-    return IdealPulse(shape, peak, duration / whole.width(level), rise, fall)
+    unit_pulse = IdealPulse(shape, peak, 1.0, rise, fall)
+    return IdealPulse(shape, peak, duration / unit_pulse.width(level), rise, fall)
 
 
 # Share of the duration between two times of comparison: between them a half-sine bends by 2e-6 of its peak
@@ -109,7 +109,7 @@ KEPT, ZOOMED, ZOOMS = 3, 11, 5
 
 
 class Placement(NamedTuple):
-    """Where a band lies over a record, and how far the record stays inside."""
+    """Place of a band over a record, and the distance of the record to its curves."""
 
     start: float  # time of the begin of the ideal pulse, s
     margin: float  # smallest distance to the curves of the band, in the unit of the record; below zero outside
@@ -191,7 +191,7 @@ class PulseBand:
 
 
 class _Comparison:
-    """The part of a record about a pulse beside the curves of a band, which slide over it."""
+    """Part of a record about a pulse, and the curves of a band that slide over it."""
 
     def __init__(self, band: PulseBand, values: Array, step: float, begin: float) -> None:
         self.band, self.values = band, values

@@ -107,19 +107,21 @@ def _file_fits(pattern: str, path: str) -> bool:
 
 def check_directions(stated: Sequence[StatedDirection], files: Sequence[tuple[str, Sequence[set[str]]]]) -> None:
     """Refuse a direction whose pattern means no channel of any file; of a file without channels it may mean any."""
-    for one in stated:
-        if any(direction_fits(one.place, path, keys) for path, channels in files for keys in channels or [set()]):
+    for direction in stated:
+        if any(direction_fits(direction.place, path, keys) for path, channels in files for keys in channels or [set()]):
             continue
-        of_files = [channels for path, channels in files for part, _ in _split(one.place) if _file_fits(part, path)]
+        of_files = [
+            channels for path, channels in files for part, _ in _split(direction.place) if _file_fits(part, path)
+        ]
         if of_files:
             names = {key for channels in of_files for keys in channels for key in keys}
-            channel = one.place.rpartition("#")[2]
+            channel = direction.place.rpartition("#")[2]
             raise InputError(
-                one.option, one.word, "name or number of a channel of these files", nearest(channel, names)
+                direction.option, direction.word, "name or number of a channel of these files", nearest(channel, names)
             )
-        part = one.place.partition("#")[0] or one.place
+        part = direction.place.partition("#")[0] or direction.place
         names = {Path(path).name for path, _ in files}
-        raise InputError(one.option, one.word, "a pattern that fits one of the files", nearest(part, names))
+        raise InputError(direction.option, direction.word, "a pattern that fits one of the files", nearest(part, names))
 
 
 def direction_clauses(shocks: Sequence[CountedShock], directions: Sequence[str], count: ShockCount) -> list[Clause]:
@@ -130,11 +132,11 @@ def direction_clauses(shocks: Sequence[CountedShock], directions: Sequence[str],
     limits = Limits(count.low, count.high, count.status)
     if not directions:
         return [not_judged("shocks by direction", limits, "1", "no direction is stated (--direction)")]
-    found: list[Clause] = []
-    stated = [one for one in DIRECTIONS if one in directions]
-    loose = [one for one in shocks if not one.direction]
+    clauses: list[Clause] = []
+    stated = [shock for shock in DIRECTIONS if shock in directions]
+    loose = [shock for shock in shocks if not shock.direction]
     for direction in stated:
-        here = [one for one in shocks if one.direction == direction]
+        here = [shock for shock in shocks if shock.direction == direction]
         passed, possible = _blows(here, (PASS,)), _blows(here, (PASS, CANNOT_TELL))
         possible += _blows(loose, (PASS, CANNOT_TELL))
         clause = judged(f"shocks in {direction}", float(passed), limits, "1")
@@ -144,29 +146,29 @@ def direction_clauses(shocks: Sequence[CountedShock], directions: Sequence[str],
             without = f", and {_of_files(loose)} no direction" if loose and verdict == CANNOT_TELL else ""
             reason = f"{passed} of {every} shocks pass{without}; {_asked_for(limits)}"
             clause = replace(clause, verdict=verdict, reason=reason)
-        found.append(clause)
+        clauses.append(clause)
     if loose:
         reason = f"{_of_files(loose)} no direction, and count in none (--direction, or --cross-axis for what is across)"
-        found.append(not_judged("shocks without a direction", Limits(0.0, 0.0, count.status), "1", reason))
+        clauses.append(not_judged("shocks without a direction", Limits(0.0, 0.0, count.status), "1", reason))
     across = judged("directions", float(len(stated)), Limits(count.directions, math.inf, count.status), "1")
     if across.verdict == FAIL:
-        lacking = [one for one in DIRECTIONS if one not in stated]
+        lacking = [shock for shock in DIRECTIONS if shock not in stated]
         across = replace(across, verdict=CANNOT_TELL if loose else FAIL, reason=f"not stated: {', '.join(lacking)}")
-    return [*found, across]
+    return [*clauses, across]
 
 
 def _of_files(shocks: Sequence[CountedShock]) -> str:
     """Say which files shocks are of."""
-    names = list(dict.fromkeys(", ".join(filter(None, (Path(one.file).name, one.name))) for one in shocks))
+    names = list(dict.fromkeys(", ".join(filter(None, (Path(shock.file).name, shock.name))) for shock in shocks))
     return f"{first_few(names, MOST_NAMED, '; ')} ha{'ve' if len(names) > 1 else 's'}"
 
 
 def _blows(shocks: Sequence[CountedShock], verdicts: Sequence[str]) -> int:
     """Return how many blows have one of the verdicts: of channels that recorded the same blows, the fewest."""
     counts: dict[str, dict[int, int]] = {}
-    for one in shocks:
-        channels = counts.setdefault(one.file, {})
-        channels[one.channel] = channels.get(one.channel, 0) + (one.verdict in verdicts)
+    for shock in shocks:
+        channels = counts.setdefault(shock.file, {})
+        channels[shock.channel] = channels.get(shock.channel, 0) + (shock.verdict in verdicts)
     return sum(min(channels.values()) for channels in counts.values())
 
 
@@ -207,7 +209,7 @@ BY_INDICATIVE = declare.word("whether it rests on a limit from memory", key="by_
 
 @declare.dataclass
 class Asked:
-    """How records are judged."""
+    """Settings of a verdict on records."""
 
     rule: Rule = declare.word("simple, or guarded by the expanded uncertainty", key="decision", default="simple")
     strict: bool = declare.word("whether limits from memory count as none", default=False)
@@ -256,7 +258,7 @@ class ShockRow:
 
 @declare.dataclass
 class RecordsVerdict:
-    """The verdict on records."""
+    """Verdict on records."""
 
     specification: Specification = declare.part(Specification, "what they are judged by", inline=True)
     limits: PulseLimits  # limits that it sets for a shock
@@ -266,12 +268,12 @@ class RecordsVerdict:
 
     @declare.computed(VERDICT)
     def verdict(self) -> str:
-        """Of all shocks and clauses together."""
+        """Verdict on all shocks and clauses together."""
         return together([*(one.found.verdict for one in self.shocks), *(clause.verdict for clause in self.campaign)])
 
     @declare.computed(BY_INDICATIVE)
     def by_indicative(self) -> bool:
-        """Whether the verdict rests on a limit that is from memory."""
+        """True if the verdict rests on a limit that is from memory."""
         return rests_on_indicative([clause for clause, _ in self.clauses], self.verdict)
 
     @property
@@ -282,7 +284,7 @@ class RecordsVerdict:
 
     @declare.computed(declare.rows(Clause, "each clause where it came out worst", key="clauses"))
     def placed_clauses(self) -> list[Clause]:
-        """The clauses with file, channel and blow."""
+        """Clauses with file, channel and blow."""
         return [
             clause if one is None else replace(clause, file=one.file, channel=one.reading.channel.name, blow=one.number)
             for clause, one in self.clauses
@@ -290,7 +292,7 @@ class RecordsVerdict:
 
     @declare.computed(declare.rows(ShockRow, "verdict on each shock", key="shocks"))
     def shock_rows(self) -> list[ShockRow]:
-        """The shocks as the document has them."""
+        """Shocks as the document has them."""
         return [
             ShockRow(
                 one.file,
@@ -347,8 +349,8 @@ def judge_records(
         for number, pulse in enumerate(reading.pulses, start=1):
             known = reading.uncertainties[number - 1] if reading.uncertainties else None
             shock = shock_of(reading, pulse, limits, beside, filter_, troubles, known)
-            found = judge_shock(shock, limits, asked.rule, asked.strict)
-            shocks.append(JudgedShock(file.path, reading, number, pulse, direction, shock, found))
+            verdict = judge_shock(shock, limits, asked.rule, asked.strict)
+            shocks.append(JudgedShock(file.path, reading, number, pulse, direction, shock, verdict))
     empty += [file.path for file in files if not file.channels]
     without = []
     if empty:
@@ -391,15 +393,15 @@ def _keys(reading: ChannelReading) -> set[str]:
 
 def troubles_of(findings: Sequence[HealthNotice]) -> dict[str, str]:
     """Return why figures are not to be trusted, the worst finding of each."""
-    found: dict[str, str] = {}
+    troubles: dict[str, str] = {}
     for severity in ("bad", "suspect"):
         for finding in findings:
             if finding.severity != severity or finding.code in JUDGED_AS_IT_IS:
                 continue
             for figure in ("peak", "width", "velocity_change"):
                 if severity == "bad" or figure in finding.harms:
-                    found.setdefault(figure, f"{finding.code}: {finding.message}")
-    return found
+                    troubles.setdefault(figure, f"{finding.code}: {finding.message}")
+    return troubles
 
 
 def shock_of(
@@ -517,7 +519,7 @@ class JudgedSpectrum(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """Of its clauses together."""
+        """Verdict of its clauses together."""
         return together(clause.verdict for clause in self.clauses)
 
 
@@ -528,7 +530,7 @@ def asked_of_spectra(rule: Rule = "simple", strict: bool = False, budget: Budget
 
 @declare.dataclass
 class SpectraVerdict:
-    """The verdict on spectra, each judged by itself."""
+    """Verdict on spectra, each judged by itself."""
 
     specification: Specification = declare.part(Specification, "what they are judged by", inline=True)
     limits: SpectrumLimits  # limits that it sets for a spectrum
@@ -537,12 +539,12 @@ class SpectraVerdict:
 
     @declare.computed(VERDICT)
     def verdict(self) -> str:
-        """Of all spectra together."""
+        """Verdict on all spectra together."""
         return together(one.verdict for one in self.spectra)
 
     @declare.computed(BY_INDICATIVE)
     def by_indicative(self) -> bool:
-        """Whether the verdict rests on a limit that is from memory."""
+        """True if the verdict rests on a limit that is from memory."""
         return rests_on_indicative(self.clauses, self.verdict)
 
     @declare.computed(declare.rows(Clause, "clauses of all spectra"))

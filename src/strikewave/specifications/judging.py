@@ -57,7 +57,7 @@ ROUNDING = 1e-9  # share of a value by which it may miss a limit: sums of some t
 
 
 class Limits(NamedTuple):
-    """What a value must lie between, and how well that is known."""
+    """Limits of a value, and the status of their numbers."""
 
     low: float  # limits; infinite where there is none
     high: float
@@ -70,7 +70,7 @@ class Limits(NamedTuple):
 
 @dataclass(frozen=True)
 class PulseLimits:
-    """What a specification asks of a shock, in SI."""
+    """Limits of a specification for a shock, in SI."""
 
     pulse: IdealPulse  # the ideal pulse
     status: str  # status of its peak and duration
@@ -154,7 +154,7 @@ class Clause:
 
 
 class ShockVerdict(NamedTuple):
-    """The verdict on one shock."""
+    """Verdict on one shock."""
 
     clauses: tuple[Clause, ...]  # in their order
     start: float  # time of the begin of the ideal pulse, s
@@ -162,7 +162,7 @@ class ShockVerdict(NamedTuple):
 
     @property
     def verdict(self) -> str:
-        """Of all clauses together."""
+        """Verdict of all clauses together."""
         return together(clause.verdict for clause in self.clauses)
 
     def least_margin(self, limits: PulseLimits) -> float:
@@ -297,8 +297,8 @@ def _relative(shock: Shock, figure: MeasuredFigure) -> float:
 def _through_filter(shock: Shock, name: str, figure: MeasuredFigure, limits: Limits, rule: Rule, reason: str) -> Clause:
     """Return the clause of a peak of which a filter may have taken a part: both peaks must have the same verdict."""
     clause = judged(name, figure.value, limits, "m/s^2", _relative(shock, figure), rule, reason)
-    whole = figure.value / shock.filter_left if shock.filter_left > 0.0 else math.inf
-    unfiltered = judged(name, whole, limits, "m/s^2", _relative(shock, figure), rule, reason)
+    unfiltered_peak = figure.value / shock.filter_left if shock.filter_left > 0.0 else math.inf
+    unfiltered = judged(name, unfiltered_peak, limits, "m/s^2", _relative(shock, figure), rule, reason)
     if not reason and unfiltered.verdict != clause.verdict:
         words = f"the filter leaves {percent(shock.filter_left)} of the peak of the ideal pulse"
         return replace(clause, verdict=CANNOT_TELL, reason=words)
@@ -412,7 +412,7 @@ class DecibelBand(NamedTuple):
 
 @dataclass(frozen=True)
 class SpectrumLimits:
-    """What a specification asks of a spectrum, in SI."""
+    """Limits of a specification for a spectrum, in SI."""
 
     # Breakpoints, Hz and the unit of the kind; straight lines between them on logarithmic axes
     frequency: tuple[float, ...]

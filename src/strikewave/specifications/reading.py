@@ -33,7 +33,7 @@ _FILE = re.compile(r"(?P<file>.*\.toml)(?::(?P<condition>[^:/\\]*))?", re.IGNORE
 
 
 class ShockCount(NamedTuple):
-    """How many shocks are asked for: in each direction, at least and at most, and in how many directions."""
+    """Number of shocks asked for: in each direction, at least and at most, and the number of directions."""
 
     low: float
     high: float
@@ -61,7 +61,7 @@ class Specification:
 
     @property
     def _typed(self) -> str:
-        """What asks for it: a file of one's own by its path."""
+        """Name that asks for it: of a file of one's own its path."""
         return self.path or self.asked
 
     @property
@@ -92,7 +92,7 @@ class Specification:
 
     @property
     def pulse(self) -> IdealPulse:
-        """Its ideal pulse."""
+        """Ideal pulse of the specification."""
         table = self.file.pulse
         if table is None:
             hint = f"this one is of a spectrum: strikewave srs FILES --spec {self._typed}"
@@ -104,11 +104,11 @@ class Specification:
 
     @property
     def status(self) -> str:
-        """Of its peak and duration."""
+        """Status of its peak and duration."""
         return weakest(*(self._nominal(key)[1] for key in ("peak", "duration")))
 
     def pulse_limits(self) -> PulseLimits:
-        """Return what it asks of a shock."""
+        """Return its limits for a shock."""
         file, pulse, status = self.file, self.pulse, self.status
         level = 0.1 if file.width is None else file.width.level.si
         peak = None if file.peak is None else self._about(pulse.peak, file.peak, status)
@@ -177,7 +177,7 @@ class Specification:
         return Limits(low, high, weakest(*(self._status(one, table) for one in stated)))
 
     def spectrum_limits(self) -> SpectrumLimits:
-        """Return what it asks of a spectrum."""
+        """Return its limits for a spectrum."""
         table = self.file.srs
         if table is None:
             known = [name for name in specification_names() if read_built_in(name)[0].srs is not None]

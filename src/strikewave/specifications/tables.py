@@ -1,4 +1,4 @@
-"""The tables of a specification file: each number with its unit, its status and its source.
+"""Tables of a specification file: each number with its unit, its status and its source.
 
 A number is ``"1500 g"``, or a table ``{ value = "1500 g", status = "quoted", source = "who quotes it" }``. What a
 number does not say of itself its table says, and else the file. A share has its sign, ``"20 %"``: a bare 5 would be
@@ -42,7 +42,7 @@ class StatedNumber(BaseModel):
 
 
 class NumberReader:
-    """What a number may be: a quantity with its unit, a share such as "20 %", or a level such as "-6 dB"."""
+    """Reader of a number: a quantity with its unit, a share such as "20 %", or a level such as "-6 dB"."""
 
     def __init__(self, unit: str, low: float = -math.inf, high: float = math.inf, open_low: bool = False) -> None:
         self.unit, self.low, self.high = unit, low, high
@@ -97,7 +97,7 @@ def _number(unit: str, low: float = -math.inf, high: float = math.inf, open_low:
 
 
 class ToleranceReader(NumberReader):
-    """What a tolerance to both sides may be: ``"20 %"``, as much down as up, or two shares."""
+    """Reader of a tolerance to both sides: ``"20 %"``, as much down as up, or two shares."""
 
     def read(self, raw: Any) -> Any:
         """Turn what a file holds into two numbers, see `NumberReader.read`."""

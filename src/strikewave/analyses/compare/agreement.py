@@ -104,12 +104,12 @@ class ComparedCurve:
 
     @property
     def pulse(self) -> Pulse:
-        """Its largest pulse, with its sign: the width at 10 % of the peak, the integral from foot to foot."""
+        """Largest pulse, with its sign: the width at 10 % of the peak, the integral from foot to foot."""
         if self.measured is not None:
             return self.measured
         upright, step = self.sign * self.history.values, self.history.step
-        found = measure_pulse(upright, step, self.history.start)
-        return found._replace(peak=self.sign * found.peak, area=self.sign * foot_to_foot(upright, step))
+        measured = measure_pulse(upright, step, self.history.start)
+        return measured._replace(peak=self.sign * measured.peak, area=self.sign * foot_to_foot(upright, step))
 
     def filtered(self, low_pass: Filter | None) -> ComparedCurve:
         """Return it through a low-pass."""
@@ -159,28 +159,30 @@ EVEN = 1e-3
 def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: Sequence[float]) -> ComparedCurve:
     """Return the mean and the deviations of curves shifted onto the first one, over the time that all have."""
     first = curves[0].history
-    begin = max(one.history.start + shift for one, shift in zip(curves, shifts, strict=True))
-    end = min(one.history.end + shift for one, shift in zip(curves, shifts, strict=True))
+    begin = max(curve.history.start + shift for curve, shift in zip(curves, shifts, strict=True))
+    end = min(curve.history.end + shift for curve, shift in zip(curves, shifts, strict=True))
     grid = first.time[(first.time >= begin) & (first.time <= end)]
     if grid.size < FEWEST:
         raise InputError(option, name, "records that overlap in time once they are aligned")
     rows = []
-    for one, shift in zip(curves, shifts, strict=True):
-        history = one.history
+    for curve, shift in zip(curves, shifts, strict=True):
+        history = curve.history
         rows.append(
             resampled(
                 history.values, np.clip((grid - shift - history.start) / history.step, 0.0, history.values.size - 1.0)
             )
         )
     values = np.mean(rows, axis=0)
-    pulses = np.array([one.pulse for one in curves])
+    pulses = np.array([curve.pulse for curve in curves])
     moved = Pulse(*map(float, np.append(np.mean(pulses[:, 0] + np.asarray(shifts)), np.mean(pulses[:, 1:], axis=0))))
-    figures = [[getattr(one.pulse, name) for name in FIGURES.values()] for one in curves]
+    figures = [[getattr(curve.pulse, name) for name in FIGURES.values()] for curve in curves]
     scatter = np.std(figures, axis=0, ddof=1) / math.sqrt(len(curves))
-    budgeted = all(one.budgeted for one in curves)
+    budgeted = all(curve.budgeted for curve in curves)
     if budgeted:  # what a channel may have done is common to all of its records
-        scatter = np.hypot(scatter, np.mean([[one.uncertainty[name] for name in FIGURES] for one in curves], axis=0))
-    noise = math.sqrt(float(np.mean([one.history.noise**2 for one in curves])) / len(curves))
+        scatter = np.hypot(
+            scatter, np.mean([[curve.uncertainty[name] for name in FIGURES] for curve in curves], axis=0)
+        )
+    noise = math.sqrt(float(np.mean([curve.history.noise**2 for curve in curves])) / len(curves))
     return ComparedCurve(
         name,
         "campaign",
@@ -191,7 +193,7 @@ def mean_curve(option: str, name: str, curves: Sequence[ComparedCurve], shifts: 
         measured=moved,
         uncertainty=dict(zip(FIGURES, scatter.tolist(), strict=True)),
         budgeted=budgeted,
-        notices=tuple(dict.fromkeys(notice for one in curves for notice in one.notices)),
+        notices=tuple(dict.fromkeys(notice for curve in curves for notice in curve.notices)),
     )
 
 
@@ -202,7 +204,7 @@ BESIDE_PULSE = (0.5, 1.0)  # durations before and after an ideal pulse without a
 
 @declare.dataclass
 class SpecificationVerdict:
-    """The verdict of a specification on a history."""
+    """Verdict of a specification on a history."""
 
     specification: Specification = declare.part(Specification, "what it is judged by", inline=True)
     limits: PulseLimits  # limits that the specification sets for a shock
@@ -220,12 +222,12 @@ class SpecificationVerdict:
 
     @property
     def asked(self) -> Asked:
-        """How it was judged, and what its uncertainty holds."""
+        """Decision rule and uncertainty of the verdict."""
         return Asked(self.rule, budget=self.budget)
 
     @property
     def decision(self) -> str:
-        """By which rule it was judged, and what its uncertainty holds, in words."""
+        """Decision rule and uncertainty of the verdict, in words."""
         return decision_words(self.rule, self.holds, self.not_stated)
 
 
@@ -273,8 +275,8 @@ def judged_by(
         if low_pass is None or not pulse.width > 0.0
         else effect_on_half_sine(low_pass, pulse.width / HALF_SINE_WIDTH).width,
     )
-    found = judge_shock(shock, limits, rule)
-    return SpecificationVerdict(specification, limits, found, rule, budget, curve.measured is not None)
+    verdict = judge_shock(shock, limits, rule)
+    return SpecificationVerdict(specification, limits, verdict, rule, budget, curve.measured is not None)
 
 
 def verdict_notices(judged: SpecificationVerdict) -> tuple[Notice, ...]:
@@ -392,15 +394,15 @@ class CurveAgreement:
 
     @property
     def inside_interval(self) -> NDArray[np.bool_]:
-        """Which samples lie in the interval."""
+        """Mask of the samples in the interval."""
         return (self.time >= self.interval[0]) & (self.time <= self.interval[1])
 
     @property
     def rms(self) -> float:
         """Root mean square of the difference over the interval, as a share of that of A."""
-        kept = self.inside_interval
-        whole = float(np.sqrt(np.mean(self.a[kept] ** 2)))
-        return float(np.sqrt(np.mean((self.b[kept] - self.a[kept]) ** 2))) / whole if whole else math.nan
+        inside = self.inside_interval
+        size = float(np.sqrt(np.mean(self.a[inside] ** 2)))
+        return float(np.sqrt(np.mean((self.b[inside] - self.a[inside]) ** 2))) / size if size else math.nan
 
     @property
     def correlation(self) -> float:
@@ -417,7 +419,7 @@ class CurveAgreement:
 
     @property
     def largest_ratio(self) -> tuple[float, float]:
-        """The ratio of the spectra that is largest in size, dB, and its natural frequency, Hz; NaN without spectra."""
+        """Largest ratio of the spectra either way, dB, and its natural frequency, Hz; NaN without spectra."""
         if not self.frequency.size:
             return math.nan, math.nan
         ratio = self.ratio
@@ -428,8 +430,8 @@ class CurveAgreement:
         """Return the share of the interval in which the two differ by at most so many deviations; NaN without any."""
         if self.deviation is None:
             return math.nan
-        kept = self.inside_interval
-        return float(np.mean(np.abs(self.b[kept] - self.a[kept]) <= factor * self.deviation[kept]))
+        within = self.inside_interval
+        return float(np.mean(np.abs(self.b[within] - self.a[within]) <= factor * self.deviation[within]))
 
 
 def agreement(
@@ -446,14 +448,14 @@ def agreement(
     begin, end = max(one.start, other.start), min(one.end, other.end)
     fine, coarse = (one, other) if one.step <= other.step * (1.0 + 1e-9) else (other, one)
     rounding = 1e-6 * fine.step
-    kept = (fine.time >= begin - rounding) & (fine.time <= end + rounding)
-    if np.count_nonzero(kept) < FEWEST:
+    common = (fine.time >= begin - rounding) & (fine.time <= end + rounding)
+    if np.count_nonzero(common) < FEWEST:
         spans = f"A lasts from {one.start:.6g} s to {one.end:.6g} s, B from {other.start:.6g} s to {other.end:.6g} s"
         raise InputError("--align", align, "histories that overlap in time", f"{spans}; align them by correlation")
-    time = fine.time[kept]
+    time = fine.time[common]
     places = np.clip((time - coarse.start) / coarse.step, 0.0, coarse.values.size - 1.0)
-    found = {id(fine): fine.values[kept], id(coarse): resampled(coarse.values, places)}
-    values_a, values_b = found[id(one)], found[id(other)]
+    sampled = {id(fine): fine.values[common], id(coarse): resampled(coarse.values, places)}
+    values_a, values_b = sampled[id(one)], sampled[id(other)]
     pulse_a, pulse_b = a.pulse, b.pulse
     pulse_b = pulse_b._replace(time=pulse_b.time + shift.shift)
     interval = _interval(time, values_a, values_b, (pulse_a, pulse_b)) if between is None else between

@@ -129,11 +129,11 @@ class Judged:
 
 def read_limit(word: str, field: str = "--limit") -> ComparisonLimit:
     """Return a limit that was typed."""
-    found = _LIMIT.fullmatch(word)
-    if found is None:
+    match = _LIMIT.fullmatch(word)
+    if match is None:
         example = 'a metric, one of < <= > >=, and a number, such as "iso18571 > 0.8"'
         raise InputError(field, word, example, f"metrics: {', '.join(METRICS)}")
-    metric, relation, number = found.groups()
+    metric, relation, number = match.groups()
     metric = metric.replace("-", "_")
     if metric not in METRICS:
         raise InputError(field, word, "a metric that is computed: " + ", ".join(METRICS), _near(metric))
@@ -182,9 +182,9 @@ def judge(
         if not math.isfinite(value):
             judged.append(Judged(limit, value, math.nan, CANNOT_TELL))
             continue
-        doubt, kept = expanded.get(limit.metric, 0.0), RELATIONS[limit.relation](value, limit.value)
+        doubt, holds = expanded.get(limit.metric, 0.0), RELATIONS[limit.relation](value, limit.value)
         margin = limit.value - value if limit.relation.startswith("<") else value - limit.value
-        judged.append(Judged(limit, value, margin, PASS if kept else FAIL, doubt))
+        judged.append(Judged(limit, value, margin, PASS if holds else FAIL, doubt))
     return tuple(judged)
 
 
@@ -218,17 +218,17 @@ def limit_notices(judged: Sequence[Judged]) -> tuple[Notice, ...]:
     A limit that is kept by less than the expanded uncertainty, known for some metrics, is reported: a value decides.
     """
     notices = []
-    for one in judged:
-        if one.verdict == PASS:
-            if one.margin < one.doubt:
+    for row in judged:
+        if row.verdict == PASS:
+            if row.margin < row.doubt:
                 message = (
-                    f"{one.limit.typed}: {value_words(one.value, one.unit)} passes by its value alone; its U (k = 2), "
-                    f"{value_words(one.doubt, one.unit)}, reaches over the limit"
+                    f"{row.limit.typed}: {value_words(row.value, row.unit)} passes by its value alone; its U (k = 2), "
+                    f"{value_words(row.doubt, row.unit)}, reaches over the limit"
                 )
-                notices.append(Notice("limit-in-doubt", message, one.doubt))
+                notices.append(Notice("limit-in-doubt", message, row.doubt))
             continue
-        value = value_words(one.value, one.unit)
-        found = f"is {value}" if one.verdict == FAIL else "has no value here, so there is no verdict"
-        message = f"{one.limit.typed}: {one.of} {found}"
-        notices.append(Notice(f"limit-{one.limit.metric}", message, one.value, severity=FAILED))
+        value = value_words(row.value, row.unit)
+        outcome = f"is {value}" if row.verdict == FAIL else "has no value here, so there is no verdict"
+        message = f"{row.limit.typed}: {row.of} {outcome}"
+        notices.append(Notice(f"limit-{row.limit.metric}", message, row.value, severity=FAILED))
     return tuple(notices)

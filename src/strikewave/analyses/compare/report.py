@@ -62,27 +62,27 @@ SCORES = ("corridor", "phase", "magnitude", "slope", "overall")
 
 def _shown(result: CompareResult) -> tuple[NDArray[np.bool_], Array, str]:
     """Return which samples are drawn, their times in the unit of the axis, and its label."""
-    found = result.agreement
-    begin, end = found.interval
-    kept = (found.time >= begin - MARGIN * (end - begin)) & (found.time <= end + MARGIN * (end - begin))
-    size, unit = time_unit(float(np.ptp(found.time[kept])))
-    return kept, found.time[kept] / size, f"time of A ({unit})"
+    curves = result.agreement
+    begin, end = curves.interval
+    drawn = (curves.time >= begin - MARGIN * (end - begin)) & (curves.time <= end + MARGIN * (end - begin))
+    size, unit = time_unit(float(np.ptp(curves.time[drawn])))
+    return drawn, curves.time[drawn] / size, f"time of A ({unit})"
 
 
 def draw_overlay(axes: Any, result: CompareResult) -> None:
     """Draw A with its corridor, and B on it."""
-    found = result.agreement
-    kept, time, label = _shown(result)
+    curves = result.agreement
+    drawn, time, label = _shown(result)
     size, _ = axis_unit(result.unit, result.usual)
-    a, b = found.a[kept] / size, found.b[kept] / size
+    a, b = curves.a[drawn] / size, curves.b[drawn] / size
     judged = result.specified
     if judged is not None and judged.limits.band is not None:
-        low, high = judged.limits.band.curves(found.time[kept] - judged.found.start)
+        low, high = judged.limits.band.curves(curves.time[drawn] - judged.found.start)
         sign, words = result.a.sign / size, f"band of {judged.specification.asked}"
         axes.fill_between(time, sign * low, sign * high, color=SHADES[1], linewidth=0.0, label=words)
-    elif found.deviation is not None:
+    elif curves.deviation is not None:
         of_a = result.a.deviation is not None
-        mean, half = (a if of_a else b), result.factor * found.deviation[kept] / size
+        mean, half = (a if of_a else b), result.factor * curves.deviation[drawn] / size
         words = f"mean of {(result.a if of_a else result.b).count} records ± {result.factor:g} standard deviations"
         axes.fill_between(time, mean - half, mean + half, color=SHADES[1], linewidth=0.0, label=words)
     else:
@@ -93,14 +93,14 @@ def draw_overlay(axes: Any, result: CompareResult) -> None:
     for name, values, colour, dash in (("A", a, BLUE, "-"), ("B", b, RED, "--")):
         curve = result.a if name == "A" else result.b
         axes.plot(*thin(time, values), dash, color=colour, linewidth=1.4, label=f"{name}: {plain(curve.name, LONGEST)}")
-    second = time_unit(float(np.ptp(found.time[kept])))[0]
-    for name, curve, pulse, colour in (("A", result.a, found.pulse_a, BLUE), ("B", result.b, found.pulse_b, RED)):
+    second = time_unit(float(np.ptp(curves.time[drawn])))[0]
+    for name, curve, pulse, colour in (("A", result.a, curves.pulse_a, BLUE), ("B", result.b, curves.pulse_b, RED)):
         band = curve.band.get("peak")
         if band is not None and np.isfinite(band.low + band.high):
             ends = np.array([band.low, band.high]) * curve.sign / size
             where, words = np.full(2, pulse.time / second), f"band of the peak of {name}"
             axes.plot(where, ends, "_-", color=colour, linewidth=1.0, markersize=12, label=words)
-    for edge in found.interval:
+    for edge in curves.interval:
         if time[0] < edge / second < time[-1]:
             axes.axvline(edge / second, color=GREY, linewidth=0.8, linestyle=":")
     quiet(axes, "B on A, shifted by " + ("nothing" if result.align == "none" else result.align), label, _axis(result))
@@ -112,12 +112,12 @@ def _axis(result: CompareResult) -> str:
 
 def draw_difference(axes: Any, result: CompareResult) -> None:
     """Draw B minus A."""
-    found = result.agreement
-    kept, time, label = _shown(result)
+    curves = result.agreement
+    drawn, time, label = _shown(result)
     size, _ = axis_unit(result.unit, result.usual)
-    difference = (found.b - found.a)[kept] / size
-    if found.deviation is not None:
-        half = result.factor * found.deviation[kept] / size
+    difference = (curves.b - curves.a)[drawn] / size
+    if curves.deviation is not None:
+        half = result.factor * curves.deviation[drawn] / size
         axes.fill_between(time, -half, half, color=SHADES[1], linewidth=0.0)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.plot(*thin(time, difference), color=GREEN, linewidth=1.2)
@@ -129,15 +129,15 @@ def draw_ratio(axes: Any, result: CompareResult) -> None:
     """Draw the ratio of the shock response spectra."""
     from matplotlib.ticker import FuncFormatter, NullFormatter
 
-    found = result.agreement
+    curves = result.agreement
     size, _ = axis_unit("Hz", "kHz")
     axes.axhspan(-3.0, 3.0, color=SHADES[0], linewidth=0.0)
-    axes.semilogx(found.frequency / size, found.ratio, color=BLUE, linewidth=1.3)
+    axes.semilogx(curves.frequency / size, curves.ratio, color=BLUE, linewidth=1.3)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
     quiet(axes, "Shock response spectra, B over A", headed("natural frequency", "Hz", "kHz"), "ratio (dB)")
-    largest = float(np.nanmax(np.abs(found.ratio)))
+    largest = float(np.nanmax(np.abs(curves.ratio)))
     axes.set_ylim(-max(1.15 * largest, 4.0), max(1.15 * largest, 4.0))
 
 
@@ -173,13 +173,13 @@ def overlay(result: CompareResult) -> Figure:
 
 def half_figures(result: CompareResult) -> list[tuple[Figure, str]]:
     """Return difference, ratio of spectra and scores, each with its caption."""
-    found = [(one_diagram(lambda axes: draw_difference(axes, result), HALF), "What B has more than A.")]
+    pictures = [(one_diagram(lambda axes: draw_difference(axes, result), HALF), "What B has more than A.")]
     if result.agreement.frequency.size:
         words = "Largest responses of oscillators of 5 % damping (Q = 10) to B, over those to A; shaded: ± 3 dB."
-        found.append((one_diagram(lambda axes: draw_ratio(axes, result), HALF), words))
+        pictures.append((one_diagram(lambda axes: draw_ratio(axes, result), HALF), words))
     words = "Scores of ISO/TS 18571 over the interval between the dotted lines, with their weights."
-    found.append((one_diagram(lambda axes: draw_scores(axes, result), HALF), words))
-    return found
+    pictures.append((one_diagram(lambda axes: draw_scores(axes, result), HALF), words))
+    return pictures
 
 
 def summary_figure(result: CompareResult) -> Figure:
@@ -197,7 +197,7 @@ SIDES = "A is the reference; the shift is added to the times of B."
 
 def compare_words(result: CompareResult) -> str:
     """Say in words how well the two agree."""
-    found, rating = result.agreement, result.agreement.rating
+    curves, rating = result.agreement, result.agreement.rating
     peak, width = result.figures["peak"], result.figures["width"]
     words = [
         f"{result.b.name} agrees with {result.a.name} to {rating.overall:.2f} of 1 by ISO/TS 18571 ({rating.grade}):"
@@ -205,12 +205,12 @@ def compare_words(result: CompareResult) -> str:
     parts = [f"peak {percent(peak.difference, 1, '+')}"]
     if math.isfinite(width.difference):
         parts.append(f"pulse width at 10 % {percent(width.difference, 1, '+')}")
-    parts.append(f"RMS difference {percent(found.rms)}")
+    parts.append(f"RMS difference {percent(curves.rms)}")
     words[0] += f" {', '.join(parts)}."
     words.append("Not aligned." if result.align == "none" else f"B is shifted by {result.shift_words}.")
-    if found.deviation is not None:
+    if curves.deviation is not None:
         words.append(
-            f"{percent(found.inside(result.factor), 0)} of the interval lies within the corridor of "
+            f"{percent(curves.inside(result.factor), 0)} of the interval lies within the corridor of "
             f"± {result.factor:g} standard deviations."
         )
     if result.judged:

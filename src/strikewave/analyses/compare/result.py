@@ -1,4 +1,4 @@
-"""What a comparison comes to: metrics, verdict, tables, JSON document."""
+"""Result of a comparison: metrics, verdict, tables, JSON document."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ OF_INTEGRAL = Quantity.of_data("of the integral")
 
 @declare.dataclass
 class LargestRatio:
-    """Where the shock response spectra of both differ most."""
+    """Largest difference of the shock response spectra."""
 
     ratio: float = declare.number(LEVEL, "largest ratio of the shock response spectra")
     frequency: float = declare.number(FREQUENCY, "natural frequency of that")
@@ -75,7 +75,7 @@ class LargestRatio:
 
 @declare.dataclass
 class SpectraRatio:
-    """The ratio of the shock response spectra."""
+    """Ratio of the shock response spectra."""
 
     largest: LargestRatio = declare.part(LargestRatio, "where it is largest in size")
     frequency: Array = declare.history(FREQUENCY, "natural frequencies")
@@ -99,7 +99,7 @@ class IsoScores:
 
 @declare.dataclass
 class ShiftTaken:
-    """What aligned the two histories."""
+    """Shift that aligns the two histories."""
 
     value: float = declare.number(MICROSECONDS, "what was added to the times of b")
     uncertainty: float = declare.number(MICROSECONDS, "standard uncertainty of that")
@@ -122,7 +122,7 @@ class ShiftTaken:
 
 @declare.dataclass
 class CorridorShare:
-    """How much of a history lies within the corridor of a campaign."""
+    """Share of a history within the corridor of a campaign."""
 
     share: float = declare.number(RATIO, "of a campaign: share of the samples within its corridor")
     deviations: float = declare.number(NOT_MEASURED, "how wide that is in deviations")
@@ -152,7 +152,7 @@ class BandedFigure:
 
 @declare.dataclass
 class ComparisonMetrics:
-    """How well two histories agree."""
+    """Metrics of the agreement of two histories."""
 
     peak: PairOfFigures | None = declare.part(PairOfFigures, "largest magnitude", quantity=OF_FILES)
     width: PairOfFigures | None = declare.part(PairOfFigures, "width at 10 % of it", quantity=MICROSECONDS)
@@ -203,7 +203,7 @@ class CompareResult(AskedResult):
 
     @property
     def title(self) -> str:
-        """The names of both."""
+        """Names of both histories."""
         return f"{self.b.name} against {self.a.name}"
 
     @property
@@ -249,19 +249,19 @@ class CompareResult(AskedResult):
 
     @declare.computed(declare.part(ComparisonMetrics, "how well both agree"))
     def metrics(self) -> ComparisonMetrics:
-        """How well both agree."""
-        found, rating = self.agreement, self.agreement.rating
-        begin, end = found.interval
+        """Metrics of the agreement of both."""
+        curves, rating = self.agreement, self.agreement.rating
+        begin, end = curves.interval
         scaling = (SAMPLES, (SAMPLES - 1) / RATE / (end - begin))
-        srs = SpectraRatio(LargestRatio(*found.largest_ratio), found.frequency, found.ratio)
+        srs = SpectraRatio(LargestRatio(*curves.largest_ratio), curves.frequency, curves.ratio)
         return ComparisonMetrics(
             **{name: self.figures.get(name) for name in NAMES},
-            rms=found.rms,
-            correlation=found.correlation,
-            srs=srs if found.frequency.size else None,
+            rms=curves.rms,
+            correlation=curves.correlation,
+            srs=srs if curves.frequency.size else None,
             iso18571=IsoScores(*rating[:5], (end - begin) / (SAMPLES - 1) * rating.delay, rating.grade, *scaling),
-            shift=ShiftTaken(found.shift.shift, found.shift.uncertainty, self.align, found.shift.rule),
-            inside=None if found.deviation is None else CorridorShare(found.inside(self.factor), self.factor),
+            shift=ShiftTaken(curves.shift.shift, curves.shift.uncertainty, self.align, curves.shift.rule),
+            inside=None if curves.deviation is None else CorridorShare(curves.inside(self.factor), self.factor),
             band=self.in_bands,
         )
 
@@ -289,7 +289,7 @@ class CompareResult(AskedResult):
 
     @declare.computed(declare.word("the worst of specification and limits; null without any"))
     def verdict(self) -> str | None:
-        """The worst verdict, of the specification and of the limits; None without any."""
+        """Worst verdict, of the specification and of the limits; None without any."""
         verdicts = [one for one in (verdict_of(self.judged), self.specified and self.specified.verdict) if one]
         return together(verdicts) if verdicts else None
 
@@ -300,15 +300,15 @@ class CompareResult(AskedResult):
     @declare.computed(declare.table("both over the common time"))
     def histories(self) -> list[Column]:
         """Both histories over the common time."""
-        found, si, usual = self.agreement, self.unit, self.usual
+        curves, si, usual = self.agreement, self.unit, self.usual
         columns = [
-            Column.of("time", found.time, MICROSECONDS),
-            Column("A", found.a, si, shown=usual),
-            Column("B", found.b, si, shown=usual),
-            Column("difference", found.b - found.a, si, shown=usual),
+            Column.of("time", curves.time, MICROSECONDS),
+            Column("A", curves.a, si, shown=usual),
+            Column("B", curves.b, si, shown=usual),
+            Column("difference", curves.b - curves.a, si, shown=usual),
         ]
-        if found.deviation is not None:
-            columns.append(Column("deviation", found.deviation, si, shown=usual))
+        if curves.deviation is not None:
+            columns.append(Column("deviation", curves.deviation, si, shown=usual))
         return columns
 
     @functools.cached_property
@@ -340,17 +340,19 @@ class CompareResult(AskedResult):
 
     @functools.cached_property
     def values(self) -> dict[str, float]:
-        """What a limit can be of, by its name: differences as sizes."""
-        found = self.agreement
+        """Values that a limit can be set for, by name: differences as sizes."""
+        curves = self.agreement
         return {
             **{name: abs(pair.difference) for name, pair in self.figures.items()},
-            "rms": found.rms,
-            "correlation": found.correlation,
-            "srs": abs(found.largest_ratio[0]),
-            "iso18571": found.rating.overall,
-            **{f"iso18571.{name}": getattr(found.rating, name) for name in ("corridor", "phase", "magnitude", "slope")},
-            "shift": abs(found.shift.shift),
-            "inside": found.inside(self.factor),
+            "rms": curves.rms,
+            "correlation": curves.correlation,
+            "srs": abs(curves.largest_ratio[0]),
+            "iso18571": curves.rating.overall,
+            **{
+                f"iso18571.{name}": getattr(curves.rating, name) for name in ("corridor", "phase", "magnitude", "slope")
+            },
+            "shift": abs(curves.shift.shift),
+            "inside": curves.inside(self.factor),
         }
 
     @declare.computed(declare.rows(BandedFigure, "band of the simulation", in_document=False))
@@ -366,21 +368,21 @@ class CompareResult(AskedResult):
 
     def preview(self) -> Curve | None:
         """Return the difference over the interval."""
-        found, kept = self.agreement, self.agreement.inside_interval
+        curves, inside = self.agreement, self.agreement.inside_interval
         return history_curve(
-            found.time[kept], (found.b - found.a)[kept], self.unit, self.usual, f"difference of {self.quantity}"
+            curves.time[inside], (curves.b - curves.a)[inside], self.unit, self.usual, f"difference of {self.quantity}"
         )
 
     def tables(self) -> dict[str, str]:
         """Return histories and spectra as CSV text."""
         tables = {"comparison.csv": csv_table(self.histories, HISTORY_DIGITS)}
-        found, si = self.agreement, self.unit
-        if found.frequency.size:
+        curves, si = self.agreement, self.unit
+        if curves.frequency.size:
             spectra = [
-                Column("frequency", found.frequency, "Hz"),
-                Column("A", found.spectrum_a, si),
-                Column("B", found.spectrum_b, si),
-                Column("ratio [dB]", found.ratio),
+                Column("frequency", curves.frequency, "Hz"),
+                Column("A", curves.spectrum_a, si),
+                Column("B", curves.spectrum_b, si),
+                Column("ratio [dB]", curves.ratio),
             ]
             tables["spectrum.csv"] = csv_table(spectra)
         return tables

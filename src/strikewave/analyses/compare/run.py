@@ -56,7 +56,7 @@ Compared = str | Path | Result | tuple[Result, str]
 
 @dataclasses.dataclass(frozen=True)
 class CompareRequest:
-    """What is asked of a comparison, beside the names of the two."""
+    """Request for a comparison, without the names of the two."""
 
     reading: SourceOptions = dataclasses.field(default_factory=SourceOptions)
     align: str = "correlation"
@@ -237,11 +237,11 @@ def compared_curves(
         between = (first.history.start if begin is None else begin, first.history.end if end is None else end)
         if not between[0] < between[1]:
             raise InputError("--to", f"{between[1]:g} s", f"a time after --from, {between[0]:g} s")
-    found = agreement(first, second, request.align, between)
+    curves = agreement(first, second, request.align, between)
     result = CompareResult(
         first,
         second,
-        found,
+        curves,
         request.align,
         request.reading.low_pass,
         request.factor,
@@ -257,7 +257,7 @@ def compared_curves(
         *(() if request.reading.budget is None else budget_notices(request.reading.budget)),
         *failed,
         *limit_notices(judged),
-        *_notices(first, second, found, result),
+        *_notices(first, second, curves, result),
         *_as_the_run_does(first, second),
         *_as_the_run_does(second, first),
     )
@@ -307,7 +307,7 @@ def _check_units(a: ComparedCurve, b: ComparedCurve) -> None:
     raise InputError("B", words[1], f"the quantity of A, {words[0]}", "take another channel or part")
 
 
-def _notices(a: ComparedCurve, b: ComparedCurve, found: CurveAgreement, result: CompareResult) -> list[Notice]:
+def _notices(a: ComparedCurve, b: ComparedCurve, curves: CurveAgreement, result: CompareResult) -> list[Notice]:
     """Return what the user should know of the comparison itself."""
     notices = []
     if are_opposite(a.history, b.history) or a.sign != b.sign:
@@ -318,20 +318,20 @@ def _notices(a: ComparedCurve, b: ComparedCurve, found: CurveAgreement, result: 
         notices.append(Notice("polarity", f"A and B have opposite signs, and B is not turned: {turned}"))
     if result.align == "correlation":
         to_gap = shift_to_gap(a, b)
-        doubt, apart = math.hypot(to_gap.uncertainty, found.shift.uncertainty), abs(to_gap.shift - found.shift.shift)
+        doubt, apart = math.hypot(to_gap.uncertainty, curves.shift.uncertainty), abs(to_gap.shift - curves.shift.shift)
         if apart > SHIFTS_APART * doubt:  # it depends on frequencies beyond the gap, as pickup in both makes them
             message = (
                 f"A and B are coherent at low frequencies and, beyond a gap, again, as a pickup in both makes them: "
                 f"the shift by the low ones alone is {1e6 * to_gap.shift:.6g}\xa0us; --filter takes the pickup off both"
             )
             notices.append(Notice("alignment-doubt", message, apart, SHIFTS_APART * doubt))
-    if found.lost > LOST:
+    if curves.lost > LOST:
         coarse = max(a.history.step, b.history.step)
         message = (
-            f"{percent(found.lost)} of the RMS of the more finely sampled history lies above half the sampling rate of "
-            f"the other, {0.5 / coarse:.4g}\xa0Hz, which cannot hold it: --filter takes it off both"
+            f"{percent(curves.lost)} of the RMS of the more finely sampled history lies above half the sampling rate "
+            f"of the other, {0.5 / coarse:.4g}\xa0Hz, which cannot hold it: --filter takes it off both"
         )
-        notices.append(Notice("above-nyquist", message, found.lost, LOST))
+        notices.append(Notice("above-nyquist", message, curves.lost, LOST))
     out = [f"{one.figure} of {one.of}" for one in result.in_bands if not one.inside]
     if out:
         message = f"{listed(out)} outside the band of the simulation".replace("_", " ")

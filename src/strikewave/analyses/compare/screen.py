@@ -40,7 +40,7 @@ def compare_sources(a: str, b: str, request: CompareRequest, output: Output) -> 
 
 @dataclass(frozen=True)
 class CompareCommand(Command[CompareResult]):
-    """The comparison of two histories."""
+    """Comparison of two histories."""
 
     indent: ClassVar[int | None] = None
 

@@ -69,7 +69,7 @@ def solution_curve(option: str, solution: Result, part: str, blow: int, unit: st
 
 
 class CheckedRun(NamedTuple):
-    """What the checks of a simulation came to: its verdict, and the checks that failed."""
+    """Outcome of the checks of a simulation: its verdict, and the checks that failed."""
 
     verdict: str = ""
     notices: tuple[Notice, ...] = ()
@@ -111,8 +111,8 @@ def _of_sensor(part: SimulatedPart, curve: ComparedCurve) -> Mapping[str, Band]:
     if not part.band:
         return part.band
     pulse = curve.pulse
-    whole = replace(curve, history=even_history(part.time, part.values)).pulse
-    moved = {key: getattr(pulse, name) - getattr(whole, name) for key, name in _OF_PULSE.items()}
+    unmoved = replace(curve, history=even_history(part.time, part.values)).pulse
+    moved = {key: getattr(pulse, name) - getattr(unmoved, name) for key, name in _OF_PULSE.items()}
     return {
         key: replace(band, low=band.low + moved[key], high=band.high + moved[key]) for key, band in part.band.items()
     }
@@ -129,7 +129,7 @@ def _from_rest(history: EvenHistory) -> EvenHistory:
 
 def _chosen(option: str, name: str, parts: Sequence[SimulatedPart], part: str, blow: int, unit: str) -> SimulatedPart:
     """Return the history that is wanted; of several quantities the one in the preferred unit, or an acceleration."""
-    known = list(dict.fromkeys(one.part for one in parts))
+    known = list(dict.fromkeys(history.part for history in parts))
     if not known:
         raise InputError(option, name, "a result with histories")
     wanted, quantity = part or known[0], ""
@@ -138,22 +138,26 @@ def _chosen(option: str, name: str, parts: Sequence[SimulatedPart], part: str, b
         if wanted not in known:
             raise InputError(option, f"{name}:{part}", "a part of the simulation", nearest(part, known))
     elif not part and len(known) > 1:
-        others = [one for one in known[1:] if not _AXIS.search(one)]
+        others = [history for history in known[1:] if not _AXIS.search(history)]
         say(f"{option} is {known[0]} of {name}; {name}:PART takes another: {', '.join(others[:MOST_NAMED])}")
-    found = [one for one in parts if one.part == wanted]
-    quantities = list(dict.fromkeys(one.quantity for one in found))
+    histories = [history for history in parts if history.part == wanted]
+    quantities = list(dict.fromkeys(history.quantity for history in histories))
     if quantity and quantity not in quantities:
         raise InputError(option, f"{name}:{part}", f"a quantity of {wanted}", nearest(quantity, quantities))
-    blows = sorted({one.blow for one in found})
+    blows = sorted({history.blow for history in histories})
     if blow and blow not in blows:
         allowed = f"a blow that struck, {', '.join(map(str, blows))}" if any(blows) else "no blow: there is only one"
         raise InputError(option, f"{name}@{blow}", allowed)
-    found = [one for one in found if one.blow == (blow or blows[0])]
-    for how in (lambda one: one.quantity == quantity, lambda one: one.unit == unit, lambda one: one.unit == "m/s^2"):
-        for one in found:
-            if how(one):
-                return one
-    return found[0]
+    histories = [history for history in histories if history.blow == (blow or blows[0])]
+    for how in (
+        lambda history: history.quantity == quantity,
+        lambda history: history.unit == unit,
+        lambda history: history.unit == "m/s^2",
+    ):
+        for history in histories:
+            if how(history):
+                return history
+    return histories[0]
 
 
 @functools.lru_cache(maxsize=2)
@@ -256,9 +260,9 @@ def _peak_band(bands: Mapping[str, Band], name: str) -> dict[str, Band]:
 def _sensors(arrays: LabelledArrays) -> Iterator[tuple[Any, str, str]]:
     """Yield the readings of sensors, with their keys and the names of the sensors."""
     for key, variable in arrays.data_vars.items():
-        found = _READING.fullmatch(str(variable.attrs.get("long_name", "")))
-        if re.fullmatch(r"reading_\d+", key) and found:
-            yield variable, key, found[1]
+        match = _READING.fullmatch(str(variable.attrs.get("long_name", "")))
+        if re.fullmatch(r"reading_\d+", key) and match:
+            yield variable, key, match[1]
 
 
 def _wave_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[SimulatedPart]:
@@ -282,8 +286,8 @@ def _wave_parts(arrays: LabelledArrays, bands: Mapping[str, Band]) -> Iterator[S
 def _fem_parts(arrays: LabelledArrays) -> Iterator[SimulatedPart]:
     """Yield bodies, groups, points, sections and contacts along the axis on which each moves most, and along each."""
     kinds = ("part", "group", "point", "section", "contact")
-    found = {key: variable for key, variable in arrays.data_vars.items() if key.partition(".")[0] in kinds}
-    for key, variable in sorted(found.items(), key=lambda pair: kinds.index(pair[0].partition(".")[0])):
+    variables = {key: variable for key, variable in arrays.data_vars.items() if key.partition(".")[0] in kinds}
+    for key, variable in sorted(variables.items(), key=lambda pair: kinds.index(pair[0].partition(".")[0])):
         kind, _, rest = key.partition(".")
         name, _, what = rest.rpartition(".")
         quantity = _FEM.get(what, what)
@@ -304,5 +308,5 @@ def _fem_parts(arrays: LabelledArrays) -> Iterator[SimulatedPart]:
 def _span(time: Array, values: Array) -> tuple[Array, Array]:
     """Return times and values from the first that is a number to the last."""
     known = np.flatnonzero(np.isfinite(values))
-    kept = slice(int(known[0]), int(known[-1]) + 1) if known.size else slice(0, 0)
-    return time[kept], values[kept]
+    between = slice(int(known[0]), int(known[-1]) + 1) if known.size else slice(0, 0)
+    return time[between], values[between]

@@ -1,4 +1,4 @@
-"""What the names A and B of a comparison stand for: measured files, campaigns, cases, and results that were kept.
+"""Sources of a comparison, by name: measured files, campaigns, cases, and results that were kept.
 
 A name is ``PLACE``, ``PLACE#CHANNEL`` for a measured file, or ``PLACE:PART`` for what is simulated, and may end with
 ``@BLOW``, the number of a blow, or ``@all`` for all of a record, which make a campaign. A place is a measured file, a
@@ -50,7 +50,7 @@ class SourceName(NamedTuple):
 
 @dataclass(frozen=True)
 class SourceOptions:
-    """How sources are read: calibration and options of measured files, low-pass, bands, and an uncertainty budget."""
+    """Reading of sources: calibration and options of measured files, low-pass, bands, uncertainty budget."""
 
     stated: dict[str, dict[str, Any]] = field(default_factory=dict)
     options: Options = field(default_factory=Options)
@@ -63,13 +63,13 @@ def parse_name(word: str) -> SourceName:
     """Take a name apart; what exists under the whole of it is that."""
     if _is_place(word):
         return SourceName(word)
-    found = _BLOW.fullmatch(word)
-    rest, blow = (found[1], ALL if found[2] == "all" else int(found[2])) if found else (word, 0)
+    match = _BLOW.fullmatch(word)
+    rest, blow = (match[1], ALL if match[2] == "all" else int(match[2])) if match else (word, 0)
     if _is_place(rest):
         return SourceName(rest, "", blow)
     for mark in ("#", ":"):
-        place, said, part = rest.rpartition(mark)
-        if said and place and (mark == "#" or _is_place(place) or not os.path.dirname(part)):
+        place, separator, part = rest.rpartition(mark)
+        if separator and place and (mark == "#" or _is_place(place) or not os.path.dirname(part)):
             return SourceName(place, part.strip(), blow, mark == "#")
     return SourceName(rest, "", blow)
 
@@ -86,11 +86,11 @@ def paths_of(name: SourceName) -> list[Path]:
     if not name.place:
         return []
     if os.path.isdir(path):
-        kept = [path / one for one in (*KEPT, "case.toml") if (path / one).is_file()]
-        listed = [one for one in sorted(_listed(path)) if not one.endswith(".toml")]  # calibrations beside the files
-        return kept[:1] or [path / one for one in listed if (path / one).is_file()]
+        results = [path / file for file in (*KEPT, "case.toml") if (path / file).is_file()]
+        listed = [file for file in sorted(_listed(path)) if not file.endswith(".toml")]  # calibrations beside the files
+        return results[:1] or [path / file for file in listed if (path / file).is_file()]
     if not os.path.lexists(name.place) and any(mark in name.place for mark in "*?["):
-        return [Path(one) for one in measured.ordered([name.place]) if os.path.lexists(one)]
+        return [Path(file) for file in measured.ordered([name.place]) if os.path.lexists(file)]
     return [path] if os.path.isfile(path) else []
 
 
@@ -163,42 +163,44 @@ def _record(
     return [_of_channel(option, called, one, blow, reading.budget) for blow in blows or [0]]
 
 
-def _of_channel(option: str, name: str, one: ChannelReading, blow: int, budget: Budget | None = None) -> ComparedCurve:
+def _of_channel(
+    option: str, name: str, reading: ChannelReading, blow: int, budget: Budget | None = None
+) -> ComparedCurve:
     """Return a channel as a curve."""
-    channel = one.channel
-    offset = one.baseline if one.pulses else 0.0
+    channel = reading.channel
+    offset = reading.baseline if reading.pulses else 0.0
     if channel.values.size and not math.isfinite(channel.step):
         raise InputError(option, name, "a file with a time column", "state --rate")
     history = EvenHistory(channel.values - offset, channel.step, channel.start)
-    whole = checked_curve(option, ComparedCurve(name, "record", history, channel.unit))
+    history_curve = checked_curve(option, ComparedCurve(name, "record", history, channel.unit))
     notices = [
         Notice(finding.code, f"{name}: {finding.message}", finding.value)
-        for finding in one.findings
+        for finding in reading.findings
         if finding.severity != "good" and {"peak", "width", "velocity_change"} & set(finding.harms)
     ]
-    if not one.pulses:
+    if not reading.pulses:
         if blow > 1:
             raise InputError(option, f"{name}@{blow}", "a blow that was found", "none was found")
         notices.append(Notice("no-pulse", f"{name}: no blow was found, so no baseline is taken off"))
-        return replace(whole, notices=tuple(notices))
-    if blow > len(one.pulses):
-        raise InputError(option, f"{name}@{blow}", f"a blow from 1 to {len(one.pulses)}")
-    place = blow - 1 if blow else max(range(len(one.pulses)), key=lambda k: abs(one.pulses[k].peak))
-    pulse, values, time = one.pulses[place], whole.history.values, whole.history.time
-    begin = 0.5 * (one.pulses[place - 1].end + pulse.begin) if place else -math.inf
-    end = 0.5 * (pulse.end + one.pulses[place + 1].begin) if place + 1 < len(one.pulses) else math.inf
-    kept = (time >= begin) & (time <= end)
-    before = values[(time < pulse.begin - pulse.width) & kept]
+        return replace(history_curve, notices=tuple(notices))
+    if blow > len(reading.pulses):
+        raise InputError(option, f"{name}@{blow}", f"a blow from 1 to {len(reading.pulses)}")
+    place = blow - 1 if blow else max(range(len(reading.pulses)), key=lambda k: abs(reading.pulses[k].peak))
+    pulse, values, time = reading.pulses[place], history_curve.history.values, history_curve.history.time
+    begin = 0.5 * (reading.pulses[place - 1].end + pulse.begin) if place else -math.inf
+    end = 0.5 * (pulse.end + reading.pulses[place + 1].begin) if place + 1 < len(reading.pulses) else math.inf
+    around = (time >= begin) & (time <= end)
+    before = values[(time < pulse.begin - pulse.width) & around]
     noise = float(np.std(before)) if before.size >= BEFORE else float(pulse.noise)
-    if len(one.pulses) > 1:
+    if len(reading.pulses) > 1:
         if not blow:
-            say(f"{option} is the largest of {len(one.pulses)} blows of {name}, @{place + 1}; @N takes another")
+            say(f"{option} is the largest of {len(reading.pulses)} blows of {name}, @{place + 1}; @N takes another")
         name = f"{name}@{place + 1}"
-    shown = EvenHistory(values[kept], channel.step, float(time[kept][0]), noise)
+    shown = EvenHistory(values[around], channel.step, float(time[around][0]), noise)
     figures = Pulse(pulse.time, pulse.peak, pulse.width, pulse.rise, pulse.velocity_change)
     known = None
     if budget is not None:
-        check_amounts(budget, one)
+        check_amounts(budget, reading)
         known = blow_uncertainty(channel, pulse, budget, trials=True)
     keys = {"peak": "peak", "width": "width", "integral": "velocity_change"}
     uncertainty = {key: measured_figure(of, 0.0, pulse.uncertainty, known).uncertainty for key, of in keys.items()}
@@ -210,7 +212,7 @@ def _of_channel(option: str, name: str, one: ChannelReading, blow: int, budget: 
         measured=figures,
         uncertainty=uncertainty,
         budgeted=known is not None,
-        troubles=troubles_of(one.findings),
+        troubles=troubles_of(reading.findings),
         notices=tuple(notices),
     )
     return checked_curve(option, curve)
@@ -256,9 +258,9 @@ def _campaign(option: str, paths: Sequence[Path], name: SourceName, reading: Sou
     curves.sort(key=lambda curve: abs(curve.pulse.peak))
     middle = curves.pop(len(curves) // 2)
     curves.insert(0, middle)
-    shifts = [Shift(0.0, 0.0, "")] + [by_correlation(middle.history, one.history) for one in curves[1:]]
+    shifts = [Shift(0.0, 0.0, "")] + [by_correlation(middle.history, each.history) for each in curves[1:]]
     what = "blows" if name.blow == ALL else "records"
-    mean = mean_curve(option, f"{len(curves)} {what} of {name.place}", curves, [one.shift for one in shifts])
+    mean = mean_curve(option, f"{len(curves)} {what} of {name.place}", curves, [each.shift for each in shifts])
     return replace(mean, notices=(*mean.notices, *left))
 
 

@@ -1,4 +1,4 @@
-"""The uncertainty of blows as tables and a chapter: each figure with ±, and what the largest blow's is made of."""
+"""Uncertainty of blows as tables and a chapter: each figure with ±, and the budget of the largest blow."""
 
 from __future__ import annotations
 
@@ -72,14 +72,14 @@ def uncertainty_table(result: RecordResult, names: Names) -> Table:
     return Table(f"Expanded uncertainty{left}", heads, rows, "No blow was found.")
 
 
-def _figure_words(one: FigureUncertainty, name: str, unit: str) -> str:
-    factor = "" if abs(one.coverage - COVERAGE) < SAME_COVERAGE else f" (k = {one.coverage:.2g})"
-    return with_doubt(one.value, name, unit, one.expanded) + factor * math.isfinite(one.expanded)
+def _figure_words(figure: FigureUncertainty, name: str, unit: str) -> str:
+    factor = "" if abs(figure.coverage - COVERAGE) < SAME_COVERAGE else f" (k = {figure.coverage:.2g})"
+    return with_doubt(figure.value, name, unit, figure.expanded) + factor * math.isfinite(figure.expanded)
 
 
-def share_table(found: BlowUncertainty) -> Table:
+def share_table(blow: BlowUncertainty) -> Table:
     """Return the share of each contribution in the variance of each figure of a blow."""
-    by_name = {name: {line.name: line for line in one.contributions} for name, one in found.figures.items()}
+    by_name = {name: {line.name: line for line in figure_of.contributions} for name, figure_of in blow.figures.items()}
     rows: list[list[Cell]] = [
         [name, *(_share(by_name[figure][name]) for figure in BUDGETED)] for name in by_name["peak"]
     ]
@@ -144,8 +144,8 @@ def source_table(budget: Budget) -> Table:
         [SAMPLING, "record", "anywhere between two samples", "of each record"],
     ]
     rows += [
-        [one.name, one.kind, one.typed, f"{one.status}: {one.source}" if one.status else NONE]
-        for one in budget.contributions
+        [row.name, row.kind, row.typed, f"{row.status}: {row.source}" if row.status else NONE]
+        for row in budget.contributions
     ]
     return Table("What is stated, and by whom", ["quantity", "kind", "stated", "status and source"], rows)
 

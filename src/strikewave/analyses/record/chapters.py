@@ -1,4 +1,4 @@
-"""The chapters of a report of records, from files and health to blows, motion, pairs, responses and sensors."""
+"""Chapters of a report of records, from files and health to blows, motion, pairs, responses and sensors."""
 
 from __future__ import annotations
 
@@ -553,13 +553,13 @@ def _figures(files: Sequence[FileReading], names: Names) -> Table:
                     wrong,
                 ]
             )
-    heads, kept, same = squeezed(
+    heads, rows_left, same = squeezed(
         ["file", "channel", "status", "blow", *columns.heads, "not to be trusted"],
         cells[:MOST_ROWS],
         ("file", "channel", "blow"),
     )
     first = f", the first {MOST_ROWS} of {len(cells)}" if len(cells) > MOST_ROWS else ""
-    return Table(f"Responses{same}{first}", heads, kept)
+    return Table(f"Responses{same}{first}", heads, rows_left)
 
 
 def _modes(files: Sequence[FileReading], names: Names) -> Table:
@@ -582,13 +582,13 @@ def _modes(files: Sequence[FileReading], names: Names) -> Table:
                         *columns.cells(values, reading.channel.unit),
                     ]
                 )
-    heads, kept, same = squeezed(
+    heads, rows_left, same = squeezed(
         ["file", "channel", "blow", "frequency (Hz)", "damping ratio (%)", *columns.heads],
         cells[:MOST_ROWS],
         ("file", "channel", "blow"),
     )
     first = f", the first {MOST_ROWS} of {len(cells)}" if len(cells) > MOST_ROWS else ""
-    return Table(f"Modes of the free decay{same}{first}", heads, kept, "No decaying swing stands out.")
+    return Table(f"Modes of the free decay{same}{first}", heads, rows_left, "No decaying swing stands out.")
 
 
 def _together(found: Sequence[ResponseSummary]) -> list[Table]:

@@ -131,7 +131,7 @@ def record(
 
 @dataclass(frozen=True)
 class RecordsAsked:
-    """What is asked of measured files, in the order of the test."""
+    """Request for measured files, in the order of the test."""
 
     files: Sequence[str]
     measurement: MeasurementOptions
@@ -144,7 +144,7 @@ class RecordsAsked:
 
     @functools.cached_property
     def request(self) -> Request:
-        """What is wanted of the records."""
+        """Request for the compute room."""
         height = math.nan if self.examination.drop_height is None else self.examination.drop_height
         base = self.examination.base or ""
         wanted = Request(self.measurement.names, self.measurement.calibration(), height, base=base)

@@ -60,11 +60,11 @@ SAME_START = 0.05  # difference of two begins, over a step, up to which channels
 
 def judged_spectra_of(asked: SpectraAsked, origin: Source, judge: SpectraJudge | None) -> SpectrumResult:
     """Return the spectra of measured files, and the verdict on those that a specification means where one judges."""
-    found = spectra_of(asked if judge is None else judge.wanted(asked), origin)
-    if found.budget is not None and found.budget.contributions:
-        notices = (*found.notices, *budget_notices(found.budget))
-        found = dataclasses.replace(found, notices=notices, citations=(*found.citations, "jcgm-100"))
-    return found if judge is None else judge.judged(found)
+    result = spectra_of(asked if judge is None else judge.wanted(asked), origin)
+    if result.budget is not None and result.budget.contributions:
+        notices = (*result.notices, *budget_notices(result.budget))
+        result = dataclasses.replace(result, notices=notices, citations=(*result.citations, "jcgm-100"))
+    return result if judge is None else judge.judged(result)
 
 
 def spectra_of(asked: SpectraAsked, origin: Source) -> SpectrumResult:
@@ -76,14 +76,14 @@ def spectra_of(asked: SpectraAsked, origin: Source) -> SpectrumResult:
         readings = _readings(asked, store, unread)
         axes = [reading for _, reading in readings] if asked.spectra.resultant else []
         _check_axes(asked, axes)
-        found = _several(asked, readings, store)
+        result = _several(asked, readings, store)
         values = [reading.channel.values - reading.baseline for reading in axes]
-        more = (found.spectra[0].frequency, asked.spectra.q)
+        more = (result.spectra[0].frequency, asked.spectra.q)
         sums = {
             kind: resultant_srs(values, axes[0].channel.step, *more, kind, asked.spectra.initial)
             for kind in (asked.spectra.each_kind if axes else ())
         }
-    return dataclasses.replace(found, resultant=sums, origin=origin, notices=(*found.notices, *unread))
+    return dataclasses.replace(result, resultant=sums, origin=origin, notices=(*result.notices, *unread))
 
 
 def _one(asked: SpectraAsked, origin: Source) -> SpectrumResult:
@@ -137,7 +137,7 @@ def _several(asked: SpectraAsked, readings: Sequence[tuple[str, ChannelReading]]
     if wanted.part != "total" and wanted.end is None:
         say("each shock is taken to end with its last blow (--end)")
     shocks, notices = [], []
-    found: dict[tuple[str, str], tuple[Notice, list[str]]] = {}
+    noticed: dict[tuple[str, str], tuple[Notice, list[str]]] = {}
     windows = MOST_WINDOWS // len(readings)
     for file, reading in readings:
         shock = _shock(file, reading, asked, (frequencies, _scope(wanted, reading, file)), windows)
@@ -147,11 +147,11 @@ def _several(asked: SpectraAsked, readings: Sequence[tuple[str, ChannelReading]]
         if shock.left_out:
             notices.append(Notice("left-out", f"{shock.name} {does}: {shock.left_out}"))
             continue
-        for one in _notices(reading):
-            found.setdefault((one.code, one.message), (one, []))[1].append(shock.name)
-    for one, where in found.values():
+        for notice in _notices(reading):
+            noticed.setdefault((notice.code, notice.message), (notice, []))[1].append(shock.name)
+    for notice, where in noticed.values():
         of = "" if len(where) == len(shocks) - len(notices) else f"{named(where)}: "
-        notices.append(dataclasses.replace(one, message=f"{of}{one.message}"))
+        notices.append(dataclasses.replace(notice, message=f"{of}{notice.message}"))
     place = next((k for k, shock in enumerate(shocks) if not shock.left_out), 0)
     _, reading = readings[place]
     return SpectrumResult(
@@ -196,13 +196,16 @@ def _shock(
     first = slice(len(frequencies))  # what all have in common: the steps are the same from the lowest one on
     common = [
         dataclasses.replace(
-            one, frequency=one.frequency[first], positive=one.positive[first], negative=one.negative[first]
+            spectrum,
+            frequency=spectrum.frequency[first],
+            positive=spectrum.positive[first],
+            negative=spectrum.negative[first],
         )
-        for one in spectra
+        for spectrum in spectra
     ]
     rms = {kind: rms_of(reading, kind, frequencies, wanted.q, wanted.initial) for kind in kinds if wanted.rms}
-    found = ChannelSpectra(common, wanted.side, rms or None, response, rolling, known)
-    record = (file, channel.name, status_of(reading), left_out, reading.baseline, found)
+    channel_spectra = ChannelSpectra(common, wanted.side, rms or None, response, rolling, known)
+    record = (file, channel.name, status_of(reading), left_out, reading.baseline, channel_spectra)
     return ShockSpectra(*record, spectra[0] if asked.own_range else None, harm_of(reading))
 
 
@@ -250,8 +253,8 @@ def _rolling(reading: ChannelReading, wanted: Spectra, frequencies: Any, most: i
         allowed = f"at most {most} windows a channel, not {windows:.0f}"
         raise InputError("--rolling", rolling.word, allowed, "hop further")
     values = channel.values - reading.baseline
-    found = rolling_srs(values, channel.step, frequencies, (rolling.window, rolling.hop), wanted.q, kind)
-    return ChannelRolling(kind, found.time + channel.start, getattr(found, wanted.side), found.frequency)
+    rolled = rolling_srs(values, channel.step, frequencies, (rolling.window, rolling.hop), wanted.q, kind)
+    return ChannelRolling(kind, rolled.time + channel.start, getattr(rolled, wanted.side), rolled.frequency)
 
 
 def _notices(reading: ChannelReading) -> tuple[Notice, ...]:

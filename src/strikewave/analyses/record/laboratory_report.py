@@ -1,4 +1,4 @@
-"""The test report of a laboratory: what was asked, with what it was tested, each shock with its verdict, signatures.
+"""Test report of a laboratory: specification, equipment, each shock with its verdict, signatures.
 
 Quoted: 7.8.2.1 and 7.8.6 from copies of the text in public places, 7.8.3.1 from that of the edition of 2005, 5.10.3.1,
 which has the same; the standard itself was not at hand. What the report always holds (title, specification, results
@@ -102,9 +102,9 @@ def drawn_shocks(shocks: Sequence[JudgedShock]) -> list[JudgedShock]:
     """Return the shocks that are drawn one by one: all of a few; else those that do not pass, and some that do."""
     if len(shocks) <= MOST_LINES:
         return list(shocks)
-    odd = [one for verdict in (FAIL, CANNOT_TELL) for one in shocks if one.found.verdict == verdict]
+    odd = [shock for verdict in (FAIL, CANNOT_TELL) for shock in shocks if shock.found.verdict == verdict]
     odd = odd[: MOST_LINES // 2]
-    passed = [one for one in shocks if one.found.verdict == PASS]
+    passed = [shock for shock in shocks if shock.found.verdict == PASS]
     chosen = {round(place) for place in np.linspace(0, len(passed) - 1, MOST_LINES - len(odd))} if passed else set()
     return [*(passed[place] for place in sorted(chosen)), *odd]
 
@@ -154,20 +154,20 @@ def figures_of(shock: JudgedShock) -> list[Clause]:
     """Return peak, pulse width and velocity change as their clauses; as measured where the specification asks none."""
     pulse = shock.pulse
     values = (abs(pulse.peak), pulse.width, abs(pulse.velocity_change))
-    found = []
+    clauses = []
     for (name, unit), value in zip(FIGURES, values, strict=True):
         own = [clause for clause in shock.found.clauses if clause.clause.startswith(name)]
         called = {"s": f"{name} at 10 %", "m/s": f"{name}, foot to foot"}.get(unit, name)
-        found += own[:1] or [judged(called, value, Limits(value, value, NORMATIVE), unit)]
-    return found
+        clauses += own[:1] or [judged(called, value, Limits(value, value, NORMATIVE), unit)]
+    return clauses
 
 
-def groups(found: RecordsVerdict) -> Iterator[tuple[str, str, list[JudgedShock]]]:
+def groups(verdict: RecordsVerdict) -> Iterator[tuple[str, str, list[JudgedShock]]]:
     """Yield direction, channel and shocks of each group that has a direction and a channel in common."""
-    channels = list(dict.fromkeys(shock.reading.channel.name for shock in found.shocks))
+    channels = list(dict.fromkeys(shock.reading.channel.name for shock in verdict.shocks))
     for direction in (*DIRECTIONS, ""):
         for channel in channels:
-            here = [one for one in found.shocks if (one.direction, one.reading.channel.name) == (direction, channel)]
+            here = [one for one in verdict.shocks if (one.direction, one.reading.channel.name) == (direction, channel)]
             if here:
                 yield direction, channel, here
 
@@ -181,21 +181,21 @@ def group_name(direction: str, channel: str, several: bool) -> str:
 def blow_verdicts(shocks: Sequence[JudgedShock]) -> list[str]:
     """Return the verdict on each blow: one on several channels is one, and passes where it does on all."""
     blows: dict[tuple[str, int], list[str]] = {}
-    for one in shocks:
-        blows.setdefault((one.file, one.number), []).append(one.found.verdict)
+    for shock in shocks:
+        blows.setdefault((shock.file, shock.number), []).append(shock.found.verdict)
     return [together(of_channels) for of_channels in blows.values()]
 
 
-def direction_tables(found: RecordsVerdict) -> list[Table]:
+def direction_tables(records: RecordsVerdict) -> list[Table]:
     """Return what was asked of each direction and what was done, and the clauses on all shocks together."""
-    count = found.specification.count()
-    clauses = {clause.clause: clause for clause in found.campaign}
+    count = records.specification.count()
+    clauses = {clause.clause: clause for clause in records.campaign}
     asked = NONE
     if count is not None:
         asked = f"{count.low:g}" if not math.isfinite(count.high) else f"{count.low:g} to {count.high:g}"
     rows: list[list[Cell]] = []
     for direction in (*DIRECTIONS, ""):
-        here = [one for one in found.shocks if one.direction == direction]
+        here = [one for one in records.shocks if one.direction == direction]
         clause = clauses.pop(f"shocks in {direction}", None)
         if not here and clause is None:
             continue
@@ -214,22 +214,22 @@ def direction_tables(found: RecordsVerdict) -> list[Table]:
     return tables
 
 
-def shock_tables(found: RecordsVerdict, names: dict[str, str]) -> list[Table]:
+def shock_tables(verdict: RecordsVerdict, names: dict[str, str]) -> list[Table]:
     """Return all shocks in a table or, of many, a summary, those that do not pass, and the largest and smallest."""
-    numbered = list(enumerate(found.shocks, start=1))
+    numbered = list(enumerate(verdict.shocks, start=1))
     if len(numbered) <= MOST_LISTED:
-        return [_listed(numbered, found, names, f"Each shock{DOUBT}")]
+        return [_listed(numbered, verdict, names, f"Each shock{DOUBT}")]
     odd = [one for one in numbered if one[1].found.verdict != PASS]
     left = f", the first {MOST_LISTED} of {len(odd)}" if len(odd) > MOST_LISTED else ""
-    outliers = _listed(odd[:MOST_LISTED], found, names, f"Shocks that do not pass{left}{DOUBT}")
-    extremes = _listed(_extremes(numbered), found, names, f"Shocks with the largest and smallest figures{DOUBT}")
-    return [_summary(found), outliers, extremes]
+    outliers = _listed(odd[:MOST_LISTED], verdict, names, f"Shocks that do not pass{left}{DOUBT}")
+    extremes = _listed(_extremes(numbered), verdict, names, f"Shocks with the largest and smallest figures{DOUBT}")
+    return [_summary(verdict), outliers, extremes]
 
 
 def _listed(
-    numbered: Sequence[tuple[int, JudgedShock]], found: RecordsVerdict, names: dict[str, str], caption: str
+    numbered: Sequence[tuple[int, JudgedShock]], verdict: RecordsVerdict, names: dict[str, str], caption: str
 ) -> Table:
-    several = several_channels(found)
+    several = several_channels(verdict)
     rows: list[list[Cell]] = []
     for number, shock in numbered:
         inside = [clause for clause in shock.found.clauses if clause.clause == "band"]
@@ -248,10 +248,12 @@ def _listed(
             ]
         )
     heads = ["#", "direction", "record", *(["channel"] if several else []), "blow", "time"]
-    heads += [*(clause_name(clause.clause) for clause in figures_of(found.shocks[0])), "band", "verdict", WHY_HEAD]
+    heads += [*(clause_name(clause.clause) for clause in figures_of(verdict.shocks[0])), "band", "verdict", WHY_HEAD]
     empty = [place for place, head in enumerate(heads) if head == "band" and all(row[place] == NONE for row in rows)]
-    kept = [place for place in range(len(heads)) if place not in empty]
-    return Table(caption, *_units_in_heads([heads[k] for k in kept], [[row[k] for k in kept] for row in rows]), "None.")
+    places = [place for place in range(len(heads)) if place not in empty]
+    return Table(
+        caption, *_units_in_heads([heads[k] for k in places], [[row[k] for k in places] for row in rows]), "None."
+    )
 
 
 def _units_in_heads(heads: Sequence[str], rows: Sequence[Sequence[Cell]]) -> tuple[list[str], list[list[Cell]]]:
@@ -273,10 +275,10 @@ def _units_in_heads(heads: Sequence[str], rows: Sequence[Sequence[Cell]]) -> tup
     return named, [list(row) for row in zip(*columns, strict=True)]
 
 
-def _summary(found: RecordsVerdict) -> Table:
+def _summary(verdict: RecordsVerdict) -> Table:
     """Return range, mean and scatter of each figure of each group."""
-    several, rows = several_channels(found), list[list[Cell]]()
-    for direction, channel, here in groups(found):
+    several, rows = several_channels(verdict), list[list[Cell]]()
+    for direction, channel, here in groups(verdict):
         for clauses in zip(*(figures_of(one) for one in here), strict=True):
             values = [clause.value for clause in clauses if math.isfinite(clause.value)]
             if not values:
@@ -298,9 +300,9 @@ def _extremes(numbered: Sequence[tuple[int, JudgedShock]]) -> list[tuple[int, Ju
     for place in range(len(FIGURES)):
         known = [(row[place].value, number, shock) for number, shock, row in figures if math.isfinite(row[place].value)]
         for pick in (min, max) if known else ():
-            _, number, shock = pick(known, key=lambda one: one[0])
+            _, number, shock = pick(known, key=lambda pair: pair[0])
             chosen[number] = shock
-    return sorted(chosen.items(), key=lambda one: one[0])
+    return sorted(chosen.items(), key=lambda pair: pair[0])
 
 
 FILE = "test-report.html"
@@ -314,8 +316,8 @@ UNSIGNED = (("tested by", ""), ("authorized by", ""))  # lines to sign where non
 
 def report_of_test(result: RecordResult) -> str:
     """Return the test report of records that were judged by a specification, as one HTML page."""
-    found, stated = result.verdict, result.performed or NO_TEST
-    if found is None:
+    verdict, stated = result.verdict, result.performed or NO_TEST
+    if verdict is None:
         raise ValueError("a test report needs a verdict")
     if not result.origin.digests:  # Python does not take them before they are shown
         digests = digests_of([Path(file.path) for file in result.readings])
@@ -326,29 +328,29 @@ def report_of_test(result: RecordResult) -> str:
         title=f"Test report {number}",
         kicker=stated.test.laboratory or "Shock test",
         subject="Specification",
-        name=found.specification.title,
+        name=verdict.specification.title,
         digest="",
-        status=tag_of_records(found, stated),
-        summary=[sentence(found, names), *_lapse_words(stated)],
-        numbers=_key_numbers(found),
+        status=tag_of_records(verdict, stated),
+        summary=[sentence(verdict, names), *_lapse_words(stated)],
+        numbers=_key_numbers(verdict),
         foot=f"test report {number}",
         test=_cover(stated),
     )
-    count = len(found.shocks)
+    count = len(verdict.shocks)
     many = f"{count} shocks are summed up here; the file shocks.csv lists each with its verdict."
     signatures = [(one.role or "signed by", one.name) for one in stated.tables.signature]
     sections = [
         _items(stated),
-        _specification(found),
-        Section("Directions and counts", "", direction_tables(found)),
+        _specification(verdict),
+        Section("Directions and counts", "", direction_tables(verdict)),
         _setup(stated),
-        Section("Shocks", many * (count > MOST_LISTED), shock_tables(found, names) if found.shocks else []),
-        _pulses(found),
-        _deviations(result, found, stated, names),
-        _conclusions(found, stated, names),
+        Section("Shocks", many * (count > MOST_LISTED), shock_tables(verdict, names) if verdict.shocks else []),
+        _pulses(verdict),
+        _deviations(result, verdict, stated, names),
+        _conclusions(verdict, stated, names),
         Section("Signatures", "", [SignatureLines(signatures or list(UNSIGNED))], alone=True),
-        _annex(result, found, stated),
-        _not_stated(stated, found),
+        _annex(result, verdict, stated),
+        _not_stated(stated, verdict),
         Section(f"End of test report {number}", ""),
     ]
     return whole_page(head, sections)
@@ -381,9 +383,9 @@ def _lapse_words(stated: StatedTest) -> list[str]:
     return [f"Calibration overdue. {words}. The figures and the verdict rest on equipment without a valid calibration."]
 
 
-def _key_numbers(found: RecordsVerdict) -> list[tuple[str, str]]:
-    verdicts = blow_verdicts(found.shocks)
-    nominal = {row.clause: row.limit for row in asked_rows(found.specification)}
+def _key_numbers(verdict: RecordsVerdict) -> list[tuple[str, str]]:
+    verdicts = blow_verdicts(verdict.shocks)
+    nominal = {row.clause: row.limit for row in asked_rows(verdict.specification)}
     counts = [("shocks", len(verdicts)), ("pass", verdicts.count(PASS)), ("fail", verdicts.count(FAIL))]
     unclear = verdicts.count(CANNOT_TELL)
     counts += [("cannot tell", unclear)] if unclear else []
@@ -395,8 +397,8 @@ def _key_numbers(found: RecordsVerdict) -> list[tuple[str, str]]:
 
 def _fields(caption: str, rows: Iterable[tuple[str, str]]) -> list[Part]:
     """Return a table of what is stated; none where nothing is."""
-    given: list[list[Cell]] = [[name, text] for name, text in rows if text]
-    return [Table(caption, ["what", "stated"], given)] if given else []
+    cells: list[list[Cell]] = [[name, text] for name, text in rows if text]
+    return [Table(caption, ["what", "stated"], cells)] if cells else []
 
 
 def _named_fields(table: CaseTable, names: Sequence[str] = ()) -> list[tuple[str, str]]:
@@ -435,29 +437,29 @@ def _items(stated: StatedTest) -> Section:
     return Section("Laboratory, customer, items", "" if parts else "Nothing is stated of them.", parts)
 
 
-def _specification(found: RecordsVerdict) -> Section:
-    file = found.specification.file
-    rows = asked_rows(found.specification, clause_name)
-    if found.limits.band is not None:
-        band = found.limits.band
+def _specification(verdict: RecordsVerdict) -> Section:
+    file = verdict.specification.file
+    rows = asked_rows(verdict.specification, clause_name)
+    if verdict.limits.band is not None:
+        band = verdict.limits.band
         words = f"{100.0 * band.time:g} % of the duration, {100.0 * band.amplitude:g} % of the peak"
-        rows.append(AskedRow("tolerance band", words, found.limits.band_status))
-    text = f"{found.specification.title} ({file.edition}).\n\n{_decision(found)}\n\n{limit_words_of(found)}"
+        rows.append(AskedRow("tolerance band", words, verdict.limits.band_status))
+    text = f"{verdict.specification.title} ({file.edition}).\n\n{_decision(verdict)}\n\n{limit_words_of(verdict)}"
     table = page_table("What is asked of a shock", columns_of(AskedRow, rows))
     return Section("Specification and decision rule", text, [table])
 
 
-def _decision(found: RecordsVerdict) -> str:
+def _decision(verdict: RecordsVerdict) -> str:
     """Say by which rule conformity is stated, and with which uncertainty."""
-    if found.asked.rule == "simple":
+    if verdict.asked.rule == "simple":
         rule = "simple acceptance: a value within its limits passes, whatever its uncertainty (JCGM 106:2012, 8.2)"
     else:
         rule = (
             "guarded: within the expanded uncertainty of a limit neither pass nor fail is stated (ISO 14253-1, JCGM "
             "106:2012, 8.3)"
         )
-    held = f"it holds {listed(list(found.asked.holds))}"
-    left = f"; not stated, and not in it: {listed(list(found.asked.not_stated))}" if found.asked.not_stated else ""
+    held = f"it holds {listed(list(verdict.asked.holds))}"
+    left = f"; not stated, and not in it: {listed(list(verdict.asked.not_stated))}" if verdict.asked.not_stated else ""
     return f"Decision rule: {rule}.\n\nUncertainty of the measurement, expanded, k = 2: {held}{left}."
 
 
@@ -484,22 +486,22 @@ def _setup(stated: StatedTest) -> Section:
     return Section("Set-up and equipment", "" if parts else "Nothing is stated of them.", parts)
 
 
-def _pulses(found: RecordsVerdict) -> Section:
-    several = several_channels(found)
+def _pulses(verdict: RecordsVerdict) -> Section:
+    several = several_channels(verdict)
     parts: list[Part] = []
-    found_groups = list(groups(found))
+    found_groups = list(groups(verdict))
     for direction, channel, here in found_groups[:MOST_DRAWN]:
         name, drawn = group_name(direction, channel, several), drawn_shocks(here)
         words = f"{name[:1].upper()}{name[1:]}: {len(here)} shock{'s' if len(here) > 1 else ''}"
         words += f", {len(drawn)} of them drawn one by one" if len(drawn) < len(here) else ""
-        parts.append(Picture(overlay(here, found.limits, name), f"{words}."))
+        parts.append(Picture(overlay(here, verdict.limits, name), f"{words}."))
     left = len(found_groups) - MOST_DRAWN
     return Section(
         "Pulses", f"{left} more are not drawn." if left > 0 else "" if parts else "No shock was recorded.", parts
     )
 
 
-def _deviations(result: RecordResult, found: RecordsVerdict, stated: StatedTest, names: dict[str, str]) -> Section:
+def _deviations(result: RecordResult, verdict: RecordsVerdict, stated: StatedTest, names: dict[str, str]) -> Section:
     report = stated.tables.report
     alike: dict[tuple[str, str], list[str]] = {}
     for file in result.readings:
@@ -510,9 +512,9 @@ def _deviations(result: RecordResult, found: RecordsVerdict, stated: StatedTest,
     ]
     left = f", the first {MOST_FINDINGS} of {len(alike)}" if len(alike) > MOST_FINDINGS else ""
     skipped: list[list[Cell]] = [
-        [clause.clause, clause.reason] for clause, _ in found.clauses if clause.verdict == NOT_JUDGED
+        [clause.clause, clause.reason] for clause, _ in verdict.clauses if clause.verdict == NOT_JUDGED
     ]
-    skipped += [[one.text, "not judged by a record"] for one in found.specification.file.demand]
+    skipped += [[one.text, "not judged by a record"] for one in verdict.specification.file.demand]
     filtered = f"Before they were measured, the records went through: {result.filter}." if result.filter else ""
     words = [
         f"Deviations from the method, by the laboratory: {_paragraphs(report.deviations) or 'nothing is stated.'}",
@@ -532,12 +534,12 @@ def _paragraphs(text: str) -> str:
     return "\n\n".join(line for line in text.splitlines() if line.strip())
 
 
-def _conclusions(found: RecordsVerdict, stated: StatedTest, names: dict[str, str]) -> Section:
+def _conclusions(verdict: RecordsVerdict, stated: StatedTest, names: dict[str, str]) -> Section:
     after = [f"{one.name or one.serial_number}: {one.result}" for one in stated.tables.specimen if one.result]
     words = [
-        sentence(found, names),
+        sentence(verdict, names),
         "The verdict rests on limits from memory: they have to be held against the standard before it is relied on."
-        if found.by_indicative
+        if verdict.by_indicative
         else "",
         *_lapse_words(stated),
         f"Inspection after the test: {'; '.join(after)}." if after else "",
@@ -548,11 +550,11 @@ def _conclusions(found: RecordsVerdict, stated: StatedTest, names: dict[str, str
     return Section("Conclusions", "\n\n".join(word for word in words if word))
 
 
-def _judged_by(result: RecordResult, found: RecordsVerdict, stated: StatedTest) -> list[Part]:
+def _judged_by(result: RecordResult, verdict: RecordsVerdict, stated: StatedTest) -> list[Part]:
     """Return the files by which the records were judged, with their SHA-256, and the uncertainty budget."""
     budget = result.budget
     stated_in = [
-        ("specification", found.specification.path),
+        ("specification", verdict.specification.path),
         ("uncertainty budget", (budget and budget.file) or ""),
         ("test", stated.file),
     ]
@@ -564,7 +566,7 @@ def _judged_by(result: RecordResult, found: RecordsVerdict, stated: StatedTest) 
     return tables if budget is None else [*tables, source_table(budget)]
 
 
-def _annex(result: RecordResult, found: RecordsVerdict, stated: StatedTest) -> Section:
+def _annex(result: RecordResult, verdict: RecordsVerdict, stated: StatedTest) -> Section:
     source = result.source
     files: list[list[Cell]] = [[name, digest] for name, digest in list(source.digests.items())[:MOST_FILES]]
     left = len(source.digests) - MOST_FILES
@@ -574,7 +576,7 @@ def _annex(result: RecordResult, found: RecordsVerdict, stated: StatedTest) -> S
     calibrations: list[list[Cell]] = [list(pair) for pair in result.calibrations[:MOST_FINDINGS]]
     parts: list[Part] = [
         Table(caption, ["file", "SHA-256"], files, "The files were not hashed."),
-        *_judged_by(result, found, stated),
+        *_judged_by(result, verdict, stated),
         Table("Calibration of the channels", ["where it is stated", "what"], calibrations, "The files state it alone."),
         *([Code(source.asked)] if source.asked else []),
         *chapters.warnings(result.notices).parts,
@@ -584,8 +586,8 @@ def _annex(result: RecordResult, found: RecordsVerdict, stated: StatedTest) -> S
     return Section("Annex: records, uncertainty budget, software, warnings", text, parts)
 
 
-def _not_stated(stated: StatedTest, found: RecordsVerdict) -> Section:
-    rows: list[list[Cell]] = [list(row) for row in missing(stated, found.asked.budget is not None)]
+def _not_stated(stated: StatedTest, verdict: RecordsVerdict) -> Section:
+    rows: list[list[Cell]] = [list(row) for row in missing(stated, verdict.asked.budget is not None)]
     title = f"Annex: asked for by {NORM}, and not stated"
     text = (
         f"Clause 7.8 of {NORM}, as other texts quote it, asks for what follows as far as it applies; the test file "

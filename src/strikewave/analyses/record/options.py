@@ -64,7 +64,7 @@ def read_rolling(word: str, field: str) -> Rolling:
 
 @dataclass(frozen=True)
 class Examination(OptionGroup):
-    """What measured records are examined for, beside their blows.
+    """Examination of measured records beyond the measures of their blows.
 
     Attributes
     ----------
@@ -136,7 +136,7 @@ class Examination(OptionGroup):
 
 @dataclass(frozen=True)
 class Spectra(OptionGroup):
-    """How shock response spectra are computed, and what is given beside them.
+    """Settings of shock response spectra, and results that are given with them.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The report of measured records: files that were read in, one HTML page out."""
+"""Report of measured records as one HTML page."""
 
 from __future__ import annotations
 

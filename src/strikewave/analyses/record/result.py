@@ -1,4 +1,4 @@
-"""What measured records say: files, campaigns, JSON document and tables."""
+"""Result of measured records: files, campaigns, JSON document and tables."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ MEANS_SHOWN = ("m/s^2", "s", "N", "m/s")  # SI units of figures whose means are 
 
 @declare.dataclass
 class MeanOfFigure:
-    """The mean of a figure over all files."""
+    """Mean of a figure over all files."""
 
     name: str = declare.word("which figure")
     mean: float = declare.number(OF_FIGURE, "its mean", headline="mean {name}")
@@ -75,7 +75,7 @@ class MeanOfFigure:
 
     @property
     def given_units(self) -> GivenUnits:
-        """Those of the figure."""
+        """Units of the figure."""
         return {OF_FIGURE.given_by: self.quantity.units}
 
 
@@ -89,7 +89,7 @@ class SpecifiedRecords:
 
 @declare.dataclass
 class RecordResult(AskedResult):
-    """What measured records say, file by file and together; see `Result` for what it shares with others.
+    """Result of measured records, file by file and together; members that all results share: see `Result`.
 
     Attributes
     ----------
@@ -153,7 +153,7 @@ class RecordResult(AskedResult):
 
     @functools.cached_property
     def pairs(self) -> list[RecordPair]:
-        """What two channels of each file do together, where asked for."""
+        """Comparison of two channels of each file, where asked for."""
         return all_pairs(self.readings, self.pair) if self.pair else []
 
     @functools.cached_property
@@ -174,13 +174,13 @@ class RecordResult(AskedResult):
 
     @property
     def broken(self) -> bool:
-        """Whether some files could not be read, or have a status that was not to be."""
+        """True if some files could not be read, or fail a check."""
         failed = any(notice.broken for notice in self.notices)
         return failed or any(notice.code == "unreadable" for file in self.readings for notice in file.findings)
 
     @property
     def state(self) -> str:
-        """How many files have which status; which checks failed, where some did."""
+        """Number of files of each status, or the checks that failed."""
         return super().state if self.own_verdict.codes else ", ".join(counted(self.readings)) or super().state
 
     @property
@@ -194,24 +194,24 @@ class RecordResult(AskedResult):
 
     @property
     def given_units(self) -> GivenUnits:
-        """Those of all channels, where they share one, or none of them is known."""
+        """Units of all channels, where they share one, or none of them is known."""
         return units_given(self.unit) if len(self._units) < 2 else {}
 
     @property
     def named_units(self) -> Mapping[str, str]:
-        """That of intervals of a campaign, and what stands for the units of files that do not say any."""
+        """Unit of intervals of a campaign, and words for unknown units."""
         own = {} if any(self._units) else {OF_CHANNEL.given_by: OWN, OF_INTEGRAL.given_by: f"{OWN}, times s"}
         units = declare.units(type(self)) if own else {}
         return {"interval": MILLISECONDS.si, **{key: own[unit] for key, unit in units.items() if unit in own}}
 
     @declare.computed(declare.rows(FileRow, "measured files", key="files", label="files", headline="count"))
     def file_rows(self) -> list[FileRow]:
-        """The files, with channels and blows."""
+        """Files, with channels and blows."""
         return [FileRow.of(file, self.filter) for file in self.readings]
 
     @declare.computed(declare.part(CampaignRow, "all blows of a channel together"))
     def campaign(self) -> CampaignRow | dict[str, Any]:
-        """The first channel over all files."""
+        """First channel over all files."""
         return CampaignRow.of(self.campaigns[0]) if self.campaigns else {}
 
     @declare.computed(declare.number(FREQUENCY, "low-pass that is advised for all"))
@@ -221,31 +221,31 @@ class RecordResult(AskedResult):
 
     @declare.computed(declare.part(Budget, "by which the uncertainties were found", key="budget", optional=True))
     def stated_budget(self) -> Budget | None:
-        """The budget, among what documents have."""
+        """Budget, as documents have it."""
         return self.budget
 
     @declare.computed(declare.rows(MotionRow, "by the option motion: where each ends", key="motion", optional=True))
     def motion_rows(self) -> list[MotionRow] | None:
-        """Where velocity and displacement end."""
+        """Velocity and displacement at their ends."""
         return [one.row for one in self.motions] if self.motion else None
 
     @declare.computed(
         declare.rows(PairRow, "by the option pair: what two channels do together", key="pairs", optional=True)
     )
     def pair_rows(self) -> list[PairRow] | None:
-        """What two channels of each file do together."""
+        """Comparison of two channels of each file."""
         return [one.row for one in self.pairs] if self.pair else None
 
     @declare.computed(declare.part(SpecifiedRecords, "the verdict by a specification", key="spec", optional=True))
     def specified(self) -> SpecifiedRecords | None:
-        """The verdict, with the instruments whose calibration had run out."""
+        """Verdict, with the instruments whose calibration had run out."""
         lapses = [] if self.performed is None else self.performed.lapses
         overdue = [one.instrument for one in lapses]
         return None if self.verdict is None else SpecifiedRecords(self.verdict, overdue)
 
     @declare.computed(declare.part(SensorRow, "by the option sensor: the blows on it", key="sensor", optional=True))
     def sensor_row(self) -> SensorRow | None:
-        """The sensor with its blows."""
+        """Sensor with its blows."""
         return None if self.sensor is None else self.sensor.row
 
     @declare.computed(
@@ -261,24 +261,24 @@ class RecordResult(AskedResult):
         )
     )
     def campaign_rows(self) -> list[CampaignRow] | None:
-        """The campaigns of several channels."""
+        """Campaigns of several channels."""
         return [CampaignRow.of(one) for one in self.campaigns] if len(self.campaigns) > 1 else None
 
     @declare.computed(
         declare.rows(BlowRow, "all blows, file by file", label="blows", headline="count", in_document=False)
     )
     def blows(self) -> list[BlowRow]:
-        """The table of blows."""
+        """Table of blows."""
         return blow_rows(self.readings)
 
     @declare.computed(declare.rows(MeanOfFigure, "means over all files", headline="each", in_document=False))
     def means(self) -> list[MeanOfFigure]:
-        """The means of a campaign whose unit is known: files in other units are in none of them."""
-        campaign = min(self.campaigns, key=lambda one: one.unit == "", default=None)
+        """Means of a campaign whose unit is known: files in other units enter none of them."""
+        campaign = min(self.campaigns, key=lambda declared: declared.unit == "", default=None)
         if campaign is None:
             return []
-        given = units_given(campaign.unit)
-        known = {name: one.quantity.within(given) for name, one in declarations(RecordedPulse).items()}
+        units = units_given(campaign.unit)
+        known = {name: declared.quantity.within(units) for name, declared in declarations(RecordedPulse).items()}
         known["interval"] = MILLISECONDS
         pairs = [(name, known[name]) for name in campaign.statistics if name in known]
         return [
@@ -339,13 +339,13 @@ def record_result(
 def failed_on(files: Sequence[FileReading], status: str) -> tuple[Notice, ...]:
     """Return a failed check where a file has a status, or a worse one; none for an empty status."""
     failing = STATUSES[STATUSES.index(status) :] if status else ()
-    counts = {one: sum(file.status == one for file in files) for one in reversed(failing)}
-    found = sum(counts.values())
-    if not found:
+    counts = {each: sum(file.status == each for file in files) for each in reversed(failing)}
+    failed = sum(counts.values())
+    if not failed:
         return ()
-    words = " and ".join(f"{count} {one}" for one, count in counts.items() if count)
+    words = " and ".join(f"{count} {each}" for each, count in counts.items() if count)
     message = f"{words} of {len(files)} file{'s' if len(files) > 1 else ''}, and none was to be (--fail-on {status})"
-    return (Notice("fail-on", message, float(found), 0.0, FAILED),)
+    return (Notice("fail-on", message, float(failed), 0.0, FAILED),)
 
 
 # Codes of findings that are warnings of the result too: what all its figures depend on
@@ -368,11 +368,11 @@ def notices_of(files: Sequence[FileReading]) -> tuple[Notice, ...]:
     )
 
 
-def shock_columns(found: RecordsVerdict) -> list[Column]:
+def shock_columns(verdict: RecordsVerdict) -> list[Column]:
     """Return all shocks with their verdicts: a line each, a value and a margin for each clause, in SI."""
-    by_name = dict.fromkeys(clause.clause for one in found.shocks for clause in one.found.clauses)
+    by_name = dict.fromkeys(clause.clause for one in verdict.shocks for clause in one.found.clauses)
     rows, units = [], {"time": "s"}
-    for number, shock in enumerate(found.shocks, start=1):
+    for number, shock in enumerate(verdict.shocks, start=1):
         row: dict[str, object] = {
             "number": number,
             "file": shock.file,

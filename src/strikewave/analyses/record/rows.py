@@ -157,7 +157,7 @@ class ChannelBlow:
 
 @declare.dataclass
 class FilterRow:
-    """What a filter did to the peaks and widths of a channel, and what it does to a half-sine as wide."""
+    """Effect of a filter on the peaks and widths of a channel, and on a half-sine as wide."""
 
     name: str = declare.word("the filter")
     cutoff: float = declare.number(FREQUENCY, "its -3 dB frequency")
@@ -230,7 +230,7 @@ class FileRow:
 
 @declare.dataclass
 class LeftOut:
-    """What did not go into a campaign."""
+    """Figures that are left out of a campaign."""
 
     file: str = declare.word("the file")
     figures: tuple[str, ...] = declare.word("its figures")
@@ -284,7 +284,7 @@ class BlowRow:
 
     @property
     def given_units(self) -> GivenUnits:
-        """Those of its channel, where that has one."""
+        """Units of its channel, where that has one."""
         return units_given(self.unit) if self.unit else {}
 
 
@@ -343,7 +343,7 @@ Array = NDArray[np.float64]
 
 @declare.dataclass
 class MotionRow:
-    """Where a motion ends, and how well that is known."""
+    """End of a motion, and its drift."""
 
     file: str = declare.word("measured file")
     channel: str = declare.word("channel")
@@ -357,7 +357,7 @@ class MotionRow:
 
 
 class RecordMotion(NamedTuple):
-    """What the base of a channel did from just before its first blow on, from rest."""
+    """Motion of the base of a channel, from rest just before its first blow."""
 
     file: str  # file and channel of the record
     channel: str
@@ -373,7 +373,7 @@ class RecordMotion(NamedTuple):
 
     @property
     def row(self) -> MotionRow:
-        """Where it ends."""
+        """End of the motion."""
         ends = {name: float(values[-1]) for name, values in self.motion._asdict().items()}
         return MotionRow(self.file, self.channel, float(self.time[0]), float(self.time[-1]), **ends, lost=self.lost)
 
@@ -396,8 +396,8 @@ def moved(file: str, reading: ChannelReading) -> RecordMotion | None:
     samples = max((pulse.width if pulse.width > 0.0 else length) / channel.step, 1.0)
     white = pulse.noise / math.sqrt(samples)
     wander = max(wander, white) if math.isfinite(wander) else white
-    found = motion(values, channel.step, wander / math.sqrt(widths), wander * math.sqrt(samples))
-    return RecordMotion(file, channel.name, channel.time[first:], found)
+    integrated = motion(values, channel.step, wander / math.sqrt(widths), wander * math.sqrt(samples))
+    return RecordMotion(file, channel.name, channel.time[first:], integrated)
 
 
 def all_moved(files: Sequence[FileReading]) -> list[RecordMotion]:
@@ -406,15 +406,15 @@ def all_moved(files: Sequence[FileReading]) -> list[RecordMotion]:
     return [motion for motion in motions if motion is not None]
 
 
-def motion_columns(found: Sequence[RecordMotion]) -> list[Column]:
+def motion_columns(motions: Sequence[RecordMotion]) -> list[Column]:
     """Return histories under one another, each line with its file and channel."""
     columns = [
-        Column("file", [one.file for one in found for _ in one.time]),
-        Column("channel", [one.channel for one in found for _ in one.time]),
-        Column("time", np.concatenate([one.time for one in found]) if found else [], "s"),
+        Column("file", [moved.file for moved in motions for _ in moved.time]),
+        Column("channel", [moved.channel for moved in motions for _ in moved.time]),
+        Column("time", np.concatenate([moved.time for moved in motions]) if motions else [], "s"),
     ]
     for name in IntegratedMotion._fields:
-        values: Array = np.concatenate([getattr(one.motion, name) for one in found] or [np.empty(0)])
+        values: Array = np.concatenate([getattr(moved.motion, name) for moved in motions] or [np.empty(0)])
         columns.append(Column(name, values, declarations(MotionRow)[name].quantity.si))
     return columns
 
@@ -451,7 +451,7 @@ def harmed(file: FileReading, reading: ChannelReading) -> tuple[str, ...]:
 def summaries(files: Sequence[FileReading]) -> list[ResponseSummary]:
     """Sum up each response channel over its blows in all files; figures that a finding harms are left out."""
     rows = responding(files)
-    found = []
+    results = []
     for number in dict.fromkeys(reading.number for _, reading in rows):
         own = [(file, reading) for file, reading in rows if reading.number == number]
         unit = own[0][1].channel.unit
@@ -469,8 +469,8 @@ def summaries(files: Sequence[FileReading]) -> list[ResponseSummary]:
             ]
             if pairs:
                 statistics[name] = statistic([value for _, value in pairs], [k for k, _ in pairs])
-        found.append(ResponseSummary(own[0][1].channel.name, unit, statistics))
-    return found
+        results.append(ResponseSummary(own[0][1].channel.name, unit, statistics))
+    return results
 
 
 def response_columns(files: Sequence[FileReading]) -> list[Column]:

@@ -431,25 +431,25 @@ def _peak_of(found: Sequence[RigidPulse | BandSplit], unit: str) -> tuple[str, s
 MOST_SHOCKS = 20  # shocks of the table on the screen, the failed ones first; report and JSON have all
 
 
-def print_verdict(found: RecordsVerdict, names: dict[str, str]) -> None:
+def print_verdict(verdict: RecordsVerdict, names: dict[str, str]) -> None:
     """Print the clauses, and the shocks where there are several."""
-    several = len({shock.reading.channel.name for shock in found.shocks}) > 1
-    many = len(found.shocks) > 1
-    columns = clause_columns([clause for clause, _ in found.clauses])
+    several = len({shock.reading.channel.name for shock in verdict.shocks}) > 1
+    many = len(verdict.shocks) > 1
+    columns = clause_columns([clause for clause, _ in verdict.clauses])
     if many:
-        worst = [name_of_shock(shock, names, several) for _, shock in found.clauses]
+        worst = [name_of_shock(shock, names, several) for _, shock in verdict.clauses]
         columns.append(Column("worst", worst, priority=MORE, words=True))
-    print_rows(f"By {found.specification.title}", columns)
-    tell(decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated))
-    for clause, _ in found.clauses:
+    print_rows(f"By {verdict.specification.title}", columns)
+    tell(decision_words(verdict.asked.rule, verdict.asked.holds, verdict.asked.not_stated))
+    for clause, _ in verdict.clauses:
         if clause.reason:
             tell(f"{clause.clause}: {clause.reason}", "  ")
     if many:
-        _print_shocks(found, names, several)
+        _print_shocks(verdict, names, several)
 
 
-def _print_shocks(found: RecordsVerdict, names: dict[str, str], several: bool) -> None:
-    shocks = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))
+def _print_shocks(verdict: RecordsVerdict, names: dict[str, str], several: bool) -> None:
+    shocks = sorted(verdict.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))
     by_name = list(dict.fromkeys(clause.clause for shock in shocks for clause in shock.found.clauses))
     figures = [name for name in by_name if name in ("peak", "velocity change") or name.startswith("pulse width")]
     directed = any(shock.direction for shock in shocks)
@@ -485,7 +485,7 @@ def examine_records(asked: RecordsAsked, output: Output) -> int:
 
 @dataclass(frozen=True)
 class RecordCommand(Command[RecordResult]):
-    """The examination of records."""
+    """Examination of records."""
 
     indent: ClassVar[int | None] = None
 

@@ -109,7 +109,7 @@ class PairRow:
 
     @property
     def given_units(self) -> GivenUnits:
-        """Those of its channels."""
+        """Units of its channels."""
         return units_given(self.unit)
 
 
@@ -136,7 +136,7 @@ class RecordPair:
 
     @property
     def why(self) -> str:
-        """Why they are one body, or are not, or why it is undetermined."""
+        """Reason why they are one body or not, or why it is undetermined."""
         return self.reason if self.found is None else self.found.reason
 
     @property
@@ -148,7 +148,7 @@ class RecordPair:
 
     @functools.cached_property
     def row(self) -> PairRow:
-        """Its figures in SI; NaN where there is none."""
+        """Figures in SI; NaN where there is none."""
         found, nothing = self.found, math.nan
         common = None if found is None else found.common
         transfer = None if found is None else found.transfer
@@ -278,7 +278,7 @@ class GasketRow:
 
 @declare.dataclass
 class RecorderRow:
-    """What keeps the signal of the sensor."""
+    """Recorder of the signal of the sensor."""
 
     sampling_rate: float = declare.number(FREQUENCY, "of its recorder")
     cutoff: float = declare.number(FREQUENCY, "of the filter of the recorder")
@@ -326,7 +326,7 @@ class SensorTrials:
 
     @property
     def takes(self) -> bool | None:
-        """Whether the sensor can take every blow; None where none is beyond it, and of some it is not known."""
+        """True if the sensor can take every blow; None where none is beyond it and some are unknown."""
         others = [blow.trial.verdict for blow in self.blows if blow.trial.verdict != TAKES]
         if not self.blows or (others and all(verdict.startswith(UNKNOWN) for verdict in others)):
             return None
@@ -364,10 +364,10 @@ class SensorTrials:
 
     @property
     def row(self) -> SensorRow:
-        """What faces show of it."""
+        """Row that screens, pages and documents show."""
         sensor, recorder, model = self.stated.sensor, self.stated.recorder, self.stated.model
         known = ("range", "resonance", "quality", "zero_shift")
-        kept = ("sampling_rate", "cutoff", "order", "bits")
+        keys = ("sampling_rate", "cutoff", "order", "bits")
         return SensorRow(
             name=sensor.name,
             model=None if model is None else model.name,
@@ -375,7 +375,7 @@ class SensorTrials:
             sensor_mass=sensor.mounting.sensor_mass,
             gaskets=[GasketRow(**vars(gasket)) for gasket in sensor.mounting.gaskets],
             lowest_resonance=self.resonance,
-            recorder=RecorderRow(**{name: getattr(recorder, name) for name in kept}),
+            recorder=RecorderRow(**{name: getattr(recorder, name) for name in keys}),
             source=None if model is None else model.source,
             status="stated" if model is None else model.status,
             note=None if model is None else model.note,
@@ -390,8 +390,8 @@ class SensorTrials:
         columns.append(Column("time", [blow.time for blow in self.blows], "s"))
         columns.append(Column("doubted", ["yes" if blow.doubted else "no" for blow in self.blows]))
         units = units_given("m/s^2")
-        for key, one in declarations(SensorTrial).items():
-            si = one.quantity.within(units).si
+        for key, declared in declarations(SensorTrial).items():
+            si = declared.quantity.within(units).si
             columns.append(Column(key, [getattr(blow.trial, key) for blow in self.blows], "" if si == NO_UNIT else si))
         return columns
 

@@ -1,4 +1,4 @@
-"""What measured records and their verdicts say in sentences, for screen and report."""
+"""Sentences on measured records and their verdicts, for screen and report."""
 
 from __future__ import annotations
 
@@ -52,10 +52,10 @@ def record_words(result: RecordResult) -> str:
     words += [_files_words(files, names)]
     words += [f"{one.message[:1].upper()}{one.message[1:]}." for one in result.notices if one.code in WITHOUT_UNIT]
     several = len(campaigns) > 1
-    told = [one for one in campaigns if one.statistics or not several]
-    words += [_campaign_words(one, names, several) + _doubted_words(one, files) for one in told[:MOST_CHANNELS]]
-    if len(told) > MOST_CHANNELS:
-        words.append(f"{len(told) - MOST_CHANNELS} more channels gave a peak, see below.")
+    shown = [one for one in campaigns if one.statistics or not several]
+    words += [_campaign_words(one, names, several) + _doubted_words(one, files) for one in shown[:MOST_CHANNELS]]
+    if len(shown) > MOST_CHANNELS:
+        words.append(f"{len(shown) - MOST_CHANNELS} more channels gave a peak, see below.")
     silent = [one.channel for one in campaigns if several and not one.statistics]
     words += [f"{named(silent)}: {NO_PEAK}"] if silent else []
     words += [] if result.sensor is None else [result.sensor.sentence()]
@@ -193,40 +193,40 @@ def why_of_shock(shock: JudgedShock) -> str:
     return NONE
 
 
-def tag_of_records(found: RecordsVerdict, stated: StatedTest | None = None) -> Tag:
+def tag_of_records(records: RecordsVerdict, stated: StatedTest | None = None) -> Tag:
     """Return the verdict as a tag, with what it rests on; equipment without a valid calibration takes its green."""
-    tag = verdict_tag(found.verdict, found.by_indicative, [clause for clause, _ in found.clauses])
+    tag = verdict_tag(records.verdict, records.by_indicative, [clause for clause, _ in records.clauses])
     if stated is None or not stated.lapses:
         return tag
-    return Tag(f"{tag.text}; calibration overdue", "warned" if found.verdict == PASS else tag.look)
+    return Tag(f"{tag.text}; calibration overdue", "warned" if records.verdict == PASS else tag.look)
 
 
-def sentence(found: RecordsVerdict, names: dict[str, str]) -> str:
+def sentence(records: RecordsVerdict, names: dict[str, str]) -> str:
     """Say what the verdict is, by what, and why."""
-    count = len(found.shocks)
+    count = len(records.shocks)
     many = {0: "no shock", 1: "one shock"}.get(count, f"{count} shocks")
-    clauses = [clause for clause, _ in found.clauses]
-    of_what = f": {many} by {found.specification.title} ({found.specification.file.edition})."
-    words = [verdict_sentence(found.verdict, found.by_indicative, clauses, of_what)]
-    several = len({shock.reading.channel.name for shock in found.shocks}) > 1
-    wrong = [(c, s) for c, s in found.clauses if c.verdict == found.verdict and c.verdict in (FAIL, CANNOT_TELL)]
+    clauses = [clause for clause, _ in records.clauses]
+    of_what = f": {many} by {records.specification.title} ({records.specification.file.edition})."
+    words = [verdict_sentence(records.verdict, records.by_indicative, clauses, of_what)]
+    several = len({shock.reading.channel.name for shock in records.shocks}) > 1
+    wrong = [(c, s) for c, s in records.clauses if c.verdict == records.verdict and c.verdict in (FAIL, CANNOT_TELL)]
     for clause, shock in wrong[:MOST_SHOCKS_NAMED]:
         where = f" of {name_of_shock(shock, names, several)}" if shock is not None and count > 1 else ""
         words.append(f"{capitalized(clause_name(clause.clause))}{where}: {why_words(clause)}.")
-    if found.verdict == PASS:
-        tight = [(c, s) for c, s in found.clauses if c.verdict == PASS and math.isfinite(c.share)]
+    if records.verdict == PASS:
+        tight = [(c, s) for c, s in records.clauses if c.verdict == PASS and math.isfinite(c.share)]
         if tight:
             clause, shock = min(tight, key=lambda one: one[0].share)
             where = f", {name_of_shock(shock, names, several)}" if shock is not None and count > 1 else ""
             words.append(f"Least margin: {clause.clause}{where}, {share_words(clause)} of the tolerance.")
-    failed = sum(shock.found.verdict == FAIL for shock in found.shocks)
+    failed = sum(shock.found.verdict == FAIL for shock in records.shocks)
     if count > 1 and failed:
         words.append(f"{failed} of {count} shocks fail.")
-    unclear = [shock for shock in found.shocks if shock.found.verdict == CANNOT_TELL]
-    if count > 1 and unclear and found.verdict != CANNOT_TELL:
+    unclear = [shock for shock in records.shocks if shock.found.verdict == CANNOT_TELL]
+    if count > 1 and unclear and records.verdict != CANNOT_TELL:
         where = first_few([name_of_shock(shock, names, several) for shock in unclear], MOST_SHOCKS_NAMED, "; ")
         words.append(f"Of {len(unclear)} of {count} nothing can be said ({where}): {why_of_shock(unclear[0])}.")
     skipped = not_judged_names(clauses)
-    if skipped and found.verdict != PASS:
+    if skipped and records.verdict != PASS:
         words.append(f"Not judged: {listed(skipped)}.")
     return " ".join(words)

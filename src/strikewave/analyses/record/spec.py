@@ -73,9 +73,9 @@ def command(
     """
     from strikewave.analyses.record.specification import screen
 
-    for option, given, of in (("--from", origin, "new"), ("--by", by, "synthesize"), ("--rate", rate, "synthesize")):
-        if given is not None and action != of:
-            raise InputError(option, given, f"only with {of}", "leave it out")
+    for option, value, of in (("--from", origin, "new"), ("--by", by, "synthesize"), ("--rate", rate, "synthesize")):
+        if value is not None and action != of:
+            raise InputError(option, value, f"only with {of}", "leave it out")
     if action == "list":
         if name is not None:
             raise InputError("NAME", name, "no name with list", f"strikewave spec show {name}")

@@ -1,4 +1,4 @@
-"""What the spectra of a record are: their frequencies, tables, documents."""
+"""Results of shock response spectra: frequencies, tables, documents."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ LEFT_OUT = ("gain-differs",)
 
 @dataclass(frozen=True)
 class SpectraAsked:
-    """What is asked of the spectra of measured files."""
+    """Request for the spectra of measured files."""
 
     files: Sequence[str]
     # What is stated of the channels, how the files are read, and a request with the filters that are taken
@@ -85,7 +85,7 @@ class SpectraAsked:
 
 @declare.dataclass
 class OscillatorResponse:
-    """What one oscillator does while the record lasts."""
+    """Response of one oscillator while the record lasts."""
 
     frequency: float = declare.number(FREQUENCY, "its natural frequency")
     time: Array = declare.history("s", "times of the record")
@@ -104,14 +104,14 @@ class ChannelRolling:
 
 @declare.dataclass
 class ChannelSpectra:
-    """The spectra of a channel, and what else was asked of it."""
+    """Spectra of a channel, and the other results asked for."""
 
     spectra: list[Spectrum]  # one a kind
     side: str
 
     @declare.computed(declare.history(AS_SPECTRUM, "the spectrum; so for each kind asked for", inline=True))
     def values(self) -> dict[str, Array]:
-        """The spectra of the side that was asked for, by kind."""
+        """Spectra of the side that was asked for, by kind."""
         return {one.kind: one.side(self.side) for one in self.spectra}
 
     rms: Mapping[str, Array] | None = declare.word(
@@ -128,14 +128,14 @@ class ChannelSpectra:
 
     @declare.computed(declare.named(SpectrumUncertainty, "uncertainty of each kind", optional=True))
     def uncertainty(self) -> dict[str, SpectrumUncertainty] | None:
-        """The uncertainties by kind, at the same frequencies."""
+        """Uncertainties by kind, at the same frequencies."""
         pairs = zip(self.spectra, self.uncertainties, strict=False)
         return {one.kind: each.lowest(len(one.frequency)) for one, each in pairs} or None
 
 
 @declare.dataclass
 class SpectrumRecord:
-    """The record that a spectrum is of."""
+    """Record of a spectrum."""
 
     file: str = declare.word("measured file")
     channel: str = declare.word("channel")
@@ -149,7 +149,7 @@ class SpectrumRecord:
 
 @declare.dataclass
 class ShockSpectra(SpectrumRecord):
-    """The spectra of one channel of a file, as it stands among several."""
+    """Spectra of one channel of a file among several."""
 
     left_out: str | None = declare.word("why it is not in the envelope; null where it is")
     zero_line: float = declare.number(AS_CHANNEL, "baseline that was taken off")
@@ -160,7 +160,7 @@ class ShockSpectra(SpectrumRecord):
 
 @declare.dataclass
 class SpectrumAsked:
-    """What was asked of spectra."""
+    """Settings of spectra."""
 
     q: float | str = declare.number(RATIO, "quality factor of the oscillators; inf without damping")
     side: str = declare.word("maximax, positive or negative")
@@ -169,7 +169,7 @@ class SpectrumAsked:
 
 @declare.dataclass
 class SpectraOfOne(SpectrumRecord):
-    """The document of the spectra of one channel."""
+    """Document of the spectra of one channel."""
 
     calibration: Mapping[str, Any] = declare.word("what was stated of it, as typed")
     zero_line: float = declare.number(AS_CHANNEL, "baseline that was taken off")
@@ -182,7 +182,7 @@ class SpectraOfOne(SpectrumRecord):
 
 @declare.dataclass
 class CommonSpectra:
-    """What several spectra come to, by kind; a resultant, or the others."""
+    """Envelope and limit of several spectra, by kind; or their resultant."""
 
     resultant: Mapping[str, Array] = declare.word("vector sum of all axes at each frequency, by kind")
     envelope: Mapping[str, Array] = declare.word("largest of all spectra at each frequency, by kind")
@@ -191,7 +191,7 @@ class CommonSpectra:
 
 @declare.dataclass
 class SpectraOfSeveral:
-    """The document of the spectra of several channels."""
+    """Document of the spectra of several channels."""
 
     asked: SpectrumAsked = declare.part(SpectrumAsked, "what was asked", inline=True)
     initial: str = declare.word("how the records begin: rest, shifted or steady")
@@ -202,7 +202,7 @@ class SpectraOfSeveral:
 
 @declare.dataclass
 class LargestResponse:
-    """Where a spectrum is largest."""
+    """Largest response of a spectrum."""
 
     kind: str
     of: str
@@ -212,7 +212,7 @@ class LargestResponse:
 
     @property
     def name(self) -> str:
-        """What is largest, and where."""
+        """Kind and frequency of the largest response."""
         return f"{self.kind} {self.of}, at {self.place}"
 
     @property
@@ -228,7 +228,7 @@ class LargestResponse:
 
 def spectrum_findings(reading: ChannelReading) -> list[HealthNotice]:
     """Return what was found on a record, without that it swings rather than being struck: so does a pyroshock."""
-    return [one for one in reading.findings if one.code != "no-pulse" or "spectrum" in one.harms]
+    return [finding for finding in reading.findings if finding.code != "no-pulse" or "spectrum" in finding.harms]
 
 
 def status_of(reading: ChannelReading) -> str:
@@ -238,9 +238,9 @@ def status_of(reading: ChannelReading) -> str:
 
 def harm_of(reading: ChannelReading) -> str:
     """Return why a spectrum is not to be judged; that no one-sided blow stands out is how a pyroshock is."""
-    for one in spectrum_findings(reading):
-        if one.severity == "bad" or one.code in LEFT_OUT or "spectrum" in one.harms:
-            return one.message
+    for finding in spectrum_findings(reading):
+        if finding.severity == "bad" or finding.code in LEFT_OUT or "spectrum" in finding.harms:
+            return finding.message
     return ""
 
 
@@ -276,7 +276,7 @@ class SpectrumResult(measured.AskedResult):
 
     @declare.computed(declare.part(SpectraOfOne, "spectra of one channel", inline=True, optional=True))
     def of_one(self) -> SpectraOfOne | None:
-        """What the document says of one channel alone."""
+        """Part of the document on one channel alone."""
         if self.shocks:
             return None
         first, reading, scope = self.first, self.reading, self.scope
@@ -286,7 +286,7 @@ class SpectrumResult(measured.AskedResult):
 
     @declare.computed(declare.part(SpectraOfSeveral, "spectra of several channels", inline=True, optional=True))
     def of_several(self) -> SpectraOfSeveral | None:
-        """What the document says of several channels."""
+        """Part of the document on several channels."""
         if not self.shocks:
             return None
         return SpectraOfSeveral(self._asked, self.scope.initial, self.frequency, self.shocks, self.together)
@@ -302,7 +302,7 @@ class SpectrumResult(measured.AskedResult):
 
     @declare.computed(declare.rows(LargestResponse, "largest responses", headline="each", in_document=False))
     def largest(self) -> list[LargestResponse]:
-        """Where the spectra are largest: of one channel, or of what several come to first."""
+        """Largest responses of one channel, or of the envelope or resultant of several."""
         of, kinds = next(iter(self.together.items()), ("response", self.first.found.values))
         return self.largest_of(kinds, of)
 
@@ -312,7 +312,7 @@ class SpectrumResult(measured.AskedResult):
 
     @declare.computed(declare.table("spectra over natural frequency"))
     def spectrum_columns(self) -> list[Column]:
-        """The spectra, and what several come to before them."""
+        """Spectra, after envelope and limit of several."""
         each = [one for shock in self.shocks for one in self.channel_columns(shock.found, f" of {shock.name}")]
         return [*self.main_columns, *each]
 
@@ -324,12 +324,12 @@ class SpectrumResult(measured.AskedResult):
 
     @property
     def counted(self) -> str:
-        """How many spectra there are."""
+        """Number of spectra, in words."""
         return f"{len(self.shocks)} shock response {'spectra' if len(self.shocks) > 1 else 'spectrum'}"
 
     @property
     def spectra(self) -> list[Spectrum]:
-        """The spectra of the first channel, one a kind."""
+        """Spectra of the first channel, one a kind."""
         return self.first.found.spectra
 
     @property
@@ -349,22 +349,22 @@ class SpectrumResult(measured.AskedResult):
 
     @property
     def is_acceleration(self) -> bool:
-        """Whether the records are accelerations: the spectra have units then."""
+        """True if the records are accelerations: the spectra have units then."""
         return self.reading.channel.unit == ACCELERATION
 
     @property
     def used(self) -> list[ShockSpectra]:
-        """Those of several that enter the envelope."""
+        """Spectra that enter the envelope."""
         return [shock for shock in self.shocks if not shock.left_out]
 
     @property
     def responses(self) -> list[tuple[ShockSpectra, OscillatorResponse]]:
-        """What one oscillator does on each channel, where asked for."""
+        """Response of one oscillator on each channel, where asked for."""
         return [(shock, shock.found.response) for shock in self.channels if shock.found.response is not None]
 
     @property
     def rollings(self) -> list[tuple[ShockSpectra, ChannelRolling]]:
-        """The rolling spectrum of each channel, where asked for."""
+        """Rolling spectrum of each channel, where asked for."""
         return [(shock, shock.found.rolling) for shock in self.channels if shock.found.rolling is not None]
 
     @property
@@ -385,18 +385,18 @@ class SpectrumResult(measured.AskedResult):
 
     @functools.cached_property
     def together(self) -> dict[str, dict[str, Array]]:
-        """What several spectra come to, by name and kind: ``resultant``, or ``envelope`` and ``p95_50``."""
+        """Common spectra of several channels, by name and kind: ``resultant``, or ``envelope`` and ``p95_50``."""
         if self.resultant:
             return {"resultant": dict(self.resultant)}
         rows = {kind: [shock.found.values[kind] for shock in self.used] for kind in self.first.found.values}
-        found = {"envelope": {kind: envelope(of) for kind, of in rows.items()}} if self.used else {}
+        common = {"envelope": {kind: envelope(of) for kind, of in rows.items()}} if self.used else {}
         if len(self.used) >= FEWEST:
-            found["p95_50"] = {kind: tolerance_limit(of) for kind, of in rows.items()}
-        return found
+            common["p95_50"] = {kind: tolerance_limit(of) for kind, of in rows.items()}
+        return common
 
     @functools.cached_property
     def velocity(self) -> Spectrum:
-        """The spectrum of the pseudo-velocity, which the four-coordinate picture shows; computed where it is drawn."""
+        """Spectrum of the pseudo-velocity for the four-coordinate picture, computed where it is drawn."""
         first = next((s for s in self.spectra if s.kind == "pseudo-velocity"), None)
         shown = self.spectra[0]
         return first or spectra_of_kinds(self.reading, ["pseudo-velocity"], shown.frequency, shown.q, self.scope)[0]
@@ -416,13 +416,13 @@ class SpectrumResult(measured.AskedResult):
 
     @property
     def given_units(self) -> GivenUnits:
-        """The unit of the channel."""
+        """Unit of the channel."""
         unit = self.reading.channel.unit or "the file's own numbers"
         return {AS_CHANNEL.given_by: (unit, unit)}
 
     @property
     def named_units(self) -> Mapping[str, str]:
-        """The unit of each kind."""
+        """Unit of each kind."""
         has = self.reading.channel.unit or "the file's own numbers"
         of = "" if self.is_acceleration else f"{NO_ACCELERATION}; this one is in {has}"
         return {kind: KINDS[kind].si + of for kind in self.first.found.values}
@@ -445,21 +445,21 @@ class SpectrumResult(measured.AskedResult):
 
     def _response_columns(self) -> list[Column]:
         """Return responses over time, those of several channels under one another."""
-        found = self.responses
-        columns = self._places([(shock, one.time.size) for shock, one in found])
-        columns.append(Column("time", np.concatenate([one.time for _, one in found]), "s"))
-        histories = [one.histories for _, one in found]
+        responses = self.responses
+        columns = self._places([(shock, one.time.size) for shock, one in responses])
+        columns.append(Column("time", np.concatenate([one.time for _, one in responses]), "s"))
+        histories = [one.histories for _, one in responses]
         return columns + [self._column(kind, np.concatenate([one[kind] for one in histories])) for kind in histories[0]]
 
     def _rolling_columns(self) -> list[Column]:
         """Return rolling spectra over time and frequency, those of several channels under one another."""
-        found = self.rollings
-        time = [np.repeat(one.time, one.frequency.size) for _, one in found]
+        rollings = self.rollings
+        time = [np.repeat(one.time, one.frequency.size) for _, one in rollings]
         return [
-            *self._places([(shock, one.time.size * one.frequency.size) for shock, one in found]),
+            *self._places([(shock, one.time.size * one.frequency.size) for shock, one in rollings]),
             Column("time", np.concatenate(time), "s"),
-            Column("frequency", np.concatenate([np.tile(one.frequency, one.time.size) for _, one in found]), "Hz"),
-            self._column(found[0][1].kind, np.concatenate([np.ravel(one.values) for _, one in found])),
+            Column("frequency", np.concatenate([np.tile(one.frequency, one.time.size) for _, one in rollings]), "Hz"),
+            self._column(rollings[0][1].kind, np.concatenate([np.ravel(one.values) for _, one in rollings])),
         ]
 
     def _places(self, counts: Sequence[tuple[ShockSpectra, int]]) -> list[Column]:
@@ -479,7 +479,7 @@ class SpectrumResult(measured.AskedResult):
 
     @property
     def main_columns(self) -> list[Column]:
-        """The columns of one channel, or of what several come to."""
+        """Columns of one channel, or of the common spectra of several."""
         columns = [Column.of("frequency", self.frequency, FREQUENCY)]
         if not self.shocks:
             return columns + self.channel_columns(self.first.found)
@@ -497,13 +497,13 @@ class SpectrumResult(measured.AskedResult):
 
     def shown_every(self, step: int, columns: Sequence[Column]) -> tuple[list[str], list[list[str]]]:
         """Return heads and cells of columns at every so many of the frequencies, as screen and page show them."""
-        kept = []
-        for one in columns:
-            name = one.name.replace("p95_50", "P95/50").replace("expanded uncertainty", "± U")
-            no_unit: dict[str, Any] = {} if self.is_acceleration or one.si == "Hz" else {"si": "", "shown": ""}
+        shown = []
+        for column in columns:
+            name = column.name.replace("p95_50", "P95/50").replace("expanded uncertainty", "± U")
+            no_unit: dict[str, Any] = {} if self.is_acceleration or column.si == "Hz" else {"si": "", "shown": ""}
             own = name.replace(NO_ACCELERATION, " (file's own)")
-            kept.append(one._replace(name=own, values=one.values[::step], **no_unit))
-        return heads_and_cells(kept)
+            shown.append(column._replace(name=own, values=column.values[::step], **no_unit))
+        return heads_and_cells(shown)
 
 
 def rms_of(reading: ChannelReading, kind: str, frequencies: ArrayLike, q: float, initial: str) -> Array:
@@ -540,5 +540,5 @@ def uncertainties_of(
         """Return the spectra of a record, a row each."""
         return np.stack([one.side(side) for one in all_srs(values, reading.channel.step, frequency, asked, scope)])
 
-    found = spectrum_uncertainty(reading.channel, reading.baseline, reading.pulses, budget, frequency, rows)
-    return [found.of_row(k) for k in range(len(spectra))]
+    known = spectrum_uncertainty(reading.channel, reading.baseline, reading.pulses, budget, frequency, rows)
+    return [known.of_row(k) for k in range(len(spectra))]

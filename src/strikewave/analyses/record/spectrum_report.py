@@ -1,4 +1,4 @@
-"""The report of shock response spectra: the spectra, the record that they are of, and its calibration."""
+"""Report of shock response spectra: the spectra, their record, and its calibration."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ def compute_spectra(
 
 @dataclass(frozen=True)
 class SrsCommand(Command[SpectrumResult]):
-    """The spectra of channels of files."""
+    """Spectra of channels of files."""
 
     indent: ClassVar[int | None] = None
 

@@ -1,4 +1,4 @@
-"""How the figures of records are written in a table: names of files, units, numbers."""
+"""Figures of records in tables: names of files, units, numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The chapter of a report with the verdict: clauses, shocks by direction, and the band over each shock."""
+"""Chapter of a report on the verdict: clauses, shocks by direction, and the band over each shock."""
 
 from __future__ import annotations
 
@@ -15,49 +15,49 @@ DRAWN_FIRST = 2  # shocks that are drawn before the tables: a row of the page, s
 MOST_ROWS = 200  # shocks that the table lists; JSON has all
 
 
-def verdict_section(found: RecordsVerdict, names: dict[str, str]) -> Section:
+def verdict_section(records: RecordsVerdict, names: dict[str, str]) -> Section:
     """Return the chapter of a verdict."""
-    several, many = several_channels(found), len(found.shocks) > 1
-    tables: list[Part] = [clause_table(found, names)]
+    several, many = several_channels(records), len(records.shocks) > 1
+    tables: list[Part] = [clause_table(records, names)]
     if many:
-        tables.append(_shock_table(found, names, several))
-    drawn = sorted(found.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))[:MOST_DRAWN]
-    place = "within the band" if found.limits.band is not None else "about the ideal pulse"
+        tables.append(_shock_table(records, names, several))
+    drawn = sorted(records.shocks, key=lambda shock: WORST_FIRST.index(shock.found.verdict))[:MOST_DRAWN]
+    place = "within the band" if records.limits.band is not None else "about the ideal pulse"
     pictures = []
     for shock in drawn:
         name, verdict = name_of_shock(shock, names, several), SHOWN[shock.found.verdict]
-        figure = shock_figure(shock, found.limits, name)
+        figure = shock_figure(shock, records.limits, name)
         pictures.append(Picture(figure, f"{name}: {verdict}.", f"Shock {name} {place}: {verdict}."))
-    text = decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated)
-    by = " (ISO 14253-1, JCGM 106)" if found.asked.rule == "guarded" else ""
-    text += f" U is the expanded uncertainty{by}. {limit_words_of(found)}"
-    if len(found.shocks) > len(drawn):
-        text += f" {len(drawn)} of {len(found.shocks)} shocks are drawn, those that fail first."
+    text = decision_words(records.asked.rule, records.asked.holds, records.asked.not_stated)
+    by = " (ISO 14253-1, JCGM 106)" if records.asked.rule == "guarded" else ""
+    text += f" U is the expanded uncertainty{by}. {limit_words_of(records)}"
+    if len(records.shocks) > len(drawn):
+        text += f" {len(drawn)} of {len(records.shocks)} shocks are drawn, those that fail first."
     return Section("Verdict by the specification", text, [*pictures[:DRAWN_FIRST], *tables, *pictures[DRAWN_FIRST:]])
 
 
-def clause_table(found: RecordsVerdict, names: dict[str, str]) -> Table:
+def clause_table(verdict: RecordsVerdict, names: dict[str, str]) -> Table:
     """Return the clauses with what came out, each of several shocks where it came out worst."""
-    several, many = several_channels(found), len(found.shocks) > 1
+    several, many = several_channels(verdict), len(verdict.shocks) > 1
 
     def why(clause: Clause, shock: JudgedShock | None) -> str | None:
         named = many and shock is not None and clause.verdict != NOT_JUDGED
         return ": ".join([name_of_shock(shock, names, several)] * named + [clause.reason] * bool(clause.reason)) or None
 
-    columns = clause_columns([clause for clause, _ in found.clauses])
-    columns.append(Column("where and why" if many else "why", [why(*pair) for pair in found.clauses]))
+    columns = clause_columns([clause for clause, _ in verdict.clauses])
+    columns.append(Column("where and why" if many else "why", [why(*pair) for pair in verdict.clauses]))
     return page_table("Clauses" + (", each where it came out worst" if many else ""), columns)
 
 
-def several_channels(found: RecordsVerdict) -> bool:
+def several_channels(verdict: RecordsVerdict) -> bool:
     """Tell whether shocks of several channels were judged."""
-    return len({shock.reading.channel.name for shock in found.shocks}) > 1
+    return len({shock.reading.channel.name for shock in verdict.shocks}) > 1
 
 
-def limit_words_of(found: RecordsVerdict) -> str:
+def limit_words_of(verdict: RecordsVerdict) -> str:
     """Say how the band lies, how the numbers of the specification are known, and where they come from."""
-    file, words = found.specification.file, ""
-    if found.limits.band is not None:
+    file, words = verdict.specification.file, ""
+    if verdict.limits.band is not None:
         words = (
             "The band lies where the smallest distance of the record to it is largest; the velocity change is "
             "integrated about that place. "
@@ -71,11 +71,11 @@ def limit_words_of(found: RecordsVerdict) -> str:
     return f"{words}\n\nSource: {file.source}.{note}{demands}"
 
 
-def _shock_table(found: RecordsVerdict, names: dict[str, str], several: bool) -> Table:
-    by_name = list(dict.fromkeys(clause.clause for shock in found.shocks for clause in shock.found.clauses))
-    directed = any(shock.direction for shock in found.shocks)
+def _shock_table(verdict: RecordsVerdict, names: dict[str, str], several: bool) -> Table:
+    by_name = list(dict.fromkeys(clause.clause for shock in verdict.shocks for clause in shock.found.clauses))
+    directed = any(shock.direction for shock in verdict.shocks)
     rows: list[list[Cell]] = []
-    for shock in found.shocks[:MOST_ROWS]:
+    for shock in verdict.shocks[:MOST_ROWS]:
         clauses = {clause.clause: clause for clause in shock.found.clauses}
         rows.append(
             [
@@ -87,5 +87,5 @@ def _shock_table(found: RecordsVerdict, names: dict[str, str], several: bool) ->
             ]
         )
     heads = ["shock", "verdict", *(["direction"] if directed else []), *map(clause_name, by_name), WHY_HEAD]
-    left = f", the first {MOST_ROWS} of {len(found.shocks)}" if len(found.shocks) > MOST_ROWS else ""
+    left = f", the first {MOST_ROWS} of {len(verdict.shocks)}" if len(verdict.shocks) > MOST_ROWS else ""
     return Table(f"Shocks{left}", heads, rows)

@@ -40,13 +40,13 @@ if TYPE_CHECKING:
 
 def with_verdict(result: RecordResult, specification: Specification, asked: Asked) -> RecordResult:
     """Return the result of records with the verdict by a specification; a fail is a failed check."""
-    found = judge_records(result.readings, specification, asked, result.filter)
+    verdict = judge_records(result.readings, specification, asked, result.filter)
     notices = verdict_notices(
-        specification.title, found.verdict, found.by_indicative, [one for one, _ in found.clauses]
+        specification.title, verdict.verdict, verdict.by_indicative, [one for one, _ in verdict.clauses]
     )
     citations = ("jcgm-106", "iso-14253-1") if asked.rule == "guarded" else ()
     return dataclasses.replace(
-        result, verdict=found, notices=(*result.notices, *notices), citations=(*result.citations, *citations)
+        result, verdict=verdict, notices=(*result.notices, *notices), citations=(*result.citations, *citations)
     )
 
 
@@ -66,7 +66,7 @@ FIXES = "the specification fixes it: leave it out"
 
 @dataclass(frozen=True)
 class SpectraJudge:
-    """What spectra are judged by, and how."""
+    """Judge of spectra: a specification, and how it is applied."""
 
     specification: Specification
     asked: Asked
@@ -127,50 +127,57 @@ def spectra_judge(judging: SpectraJudging, specification: Specification | None) 
     return SpectraJudge(specification, asked_of_spectra(judging.decision, judging.strict, judging.uncertainty))
 
 
-def spectra_sentence(found: SpectraVerdict) -> str:
+def spectra_sentence(verdict: SpectraVerdict) -> str:
     """Say what the verdict is, by what, and why."""
-    count = len(found.spectra)
+    count = len(verdict.spectra)
     many = "one spectrum" if count == 1 else f"{count} spectra"
-    title = f"{found.specification.title} ({found.specification.file.edition})"
-    words = [f"{verdict_words(found.verdict, found.by_indicative)}: {many} by {title}."]
-    wrong = [(one, clause) for one in found.spectra for clause in one.clauses if clause.verdict in (FAIL, CANNOT_TELL)]
-    for one, clause in [pair for pair in wrong if pair[1].verdict == found.verdict][:3]:
-        where = f"{one.name}: " if count > 1 else ""
+    title = f"{verdict.specification.title} ({verdict.specification.file.edition})"
+    words = [f"{verdict_words(verdict.verdict, verdict.by_indicative)}: {many} by {title}."]
+    wrong = [
+        (spectrum, clause)
+        for spectrum in verdict.spectra
+        for clause in spectrum.clauses
+        if clause.verdict in (FAIL, CANNOT_TELL)
+    ]
+    for spectrum, clause in [pair for pair in wrong if pair[1].verdict == verdict.verdict][:3]:
+        where = f"{spectrum.name}: " if count > 1 else ""
         words.append(f"{where}{clause_words(clause)}.")
-    left = [one.name for one in found.spectra if one.verdict == PASS]
+    left = [spectrum.name for spectrum in verdict.spectra if spectrum.verdict == PASS]
     if count > 1 and left:
         words.append(f"{listed(left[:3])}{' and others' * (len(left) > 3)} pass.")
     return " ".join(words)
 
 
-def print_spectra_verdict(found: SpectraVerdict) -> None:
+def print_spectra_verdict(verdict: SpectraVerdict) -> None:
     """Print the clauses of each spectrum."""
-    print_rows(f"By {found.specification.title}", _columns(found))
-    tell(decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated))
-    for one in found.spectra:
-        for clause in one.clauses:
+    print_rows(f"By {verdict.specification.title}", _columns(verdict))
+    tell(decision_words(verdict.asked.rule, verdict.asked.holds, verdict.asked.not_stated))
+    for spectrum in verdict.spectra:
+        for clause in spectrum.clauses:
             if clause.reason:
-                tell(f"{one.name}, {clause.clause}: {clause.reason}", "  ")
+                tell(f"{spectrum.name}, {clause.clause}: {clause.reason}", "  ")
 
 
-def _columns(found: SpectraVerdict) -> list[Column]:
-    named: dict[Any, str] = {(one.file, one.channel): one.name for one in found.spectra}
-    names = [named[one.file, one.channel] for one in found.clauses]
-    columns = [one for one in clause_columns(found.clauses) if one.name != "of tolerance"]
+def _columns(verdict: SpectraVerdict) -> list[Column]:
+    named: dict[Any, str] = {(one.file, one.channel): one.name for one in verdict.spectra}
+    names = [named[one.file, one.channel] for one in verdict.clauses]
+    columns = [one for one in clause_columns(verdict.clauses) if one.name != "of tolerance"]
     return [Column("spectrum", names, priority=KEY, words=True), *columns]
 
 
-def spectra_section(found: SpectraVerdict) -> Section:
+def spectra_section(verdict: SpectraVerdict) -> Section:
     """Return the chapter of a verdict on spectra: the tolerance with the spectra over it, and the clauses."""
     from strikewave.analyses.record.figures.verdicts import spectrum_limits_figure
 
-    drawn = [(one.name, one.frequency, one.values, one.verdict) for one in found.spectra]
-    file = found.specification.file
+    drawn = [(spectrum.name, spectrum.frequency, spectrum.values, spectrum.verdict) for spectrum in verdict.spectra]
+    file = verdict.specification.file
     text = (
-        f"Q = {found.limits.q:g}, {found.limits.side}, {found.limits.per_octave:g} natural frequencies an octave. "
-        f"Source: {file.source}." + (f" {' '.join(file.note.split())}" if file.note else "")
+        f"Q = {verdict.limits.q:g}, {verdict.limits.side}, {verdict.limits.per_octave:g} natural frequencies an "
+        f"octave. Source: {file.source}." + (f" {' '.join(file.note.split())}" if file.note else "")
     )
-    text = f"{decision_words(found.asked.rule, found.asked.holds, found.asked.not_stated)} {text}"
-    picture = Picture(spectrum_limits_figure(found.limits, drawn, found.specification.title), "Spectra and tolerance.")
-    table = page_table("Clauses", [*_columns(found), why_column(found.clauses)])
+    text = f"{decision_words(verdict.asked.rule, verdict.asked.holds, verdict.asked.not_stated)} {text}"
+    picture = Picture(
+        spectrum_limits_figure(verdict.limits, drawn, verdict.specification.title), "Spectra and tolerance."
+    )
+    table = page_table("Clauses", [*_columns(verdict), why_column(verdict.clauses)])
     return Section("Verdict by the specification", text, [picture, table])

@@ -58,7 +58,7 @@ _COLOURS = (BLUE, RED, GREEN, ORANGE, "#CC79A7", "#56B4E9", "#000000", GREY)
 
 @dataclass(frozen=True)
 class ChannelStyle(ShownQuantity):
-    """How a channel is drawn: what it is, and what its integral is, with the SI unit of that."""
+    """Style of a channel: its name, and name and SI unit of its integral."""
 
     name: str
     integral: str
@@ -380,16 +380,16 @@ def drawable(reading: ChannelReading) -> bool:
     return values.size > 1 and reading.channel.step > 0.0 and bool(np.all(np.abs(values) < LARGEST_DRAWN))
 
 
-def motion_figure(one: RecordMotion) -> Figure:
+def motion_figure(record: RecordMotion) -> Figure:
     """Draw velocity and displacement over time, their drift shaded."""
     figure = new_figure()
     rows: Any = figure.subplots(1, 2)
-    factor, seconds = clock(float(np.ptp(one.time)))
-    kept = np.unique(np.linspace(0, one.time.size - 1, min(one.time.size, 2 * COLUMNS)).round().astype(int))
+    factor, seconds = clock(float(np.ptp(record.time)))
+    places = np.unique(np.linspace(0, record.time.size - 1, min(record.time.size, 2 * COLUMNS)).round().astype(int))
     for axes, name, si, usual in zip(rows, ("velocity", "displacement"), ("m/s", "m"), ("m/s", "mm"), strict=True):
         size, _ = axis_unit(si, usual)
-        values, drift = (getattr(one.motion, key)[kept] / size for key in (name, f"{name}_drift"))
-        time = one.time[kept] * factor
+        values, drift = (getattr(record.motion, key)[places] / size for key in (name, f"{name}_drift"))
+        time = record.time[places] * factor
         axes.fill_between(time, values - drift, values + drift, color=BLUE, alpha=0.2, linewidth=0)
         axes.plot(time, values, color=BLUE, linewidth=1.2)
         quiet(axes, name.capitalize(), f"time ({seconds})", headed(name, si, usual))

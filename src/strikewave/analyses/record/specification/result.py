@@ -21,7 +21,7 @@ from strikewave.specifications.tables import SpecificationFile, numbers_of
 
 @declare.dataclass
 class StatedOfAll:
-    """What a specification says of its numbers."""
+    """Status and source of the numbers of a specification."""
 
     status: str = declare.word("of numbers that say nothing else: normative, quoted or indicative")
     source: str = declare.word("where they come from")
@@ -43,7 +43,7 @@ class SpecificationNumber:
 
 @declare.dataclass
 class DemandRow:
-    """What a standard demands, and no record is judged by."""
+    """Demand of a standard that no record is judged by."""
 
     text: str = declare.word("what the standard demands, in words", label="what", column=KEY)
     status: str = declare.word("how it is known", column=MAIN, is_tag=True)
@@ -51,7 +51,7 @@ class DemandRow:
 
 @declare.dataclass
 class AskedRow:
-    """What is asked of a shock."""
+    """Demand on a shock."""
 
     clause: str = declare.word("what is asked", column=KEY)
     limit: str = declare.number(NOT_MEASURED, "its nominal value, or its limits", column=MAIN)
@@ -60,7 +60,7 @@ class AskedRow:
 
 @declare.dataclass
 class StatusCount:
-    """How many numbers have a status."""
+    """Count of numbers of a status."""
 
     name: str = declare.word("the status")
     count: int = declare.count("how many numbers", headline="{name} numbers")
@@ -77,24 +77,24 @@ class SpecificationResult(measured.AskedResult):
 
     @property
     def title(self) -> str:
-        """Its title."""
+        """Title of the specification."""
         return self.specification.title
 
     @declare.computed(declare.part(StatedOfAll, "of its numbers", inline=True))
     def stated(self) -> StatedOfAll:
-        """What its file says of all numbers."""
+        """Statements of its file on all numbers."""
         file = self.specification.file
         return StatedOfAll(file.status, file.source, file.note)
 
     @declare.computed(declare.rows(SpecificationNumber, "its numbers"))
     def numbers(self) -> list[SpecificationNumber]:
-        """Its numbers; of other conditions than the one asked for, none."""
+        """Numbers, without those of other conditions than the one asked for."""
         condition = self.specification.condition
         return number_rows(self.specification.file, None if condition is None else condition.name)
 
     @declare.computed(declare.rows(DemandRow, "what the standard demands in words, with its status"))
     def demands(self) -> list[DemandRow]:
-        """What is asked too, and not judged by a record."""
+        """Demands that are not judged by a record."""
         return [DemandRow(one.text, one.status or self.stated.status) for one in self.specification.file.demand]
 
     asked = declare.computed(declare.rows(AskedRow, "what it asks of a shock", in_document=False))(
@@ -103,7 +103,7 @@ class SpecificationResult(measured.AskedResult):
 
     @declare.computed(declare.rows(StatusCount, "numbers by status", in_document=False, headline="each"))
     def counts(self) -> list[StatusCount]:
-        """How many numbers there are of each status."""
+        """Counts of numbers by status."""
         counts = Counter(row.status for row in self.numbers)
         return [StatusCount(status, counts[status]) for status in STATUSES if counts[status]]
 

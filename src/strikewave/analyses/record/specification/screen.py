@@ -62,7 +62,7 @@ class ListedSpecification:
 
 @declare.dataclass
 class SpecificationList:
-    """The built-in specifications."""
+    """List of the built-in specifications."""
 
     specifications: list[ListedSpecification] = declare.rows(ListedSpecification, "the built-in specifications")
 

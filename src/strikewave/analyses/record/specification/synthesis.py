@@ -66,7 +66,7 @@ UPPER_SHARE = 1.0 / 6.0
 
 @declare.dataclass
 class MotionSpectrum:
-    """The spectrum of a motion, and the one asked for."""
+    """Spectrum of a motion, and the one asked for."""
 
     frequency: Array = declare.history(FREQUENCY, "natural frequencies")
     values: Array = declare.history("m/s^2", "spectrum of the motion")
@@ -87,12 +87,12 @@ class SynthesisResult(measured.AskedResult):
 
     @declare.computed(declare.rows(Component, "what the motion is the sum of"))
     def components(self) -> list[Component]:
-        """The components, and the compensating pulses."""
+        """Components, and the compensating pulses."""
         return [*self.motion.components, *self.motion.compensation]
 
     @declare.computed(declare.part(MotionSpectrum, "the spectrum of the motion"))
     def spectrum(self) -> MotionSpectrum:
-        """The spectrum of the motion beside the one asked for."""
+        """Spectrum of the motion beside the one asked for."""
         (judged,) = self.verdict.spectra
         return MotionSpectrum(judged.frequency, judged.values, self.verdict.limits.nominal(judged.frequency))
 
@@ -100,7 +100,7 @@ class SynthesisResult(measured.AskedResult):
 
     @property
     def title(self) -> str:
-        """What was made, for which specification."""
+        """Kind of the motion, and its specification."""
         what = {DAMPED_SINES: "Damped sines", WAVELETS: "Wavelets"}.get(self.by, "Half-sine")
         return f"{what} for {self.verdict.specification.title}"
 
