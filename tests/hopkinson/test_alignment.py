@@ -328,7 +328,7 @@ def test_the_band_of_one_sample_and_of_one_frequency_in_closed_form():
     assert highest_frequency(wave + 1.0, 0.5, 0.1, 1e9) == pytest.approx(0.0 + 5 / 32.0)
 
 
-def test_wave_numbers_are_solved_one_by_one_up_to_two_thousand_and_interpolated_beyond():
+def test_wave_numbers_are_solved_up_to_two_thousand_and_interpolated_beyond():
     rod = Rod(0.01, 5000.0, 0.29)
     few, many = np.linspace(0.0, 3e6, 2000), np.linspace(0.0, 3e6, 2001)
     assert np.array_equal(_wave_numbers(few, rod, "pochhammer-chree"), wave_number(few, rod, "pochhammer-chree"))

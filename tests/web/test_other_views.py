@@ -70,7 +70,7 @@ def shots(tmp_path, monkeypatch):
 
 
 @pytest.mark.verify
-def test_records_show_the_pulses_that_are_in_them_and_the_file_that_lies_is_bad_in_words(shots):
+def test_records_show_their_pulses_and_name_the_bad_file(shots):
     view = measure(RecordRequest(str(shots), ("a.csv", "b.csv", "lie.tdms"), spectrum=False), say)
     result = strikewave.record([str(shots / "a.csv"), str(shots / "b.csv")])
     assert dict(view["figures"])["mean peak"] == dict(result.highlights())["mean peak"]
@@ -192,7 +192,7 @@ def test_no_file_and_another_case_beside_are_refused_in_words(shots):
         measure(RecordRequest(str(shots), ("a.csv",), spectrum=False, beside="/etc/passwd:rigid"), say)
 
 
-def test_on_four_axes_the_lines_of_equal_acceleration_and_displacement_are_those_of_a_sine(shots):
+def test_lines_of_equal_acceleration_and_displacement_are_those_of_a_sine(shots):
     """At 2 pi f v = a and v = 2 pi f d each line has slope -1 or +1 in decades, through the numbers that it names."""
     options = four_axes(
         strikewave.shock_spectra([str(shots / "a.csv")], spectra=strikewave.Spectra(kinds=("pseudo-velocity",)))

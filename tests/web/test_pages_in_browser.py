@@ -67,7 +67,7 @@ def test_twenty_files_are_dropped_at_once_and_judged(visit):
     one.page.get_by_text("strikewave record").first.wait_for()
 
 
-def test_files_are_removed_and_dropped_again_and_what_is_shown_is_marked_till_it_is_of_them(visit):
+def test_files_are_removed_and_dropped_again_and_old_results_are_marked(visit):
     one = visit("/record?spectrum=no")
     drop = one.page.locator("input[type=file]")
     drop.wait_for(state="attached")

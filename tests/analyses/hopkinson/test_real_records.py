@@ -32,7 +32,7 @@ def test_copper_closes_its_impulses_and_lasts_as_long_as_its_striker_says(measur
     assert equilibrium(reduction).misfit < 0.10
 
 
-def test_the_two_speeds_of_the_titanium_bars_shift_the_waves_by_the_difference_of_their_ways(measured):
+def test_two_speeds_of_titanium_bars_shift_waves_by_the_difference_of_ways(measured):
     """2 x 381 mm at 4865.9 and at 4975.0 m/s differ by 3.43 us: so does what the balance of forces finds, to 0.3 us.
 
     0.3 us is a sixteenth of the rise; the other speed also changes the dispersion and the force.

@@ -13,7 +13,7 @@ CASE = load_case("two-bars-fem", ["fem.duration=20 us"])
 
 
 @pytest.mark.verify
-def test_a_run_of_elements_that_was_stopped_goes_on_and_has_the_bits_of_one_that_was_not(monkeypatch):
+def test_a_stopped_run_of_elements_goes_on_bit_for_bit(monkeypatch):
     monkeypatch.setattr(solve, "REPORT", 0.0)  # told of each instant
 
     def until_half(share, _):
