@@ -33,8 +33,6 @@ from strikewave.reporting.style import BLUE, GREEN, ORANGE, RED, WHOLE, legend_b
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from strikewave.analyses.impact.law_list import LawsResult
-
 Array = NDArray[np.float64]
 
 LOWEST = 0.01
@@ -259,6 +257,6 @@ def _cushions_shown() -> list[DrawnLaw]:
     ]
 
 
-def picture(result: LawsResult) -> Figure:
+def picture(result: Any) -> Figure:
     """Return the picture of the laws in Python: the restitution that they give over the one asked for."""
     return asked_given(result.everything.damping)

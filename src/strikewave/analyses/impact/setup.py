@@ -26,7 +26,7 @@ from strikewave.contact import (
 from strikewave.contact.registry import DamperLaw, DampingLaw
 
 if TYPE_CHECKING:
-    from strikewave.analyses.impact.command import BodyOptions, LossOptions, StiffnessOptions, YieldOptions
+    from strikewave.analyses.impact.options import BodyOptions, LossOptions, StiffnessOptions, YieldOptions
 
 AnyStiffness = Stiffness | LogarithmicStiffness
 
