@@ -46,16 +46,15 @@ from strikewave.contact.motion import FIRST_STEP, Motion, MotionState, integrate
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-9
-"""Local error of a step over its scales: so far below the 1e-6 to which an energy balance is held that the
-errors of a thousand steps may add up."""
+"""Local error of a step over its scales: the errors of a thousand steps stay below the 1e-6 of an energy balance."""
 SLOWEST_SHARE = 1e-3
 """Least approach speed of a contact over the speed scale of its chain, where none is given: blows that slow carry a
 millionth of the energy, and a slower one would make a slowly pressed contact rigid."""
 _STEPS_A_PERIOD = 8.0
-"""Steps in the period of a shaking base, at least: a longer one could miss that a base comes and goes."""
+"""Fewest steps in the period of a shaking base: a longer one could miss that a base comes and goes."""
 _LEAST_DROP, _LEAST_SPEED = 1e-3, 1e-6
-"""Way (m) in which gravity and preloads count as gaining speed, and speed scale (m/s) of a chain at rest: chosen small
-beside those of any blow, so that they only keep the tolerance of a chain at rest from being zero."""
+"""Way (m) in which gravity and preloads gain speed, and speed scale (m/s) of a chain at rest: chosen small beside any
+blow, so that they only keep the tolerance of a chain at rest from being zero."""
 
 
 @dataclass(frozen=True)
@@ -126,16 +125,7 @@ Link = Spring | Stop | ChainContact | Friction
 
 @dataclass(frozen=True)
 class Vibration:
-    """A base that shakes: x = mean + amplitude sin(rate t + phase), m, rad/s, rad.
-
-    Examples
-    --------
-    >>> table = Vibration(0.0, amplitude=1e-3, rate=100.0)
-    >>> chain = Chain({"block": 1.0}, [Friction("block", "table", sliding=2.0)], {"table": table})
-    >>> motion = simulate(chain, {}, {"block": 0.1}, duration=0.02)  # 10 m/s^2 at most, friction gives 2
-    >>> print(motion.speeds(0.01).round(3))
-    [0.082]
-    """
+    """A base that shakes: x = mean + amplitude sin(rate t + phase), m, rad/s, rad."""
 
     mean: float
     amplitude: float
@@ -152,15 +142,6 @@ class Chain:
     ValueError
         If a mass is not positive and finite, a link names a node that does not exist, or a body has two friction
         links.
-
-    Examples
-    --------
-    >>> from strikewave.contact import Contact
-    >>> link = ChainContact("striker", "object", Contact(4.7e9, 10 / 9))
-    >>> chain = Chain({"striker": 0.2, "object": 0.459}, links=[link])
-    >>> motion = simulate(chain, {"striker": 0.0, "object": 0.0}, {"striker": 20.0}, duration=1e-4)
-    >>> print(motion.speeds(1e-4).round(3))
-    [-7.86  12.14]
     """
 
     bodies: Mapping[str, float]
@@ -203,7 +184,7 @@ class Chain:
 
 
 class ChainMotion:
-    """The motion of a chain; ask it for any time between 0 and its end."""
+    """Motion of a chain at any time between 0 and its end."""
 
     def __init__(self, chain: Chain, motion: Motion) -> None:
         self.chain = chain
@@ -284,10 +265,9 @@ def first_depths(links: Links) -> Array:
 def first_modes(
     links: Links, nodes: Array, deepest: Array | None = None, speeds: Array | None = None
 ) -> NDArray[np.int64]:
-    """Return the mode of each link at given node positions: what overlaps at the start already pushes.
+    """Return the mode of each link at given node positions: links that overlap at the start push already.
 
-    ``deepest`` (m) is how deep each contact has yielded, nothing where it is left out; ``speeds`` (m/s) are those of
-    the nodes, which friction needs: where they are left out or equal it sticks.
+    Contacts have yielded to ``deepest``, m; friction sticks where ``speeds``, m/s, are left out or equal.
     """
     left, flat = np.zeros((2, len(links.joins)))
     spots(links.values, first_depths(links) if deepest is None else deepest, left, flat)
@@ -327,6 +307,8 @@ def simulate(
 ) -> ChainMotion:
     """Follow a chain from given positions and speeds (0 where not named) for a time.
 
+    Method: DOP853 with located switches (Hairer, Norsett & Wanner 1993).
+
     Parameters
     ----------
     chain : Chain
@@ -334,10 +316,9 @@ def simulate(
     positions, speeds : mapping
         By body name, m and m/s.
     duration : float
-        How long, s.
+        Length of the motion, s.
     tolerance : float, optional
-        Local error of a step, over the speed scale of the start and the distance it covers in the
-        shortest time scale of the chain.
+        Local error of a step over the speed scale of the start, and the way of that speed in the shortest time scale.
 
     Raises
     ------
@@ -345,10 +326,6 @@ def simulate(
         If a name is not a body's, or the duration is not positive and finite.
     IntegrationError
         If the motion cannot be followed.
-
-    Notes
-    -----
-    Method: DOP853 with located switches (Hairer, Norsett & Wanner 1993).
     """
     names = list(chain.bodies)
     x = np.array([positions.get(name, 0.0) for name in names])
@@ -356,7 +333,7 @@ def simulate(
     masses = np.array(list(chain.bodies.values()))
     links = link_arrays(chain.links, chain.nodes)
     shakes = _shakes(chain)
-    bases = _bases_at(shakes, 0.0)
+    bases = _bases_at(shakes, 0.0)  # for the speeds of bases that shake already
     base = bases[PLACE]
     table = np.column_stack([masses, np.full(masses.size, float(chain.gravity))])
     system = ChainSystem(ChainTables(table, bases, links.joins, links.values), shakes)
@@ -370,6 +347,7 @@ def simulate(
     scale = np.concatenate([np.full(x.size, speed * period), np.full(x.size, speed), np.full(len(chain.links), energy)])
     speeds_of = np.concatenate([v, bases[SPEED]])
     closing = speeds_of[links.joins[:, BEHIND]] - speeds_of[links.joins[:, AHEAD]]
+    # what overlaps at the start approaches at its speed there
     memory = np.concatenate([np.maximum(closing, 0.0), first_depths(links), np.ones(len(chain.links))])
     y = np.concatenate([x, v, np.zeros(len(chain.links))])
     start = MotionState(0.0, y, first_modes(links, np.concatenate([x, base]), speeds=speeds_of), memory)
@@ -394,24 +372,21 @@ def _bases_at(shakes: Array, time: float) -> Array:
 
 def _longest_step(chain: Chain, otherwise: float) -> float:
     """Return the longest step that sees every shaking base come and go, s; ``otherwise`` where none shakes."""
-    rates = [abs(base.rate) for base in chain.bases.values() if isinstance(base, Vibration)]
-    fastest = max(rates, default=0.0)
+    fastest = max((abs(base.rate) for base in chain.bases.values() if isinstance(base, Vibration)), default=0.0)
     return min(otherwise, 2.0 * np.pi / _STEPS_A_PERIOD / fastest) if fastest > 0.0 else otherwise
 
 
 def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
-    """Refuse a motion that pressed a contact beyond the end of its law."""
+    """Refuse a motion that pressed a contact beyond the end of its law at the begin of a step, or at the end."""
     touches = [(i, link.contact) for i, link in enumerate(chain.links) if isinstance(link, ChainContact)]
     ending = [(i, contact) for i, contact in touches if not isinstance(contact, Contact)]
     if not ending:
         return
     shakes, deepest = _shakes(chain), np.full(len(chain.links), -np.inf)
-    for record in motion.records():
-        for time, state in zip(record.time, record.dense[:, 0], strict=True):
-            nodes = np.append(state[: len(chain.bodies)], _bases_at(shakes, time)[PLACE])
-            deepest = np.maximum(deepest, compressions(links, nodes))
-    nodes = np.append(motion.end.y[: len(chain.bodies)], _bases_at(shakes, motion.end.time)[PLACE])
-    deepest = np.maximum(deepest, compressions(links, nodes))
+    steps = [(t, y) for record in motion.records() for t, y in zip(record.time, record.dense[:, 0], strict=True)]
+    for time, state in (*steps, (motion.end.time, motion.end.y)):
+        nodes = np.append(state[: len(chain.bodies)], _bases_at(shakes, time)[PLACE])
+        deepest = np.maximum(deepest, compressions(links, nodes))
     for i, contact in ending:
         check_end(contact, float(deepest[i]))
 
@@ -419,6 +394,7 @@ def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
 def _speed_scale(chain: Chain, links: Links, nodes: Array, speeds: Array) -> float:
     """Return a speed that the bodies have or will get from stored energy and gravity, m/s."""
     masses = np.array(list(chain.bodies.values()))
+    # bodies fall, at most, as far as they stand from what they meet
     drop = float(np.abs(compressions(links, nodes)).max(initial=_LEAST_DROP))
     gained = 2.0 * stored_energy(links, nodes) / float(masses.sum()) + 2.0 * abs(chain.gravity) * drop
     preload = max((abs(link.preload) for link in chain.links if isinstance(link, Spring)), default=0.0)

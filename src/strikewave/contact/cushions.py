@@ -57,20 +57,7 @@ LARGEST_STRAIN = 1.0
 
 @dataclass(frozen=True)
 class Pad:
-    """A flat pad between two plane faces, with its load spread evenly over it.
-
-    Parameters
-    ----------
-    area : float
-        A, m^2.
-    thickness : float
-        h before any blow, m.
-
-    Examples
-    --------
-    >>> round(Pad(area=7.854e-3, thickness=0.0125).shape_factor, 3)
-    2.0
-    """
+    """Flat pad between two plane faces, evenly loaded: area A, m^2, and thickness h before any blow, m."""
 
     area: float
     thickness: float
@@ -101,16 +88,12 @@ def _law(name: str, equation: str, source: str, **details: Any) -> Callable[[Mak
     return register
 
 
-def _positive(**properties: float) -> None:
-    """Refuse a property that is not above zero and finite."""
+def _check(strain: Mapping[str, float] | None = None, **properties: float) -> None:
+    """Refuse a property that is not above zero and finite, and a strain that no pad reaches."""
     for name, value in properties.items():
         if not 0.0 < value < math.inf:
             raise ValueError(f"the {name.replace('_', ' ')} must be above zero and finite, got {value!r}")
-
-
-def _strain(**strains: float) -> None:
-    """Refuse a strain that no pad reaches."""
-    for name, value in strains.items():
+    for name, value in (strain or {}).items():
         if not 0.0 < value <= LARGEST_STRAIN:
             raise ValueError(f"the {name.replace('_', ' ')} must be above 0 and at most 1, got {value!r}")
 
@@ -127,13 +110,8 @@ def linear(pad: Pad, modulus: float) -> Contact:
     """Return a linear pad: k = E A/h.
 
     A mass m at the speed v makes half a sine: peak v sqrt(k m), duration pi sqrt(m/k).
-
-    Examples
-    --------
-    >>> linear(Pad(1e-2, 0.01), modulus=1e6).stiffness
-    1000000.0
     """
-    _positive(modulus=modulus)
+    _check(modulus=modulus)
     return Contact(modulus * pad.area / pad.thickness, 1.0)
 
 
@@ -161,7 +139,7 @@ def power(pad: Pad, stress: float, exponent: float) -> Contact:
     >>> power(Pad(1e-2, 0.01), stress=1e6, exponent=2.0).stiffness
     100000000.0
     """
-    _positive(stress=stress, exponent=exponent)
+    _check(stress=stress, exponent=exponent)
     return Contact(stress * pad.area / pad.thickness**exponent, exponent)
 
 
@@ -175,13 +153,7 @@ def power(pad: Pad, stress: float, exponent: float) -> Contact:
     note="n of hammers: 2.1 to 5; industrial felt has its own, measure it",
 )
 def felt(pad: Pad, stress: float, exponent: float, retardation: float) -> Contact:
-    """Return a pad of felt: a power law with the retardation T, s, which makes its loss grow with the speed.
-
-    Examples
-    --------
-    >>> felt(Pad(1e-2, 0.01), stress=1e6, exponent=2.5, retardation=20e-6).damper.style
-    'retarded'
-    """
+    """Return a pad of felt: a power law with the retardation T, s, which makes its loss grow with the speed."""
     elastic = power(pad, stress, exponent)
     return dataclasses.replace(elastic, damper=Damper(retardation, style="retarded")) if retardation else elastic
 
@@ -199,14 +171,8 @@ def tangent(pad: Pad, modulus: float, limit_strain: float) -> HardeningContact:
     """Return a pad of tangent elasticity, which hardens towards the strain L at which it is solid.
 
     A mass m at the speed v is stopped with F = (2 k l/pi) sqrt(exp(pi^2 m v^2/(4 k l^2)) - 1), k = E A/h, l = L h.
-
-    Examples
-    --------
-    >>> print(tangent(Pad(1e-2, 0.01), modulus=1e6, limit_strain=0.8).limit)
-    0.008
     """
-    _positive(modulus=modulus)
-    _strain(limit_strain=limit_strain)
+    _check({"limit_strain": limit_strain}, modulus=modulus)
     return HardeningContact("tangent", modulus * pad.area / pad.thickness, limit_strain * pad.thickness)
 
 
@@ -235,14 +201,8 @@ def elastomer(
         k of Lindley, -.
     shape_factor : float, optional
         S: loaded area over area free to bulge, -; 0 for faces that slip.
-
-    Examples
-    --------
-    >>> soft = elastomer(Pad(7.854e-3, 0.0125), modulus=1e6, shape_factor=0.0)
-    >>> print(round(soft.stiffness), round(elastomer(Pad(7.854e-3, 0.0125), modulus=1e6).stiffness / soft.stiffness, 2))
-    628320 9.0
     """
-    _positive(modulus=modulus)
+    _check(modulus=modulus)
     shape = pad.shape_factor if shape_factor is None else shape_factor
     if not (0.0 <= shape < math.inf and 0.0 <= compression_factor < math.inf):
         raise ValueError(f"shape and compression factor must not be negative, got {shape!r}, {compression_factor!r}")
@@ -260,16 +220,8 @@ def elastomer(
     note="P: stress of the plateau; L, about 1 - 1.4 rho/rho_solid (seen in codes): strain towards which it densifies",
 )
 def foam(pad: Pad, modulus: float, plateau: float, densification: float) -> HardeningContact:
-    """Return a pad of foam that buckles at the stress P, densifies towards the strain L, and comes back.
-
-    Examples
-    --------
-    >>> pad = foam(Pad(1e-2, 0.05), modulus=1e6, plateau=5e4, densification=0.9)
-    >>> print(pad.plateau, round(pad.limit, 3))
-    500.0 0.045
-    """
-    _positive(modulus=modulus, plateau=plateau)
-    _strain(densification=densification)
+    """Return a pad of foam that buckles at the stress P, densifies towards the strain L, and comes back."""
+    _check({"densification": densification}, modulus=modulus, plateau=plateau)
     return HardeningContact(
         "plateau", modulus * pad.area / pad.thickness, densification * pad.thickness, plateau * pad.area
     )
@@ -289,17 +241,8 @@ def crush(pad: Pad, modulus: float, plateau: float, densification: float = math.
     """Return a pad that crushes at the stress P and keeps its set, deeper with each blow that reaches beyond it.
 
     A rigid one stops a mass m at the speed v with F = A P within m v/F, and keeps m v^2/(2 F).
-
-    Examples
-    --------
-    >>> from strikewave.contact import solve_impact
-    >>> blow = solve_impact(crush(Pad(1e-3, 0.05), modulus=1e9, plateau=1e6), 1.0, math.inf, 4.0)
-    >>> print(blow.peak_force.round(3), (blow.residual_indentation * 1e3).round(3))
-    1000.0 7.975
     """
-    _positive(modulus=modulus, plateau=plateau)
-    if not math.isinf(densification):
-        _strain(densification=densification)
+    _check({} if math.isinf(densification) else {"densification": densification}, modulus=modulus, plateau=plateau)
     cap = PressureCap(plateau * pad.area, "crush", densification * pad.thickness)
     return Contact(modulus * pad.area / pad.thickness, 1.0, cap=cap)
 
@@ -313,11 +256,6 @@ def retarded(contact: AnyContact, retardation: float) -> AnyContact:
     ------
     ValueError
         If the contact keeps a set, or loses energy in another way.
-
-    Examples
-    --------
-    >>> retarded(linear(Pad(1e-2, 0.01), modulus=1e6), 1e-5).damper
-    Damper(coefficient=1e-05, exponent=0.0, style='retarded')
     """
     if isinstance(contact, LogarithmicContact) or contact.cap is not None or contact.damper is not None:
         raise ValueError("a retardation is for a cushion that comes back and has none of its own")
@@ -325,182 +263,103 @@ def retarded(contact: AnyContact, retardation: float) -> AnyContact:
 
 
 def retardation_of(loss_factor: float, frequency: float) -> float:
-    """Return the retardation that has a loss factor at a frequency, eta/(2 pi f), s.
-
-    Examples
-    --------
-    >>> round(retardation_of(0.2, 1e3) * 1e6, 2)
-    31.83
-    """
+    """Return the retardation that has a loss factor at a frequency, eta/(2 pi f), s."""
     return loss_factor / (2.0 * math.pi * frequency)
 
 
 def solid_strain(relative_density: float) -> float:
-    """Return the strain towards which a foam densifies, 1 - 1.4 rho/rho_solid (Gibson & Ashby).
-
-    Examples
-    --------
-    >>> round(solid_strain(0.05), 3)
-    0.93
-    """
+    """Return the strain towards which a foam densifies, 1 - 1.4 rho/rho_solid (Gibson & Ashby)."""
     return 1.0 - 1.4 * relative_density
 
 
 def cushion_laws() -> dict[str, CushionLaw]:
-    """Return the cushion laws by name: our own, and those that installed packages add.
-
-    Examples
-    --------
-    >>> list(cushion_laws())
-    ['linear', 'power', 'felt', 'tangent', 'elastomer', 'foam', 'crush']
-    """
+    """Return the cushion laws by name: our own, and those that installed packages add."""
     return with_added(CushionLaw, _OWN)
 
 
 def cushion_law(name: str, field: str = "law") -> CushionLaw:
-    """Return a cushion law by its name.
-
-    Raises
-    ------
-    InputError
-        If no law has that name; the nearest is offered.
-    """
+    """Return a cushion law by its name, or raise `InputError`, which offers the nearest."""
     return law_named(cushion_laws(), name, field, "a cushion law (`strikewave laws`)")
 
 
 @dataclass(frozen=True)
 class CushionMaterial:
-    """A cushion material; quasi-static, at room temperature.
-
-    Attributes
-    ----------
-    name, law : str
-        Name in the table, and that of its law.
-    properties : mapping
-        Known properties of the material, SI, by the names that the law gives them; missing ones must be given.
-    source, status, note : str
-        Where the numbers come from; ``checked``, ``quoted`` or ``from memory``; what to know about them.
-    """
+    """Cushion material at room temperature, pressed slowly."""
 
     name: str
     law: str
+    """Name of its cushion law."""
     properties: Mapping[str, float]
+    """Known properties, SI, by their names in the law; missing ones must be given."""
     source: str
     status: str
+    """``checked``, ``quoted`` or ``from memory``."""
     note: str
 
 
 @functools.cache
 def cushion_materials() -> dict[str, CushionMaterial]:
-    """Return all cushion materials by name, in the order of the table.
-
-    Examples
-    --------
-    >>> cushion_materials()["EPS 22"].law
-    'crush'
-    """
+    """Return all cushion materials by name, in the order of the table."""
     text = (resources.files("strikewave.contact") / "cushions.toml").read_text("utf-8")
     return {name: CushionMaterial(name=name, **row) for name, row in tomllib.loads(text).items()}
 
 
 def cushion_material(name: str, field: str = "material") -> CushionMaterial:
-    """Return a cushion material by its name; case does not matter.
-
-    Raises
-    ------
-    InputError
-        If the table has no such material.
-    """
+    """Return a cushion material by its name, in any case, or raise `InputError`, which offers the nearest."""
     folded = {known.lower(): known for known in cushion_materials()}
     if name.lower() not in folded:
         raise InputError(field, name, "a cushion material (docs/cushions.md)", nearest(name, cushion_materials()))
     return cushion_materials()[folded[name.lower()]]
 
 
-_STRESSES = ("modulus", "stress", "plateau")
+_STRESSES = ("modulus", "stress", "plateau")  # a strain or an exponent does not change as the material settles
 """Properties that stiffen as a cushion wears: all that are stresses."""
 
 
 @dataclass(frozen=True)
 class Wear:
-    """How a cushion changes with each blow: shares of what the blow before left of it.
-
-    Parameters
-    ----------
-    settling : float, optional
-        Share of its thickness that it loses a blow.
-    stiffening : float, optional
-        Share by which its moduli and stresses rise a blow.
-
-    Examples
-    --------
-    >>> round(Wear(settling=0.01).thickness_left(10), 4)
-    0.9044
-    """
+    """Change of a cushion with each blow."""
 
     settling: float = 0.0
+    """Share of its thickness that a blow takes."""
     stiffening: float = 0.0
+    """Share by which a blow raises its moduli and stresses."""
 
     def __post_init__(self) -> None:
         if not (0.0 <= self.settling < 1.0 and 0.0 <= self.stiffening < math.inf):
             raise ValueError(f"a cushion wears by shares of at least 0, settling below 1, got {self}")
 
     def thickness_left(self, blows: float) -> float:
-        """Return the share of its thickness that is left after so many blows, (1 - settling)^N."""
+        """Return the share of its thickness left after N blows, (1 - settling)^N."""
         return float((1.0 - self.settling) ** blows)
 
     def stiffened(self, blows: float) -> float:
-        """Return by which its moduli and stresses have risen after so many blows, (1 + stiffening)^N."""
+        """Return the factor of its moduli and stresses after N blows, (1 + stiffening)^N."""
         return float((1.0 + self.stiffening) ** blows)
 
 
 @dataclass(frozen=True)
 class Cushion:
-    """A cushion: its law, its pad, the properties of its material, how it loses energy and how it wears.
-
-    Parameters
-    ----------
-    law : str
-        Name of a cushion law.
-    pad : Pad
-        As it was before any blow.
-    properties : mapping
-        Properties that the law needs, SI, by name.
-    wear : Wear, optional
-        How it changes with each blow.
-    retardation : float, optional
-        T of `retarded`, s.
-
-    Examples
-    --------
-    >>> rubber = Cushion("linear", Pad(1e-3, 0.01), {"modulus": 5e6}, Wear(settling=0.01))
-    >>> print(rubber.contact().stiffness, round(rubber.after(10).contact().stiffness))
-    500000.0 552864
-    """
+    """Cushion before any blow: its law, its pad, its material, its loss of energy and its wear."""
 
     law: str
+    """Name of a cushion law."""
     pad: Pad
     properties: Mapping[str, float]
+    """Properties that the law needs, SI, by name."""
     wear: Wear = field(default_factory=Wear)
     retardation: float = 0.0
+    """T of `retarded`, s."""
 
     def after(self, blows: int) -> Cushion:
-        """Return the cushion as so many blows leave it; the set of one that crushes is another matter."""
+        """Return the cushion worn by some blows; the set of one that crushes is not in it."""
         stiffer = self.wear.stiffened(blows)
         pad = Pad(self.pad.area, self.pad.thickness * self.wear.thickness_left(blows))
         properties = {key: value * (stiffer if key in _STRESSES else 1.0) for key, value in self.properties.items()}
         return dataclasses.replace(self, pad=pad, properties=properties)
 
     def contact(self, damping: str = "exact", restitution: float = 1.0) -> AnyContact:
-        """Return its force law, with the hysteresis of a damping law.
-
-        Raises
-        ------
-        InputError
-            If no law has that name.
-        ValueError
-            If a property is none that the law can have.
-        """
+        """Return its force law with the hysteresis of a damping law; a value outside the law's range is refused."""
         made: AnyContact = cushion_law(self.law).function(self.pad, **self.properties)
         if self.retardation:
             made = retarded(made, self.retardation)
@@ -511,76 +370,35 @@ class Cushion:
 
 
 class CushionBalance(NamedTuple):
-    """Where the energy of a blow goes, and what it leaves of the cushion.
-
-    Attributes
-    ----------
-    taken : ndarray
-        Kinetic energy of the approach, J.
-    stored : ndarray
-        Energy that the cushion holds at its largest compression, J.
-    lost : ndarray
-        Energy that does not come back, J.
-    returned : ndarray
-        Kinetic energy of the rebound, J.
-    set : ndarray
-        Compression that stays, m.
-    """
+    """Energies of a blow on a cushion, J, and the compression that stays, m."""
 
     taken: NDArray[np.float64]
+    """Kinetic energy of the approach."""
     stored: NDArray[np.float64]
+    """Energy in the cushion at its largest compression."""
     lost: NDArray[np.float64]
+    """Energy that does not come back."""
     returned: NDArray[np.float64]
+    """Kinetic energy of the rebound."""
     set: NDArray[np.float64]
 
 
 def balance_of(impact: Impact) -> CushionBalance:
-    """Return where the energy of an impact on a cushion goes.
-
-    Examples
-    --------
-    >>> pad = Cushion("crush", Pad(1e-3, 0.05), {"modulus": 1e9, "plateau": 1e6})
-    >>> balance = balance_of(solve_impact(pad.contact(), 1.0, np.inf, 4.0))
-    >>> print(balance.taken.round(3), balance.stored.round(3), balance.lost.round(3), (balance.set * 1e3).round(3))
-    8.0 0.025 7.975 7.975
-    """
+    """Return the energies of an impact on a cushion."""
     problem = impact.problem
     taken = (0.5 * problem.mass * problem.speed**2).reshape(problem.shape)
-    stored = np.empty(problem.mass.size)
-    _pair_kernels.energies(
-        problem.laws, impact.max_indentation.reshape(-1), np.maximum(impact.deepest, 0.0).reshape(-1), stored
-    )
+    stored, depth = np.empty(problem.mass.size), impact.max_indentation.reshape(-1)
+    _pair_kernels.energies(problem.laws, depth, np.maximum(impact.deepest, 0.0).reshape(-1), stored)
+    returned = taken - impact.energy_lost
     return CushionBalance(
-        taken,
-        stored.reshape(problem.shape),
-        impact.energy_lost,
-        taken - impact.energy_lost,
-        impact.residual_indentation,
+        taken, stored.reshape(problem.shape), impact.energy_lost, returned, impact.residual_indentation
     )
 
 
 def repeated_blows(
     cushion: Cushion, mass: float, speed: float, count: int, damping: str = "exact", restitution: float = 1.0
 ) -> list[Impact]:
-    """Return equal blows of a mass on a fixed cushion, one after the other: it wears, and keeps its set.
-
-    Parameters
-    ----------
-    cushion : Cushion
-        Before the first blow.
-    mass, speed : float
-        kg and m/s.
-    count : int
-        How many blows.
-    damping, restitution
-        As of `Cushion.contact`.
-
-    Examples
-    --------
-    >>> pad = Cushion("crush", Pad(1e-3, 0.05), {"modulus": 1e9, "plateau": 1e6})
-    >>> [round(float(blow.residual_indentation) * 1e3, 2) for blow in repeated_blows(pad, 1.0, 4.0, 3)]
-    [7.97, 15.95, 23.92]
-    """
+    """Return equal blows of a mass on a fixed cushion, one after the other: it wears, and keeps its set."""
     made: list[Impact] = []
     deepest = 0.0
     for blow in range(count):
@@ -602,7 +420,7 @@ than the pulse could miss it."""
 
 
 class Carried(NamedTuple):
-    """What a carried mass does at each sample: its acceleration, m/s^2, and the compression of its cushion, m."""
+    """Acceleration of a carried mass, m/s^2, and compression of its cushion, m, at each sample."""
 
     acceleration: Array
     compression: Array
@@ -653,7 +471,7 @@ def carried(contact: AnyContact, mass: float, acceleration: ArrayLike, step: flo
     if surface.size < 2 or not np.any(surface):
         return Carried(np.zeros(surface.size), np.zeros(surface.size))
 
-    def force(d: float, rate: float) -> float:
+    def force(d: float, rate: float) -> float:  # a cushion pushes only, while it is pressed
         return float(max(base_force(law, d) + damper_force(law, d, rate), 0.0)) if d > 0.0 else 0.0
 
     def rates(t: float, y: Array) -> tuple[float, float]:
@@ -662,7 +480,7 @@ def carried(contact: AnyContact, mass: float, acceleration: ArrayLike, step: flo
         base = surface[k] + (place - k) * (surface[k + 1] - surface[k])
         return y[1], base - force(y[0], y[1]) / m
 
-    speed = float(np.sum(np.abs(surface))) * h
+    speed = float(np.sum(np.abs(surface))) * h  # the largest speed that the surface can reach: it scales the errors
     scales = _SCALE_SHARE * np.array([speed * times[-1], speed])
     longest = _LONGEST_SHARE * speed / float(np.abs(surface).max())
     start = (0.0, times[-1]), [0.0, 0.0]

@@ -48,8 +48,8 @@ HARDNESS_OVER_YIELD = 2.84
 """Hardness over yield strength of a metal that does not harden. Source: the finite elements of Jackson & Green 2005;
 Tabor and slip lines give 2.8 to 3 (from memory)."""
 HARDENED_OVER_YIELD = 5.2
-"""Hardness over yield strength of a metal that hardens strongly, the highest that is reckoned with where only the yield
-strength is known: hot-rolled AISI 1045, 163 HB and 45 000 psi (310 MPa), in a maker's table of estimated least values
+"""Hardness over yield strength of a metal that hardens strongly, the highest taken where only the yield strength is
+known: hot-rolled AISI 1045, 163 HB and 45 000 psi (310 MPa), in a maker's table of estimated least values
 (Mechanical Properties of Steel, scribd.com/document/360049537). Annealed copper hardens more: give its hardness."""
 PLASTIC_AREA = 2.0
 """Area of a fully plastic spot over that of the elastic one at the same depth: a ball pressed in by d cuts the plane at
@@ -58,11 +58,9 @@ in width from a/R = 0.02 to 0.1."""
 PILED_UP_AREA = 8.0 / 3.0
 """The same where the metal does not harden and piles up round the spot: the force of Jackson & Green 2005 tends to
 (8/3) pi R H d."""
-
-
 LARGEST_PRESSURE = 1e15
-"""Pressures beyond this are refused, Pa: a thousand times the modulus of diamond, so that only a wrong unit gets there;
-its cube, in the yield load, is far from overflow."""
+"""Largest pressure, Pa: a thousand times the modulus of diamond, so that only a wrong unit gets there; its cube, in the
+yield load, is far from overflow."""
 
 
 def point_cap(
@@ -70,15 +68,8 @@ def point_cap(
 ) -> PressureCap:
     """Return the cap of a sphere: F_y = pi^3 p^3 R^2/(6 E*^2). Source: Thornton 1997.
 
-    ``pressure`` p (Pa) is the largest that the contact bears: 1.6 times the yield strength at first yield inside; what
-    it is in a fully plastic contact says `automatic_pressure`.
-
-    Examples
-    --------
-    >>> from strikewave.base.constants import material
-    >>> steel = material("65Mn")
-    >>> print(point_cap(steel, steel, 0.01, np.inf, 1e9).yield_load.round(1))
-    39.0
+    ``pressure`` p (Pa) is the largest that the contact bears: 1.6 times the yield strength at first yield inside;
+    `automatic_pressure` gives that of a fully plastic contact.
     """
     radius, modulus = reduced_radius(radius1, radius2), contact_modulus(body1, body2)
     return PressureCap(np.pi**3 * _pressure(pressure) ** 3 * radius**2 / (6.0 * modulus**2), "point")
@@ -90,15 +81,7 @@ def line_cap(
     """Return the cap of a line contact of length h: F_y = pi R h p^2/E*. Source: see the module.
 
     ``pressure`` p (Pa) is the largest that the contact bears: about 1.8 times the yield strength at first yield inside
-    (`line_yield_pressure`); what it is in a fully plastic contact says `automatic_pressure`.
-
-    Examples
-    --------
-    >>> from strikewave.base.constants import material
-    >>> steel = material("65Mn")
-    >>> cap = line_cap(steel, steel, 0.01, np.inf, 0.04, line_yield_pressure(steel, steel.yield_strength))
-    >>> print((cap.yield_load / 1e3).round(2))
-    6.4
+    (`line_yield_pressure`); `automatic_pressure` gives that of a fully plastic contact.
     """
     radius, modulus = reduced_radius(radius1, radius2), contact_modulus(body1, body2)
     return PressureCap(np.pi * radius * length * _pressure(pressure) ** 2 / modulus, "line")
@@ -111,13 +94,6 @@ def cap_of(body1: ElasticBody, body2: ElasticBody, geometry: Geometry, pressure:
     ------
     ValueError
         If the geometry has no radius, or the pressure is none that a body bears.
-
-    Examples
-    --------
-    >>> from strikewave.base.constants import material
-    >>> steel = material("65Mn")
-    >>> cap_of(steel, steel, Geometry(0.01), 1e9).shape, cap_of(steel, steel, Geometry(0.01, length=0.04), 1e9).shape
-    ('point', 'line')
     """
     radius1 = math.nan if geometry.radius1 is None else geometry.radius1
     if geometry.length is None:
@@ -154,13 +130,7 @@ CAP_LAWS = {
 
 
 def cap_law_of(cap: PressureCap) -> CapLaw:
-    """Return the law of a cap, by the shape of its contact.
-
-    Examples
-    --------
-    >>> cap_law_of(PressureCap(500.0, "point")).name
-    'thornton'
-    """
+    """Return the law of a cap, by the shape of its contact."""
     return CAP_LAWS["thornton" if cap.shape == "point" else "line"]
 
 
@@ -176,12 +146,6 @@ def line_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
 
     C = 1/sqrt(1 + 4 (nu - 1) nu) up to nu = 0.1938, 1.164 + 2.975 nu - 2.906 nu^2 above (von Mises). Source:
     Green 2005.
-
-    Examples
-    --------
-    >>> from strikewave.base.constants import material
-    >>> round(line_yield_pressure(material("65Mn"), 1.0), 3)
-    1.78
     """
     nu = body.poissons_ratio
     if nu <= 0.1938:
@@ -194,19 +158,13 @@ def point_yield_pressure(body: ElasticBody, yield_strength: float) -> float:
 
     C = 1.30075 + 0.87825 nu + 0.54373 nu^2 (von Mises). Source: the stress below the middle of a Hertz contact, in
     which the tests find it to 0.1 %; the polynomial is that of Green 2005, from memory.
-
-    Examples
-    --------
-    >>> from strikewave.base.constants import material
-    >>> round(point_yield_pressure(material("65Mn"), 1.0), 3)
-    1.599
     """
     nu = body.poissons_ratio
     return (1.30075 + 0.87825 * nu + 0.54373 * nu * nu) * yield_strength
 
 
 class FirstYield(NamedTuple):
-    """Where the weaker of two bodies first yields inside: Hertz pressure, Pa, and load, N."""
+    """First yield inside the weaker of two bodies: Hertz pressure, Pa, and load, N."""
 
     pressure: float
     load: float
@@ -216,25 +174,17 @@ def first_yield(body1: PlasticBody, body2: PlasticBody, geometry: Geometry) -> F
     """Return where a contact first yields: that of a line where the geometry has a length, of spheres where not.
 
     None where no radius or no yield strength is known.
-
-    Examples
-    --------
-    >>> from strikewave.contact import Geometry
-    >>> from strikewave.base.constants import material
-    >>> steel = material("65Mn")
-    >>> round(first_yield(steel, steel, Geometry(0.01, length=0.04)).load)
-    6398
     """
-    known = [(body, body.yield_strength) for body in (body1, body2) if body.yield_strength is not None]
-    if geometry.radius1 is None or not known:
+    strengths = [(body, body.yield_strength) for body in (body1, body2) if body.yield_strength is not None]
+    if geometry.radius1 is None or not strengths:
         return None
     yield_pressure = point_yield_pressure if geometry.length is None else line_yield_pressure
-    pressure = min(yield_pressure(body, strength) for body, strength in known)
+    pressure = min(yield_pressure(body, strength) for body, strength in strengths)
     return FirstYield(pressure, float(np.asarray(cap_of(body1, body2, geometry, pressure).yield_load)))
 
 
 class AutomaticPressure(NamedTuple):
-    """The cap p on the contact pressure that hardness gives, Pa: the best one, and the range of what is not known."""
+    """Cap p on the contact pressure from hardness, Pa: the best estimate and its range."""
 
     best: float
     low: float
@@ -242,14 +192,7 @@ class AutomaticPressure(NamedTuple):
 
 
 def hardness_of(body: PlasticBody) -> float | None:
-    """Return the indentation hardness of a body, Pa, by its yield strength where it is not given; None without both.
-
-    Examples
-    --------
-    >>> from strikewave.base.constants import material
-    >>> hardness_of(material("45 steel")) / 355e6, hardness_of(material("rubber"))
-    (2.84, None)
-    """
+    """Return the indentation hardness of a body, Pa, by its yield strength where it is not given; None without both."""
     if body.hardness is not None or body.yield_strength is None:
         return body.hardness
     return HARDNESS_OVER_YIELD * body.yield_strength
@@ -273,13 +216,6 @@ def automatic_pressure(body1: PlasticBody, body2: PlasticBody) -> AutomaticPress
     ------
     ValueError
         If a body has neither hardness nor yield strength.
-
-    Examples
-    --------
-    >>> from strikewave.base.constants import material
-    >>> steel = material("45 steel")
-    >>> [round(p / steel.yield_strength, 2) for p in automatic_pressure(steel, material("17-4PH"))]
-    [5.68, 2.84, 10.4]
     """
     hardnesses = hardness_of(body1), hardness_of(body2)
     if hardnesses[0] is None or hardnesses[1] is None:
@@ -341,14 +277,7 @@ class YieldedSpot(NamedTuple):
 
 
 def spot_after(contact: AnyContact, indentation: float, deepest: float) -> YieldedSpot:
-    """Return what a blow to an indentation leaves of a spot that has yielded to a depth, both m.
-
-    Examples
-    --------
-    >>> from strikewave.contact import Contact
-    >>> spot_after(Contact(1e9, 1.5), 1e-6, 0.0).flattening
-    1.0
-    """
+    """Return the spot that a blow to an indentation leaves after yielding to a depth, both m."""
     out = np.empty((4, 1))
     out[0] = deepest
     laws = single(contact)[None]
@@ -358,23 +287,9 @@ def spot_after(contact: AnyContact, indentation: float, deepest: float) -> Yield
 
 
 def slow_force(contact: AnyContact, indentation: ArrayLike, deepest: ArrayLike = 0.0) -> Array:
-    """Return the force of a contact that is pressed slowly, without its hysteresis or damper, N.
+    """Return the force of a contact pressed slowly to an indentation, m, without hysteresis or damper, N.
 
-    Parameters
-    ----------
-    contact : Contact or LogarithmicContact
-        The force law.
-    indentation : array_like
-        d, m.
-    deepest : array_like, optional
-        Depth to which the spot has yielded, m. Beyond it the force is that of yielding on.
-
-    Examples
-    --------
-    >>> from strikewave.contact import Contact
-    >>> steel = Contact(1.5e10, 1.5, cap=PressureCap(500.0, "point"))
-    >>> print(slow_force(steel, [5e-6, 10e-6, 20e-6]).round(1), slow_force(steel, [5e-6, 10e-6], 20e-6).round(1))
-    [ 167.7  474.3 1198.2] [ 76.9 349.9]
+    Beyond the depth ``deepest`` to which the spot has yielded, m, it yields on.
     """
     laws, shape = rows_beside(contact, indentation, deepest)
     out = np.empty(len(laws))

@@ -1,4 +1,4 @@
-"""The force of one impact in time, drawn from what a record shows of it: begin, peak, width, and a shape of n and e.
+"""Force of one impact in time, by what a record shows of it: begin, peak, width, and a shape of n and e.
 
 The law is F = K d^n (1 + chi d'/v0) of two free bodies, chi = exact(e). Every sample of its pulse stays as it is under
 v -> s v, m -> m / s, K -> K / s^n (then d -> s d): a force pulse tells m v and K v^n, never K, m and v one by one.
@@ -24,67 +24,49 @@ Array = NDArray[np.float64]
 _NODES = 200
 """Nodes of each half of a shape: cubics between them are off by 2e-6 of the peak, far below the noise of any record."""
 FEWEST = 8
-"""Samples that a pulse needs: five are its unknowns, and some must be left to see the misfit in."""
+"""Fewest samples of a pulse: five are its unknowns, and some must be left to see the misfit in."""
 FOOT, MARGIN = 0.02, 0.2
-"""Share of the peak at which a pulse begins and ends, and share of its length that is taken to either side. Chosen: low
-enough to leave nothing out of the fit, high enough to stand out of drift; the margin shows the fit where it is zero."""
+"""Share of the peak at which a pulse begins and ends, and share of its length taken to either side (chosen: nothing is
+left out of the fit, drift stays below the foot, and the margin shows the fit where it is zero)."""
 NOISY_FOOT, HIGHEST_FOOT = 4.0, 0.3
-"""Standard deviations of the noise that the foot stands at least above the baseline, so that noise does not pass for
-the pulse, and the share of the peak that it never exceeds, so that something is left of the pulse."""
+"""Least height of the foot in standard deviations of the noise, so that noise does not pass for the pulse, and its
+largest share of the peak, so that something is left of the pulse."""
 CLEAR, MANY = 6.0, 64
-"""Standard deviations that a pulse must be high, and samples from which on that is asked: of a thousand samples of
-noise the largest is at 3.3, and of fewer than 64 the pulse itself makes up too many of the steps that noise is read
-from."""
+"""Least height of a pulse in standard deviations, and samples from which on it is asked: of a thousand samples of noise
+the largest is at 3.3; of fewer than 64 the pulse makes up too many of the steps that noise is read from."""
 MEDIAN_STEP = 0.954
 """Median of the steps from sample to sample of white noise, over its standard deviation: 0.6745 sqrt(2)."""
 EARLY_PART, EARLY_SAMPLES = 10, 4
-"""The first tenth of what lies before a peak, or four samples, gives a first baseline: a pulse takes less than the
-rest."""
+"""Share of the time before a peak, a tenth, or samples, for a first baseline: a pulse takes less than the rest."""
 BASELINE_WIDTHS, QUIET_SHARE = 6.0, 0.1
-"""Widths before the rise from which the baseline is taken, the last one left out since the foot may reach into it;
-chosen so that drift far before does not count. Samples off their median by more than this share of the peak are other
-blows."""
+"""Widths before the rise that give the baseline, without the last, into which the foot may reach (chosen: drift far
+before does not count); samples off their median by more than this share of the peak are other blows."""
 _ELASTIC = 1e-9
 """Hysteresis factor that stands for none, since shapes divide by it: it changes them by as much."""
 _SERIES = 0.02
 """|x| below which exp(x) - 1 - x is its series: there it and the difference are off by 4e-15 and 9e-15 (measured)."""
 _STEEPEST, _LEAST_POWER = 4.0, 2.0
-"""Powers of the nodes with which the distance from an end of the contact grows: such that the force is a power of 4 or
-more of them, which cubics follow, and never so high that all nodes crowd at the end."""
+"""Powers of the nodes with which the distance from an end of the contact grows: the force is then a power of 4 or more
+of them, which cubics follow, and never so high that all nodes crowd at the end."""
 _GAUSS = np.polynomial.legendre.leggauss(5)
 """Five points between two nodes: exact up to degree 9, where the integrand is smooth in the nodes."""
 
 
 @dataclass(frozen=True)
 class ForcePulse:
-    """The force of one impact in time, by what a record shows of it.
-
-    Attributes
-    ----------
-    begin : float
-        First touch, s.
-    peak : float
-        Largest force, N.
-    width : float
-        Impulse over peak, s.
-    exponent, restitution : float
-        n and e of the law.
-    """
+    """Force of one impact in time, with the n and e of its law."""
 
     begin: float
+    """First touch, s."""
     peak: float
+    """Largest force, N."""
     width: float
+    """Impulse over peak, s."""
     exponent: float
     restitution: float
 
     def force(self, times: ArrayLike) -> Array:
-        """Return the force at times, zero outside the contact, N; to 2e-6 of the peak (n from 0.5, e from 0.01).
-
-        Examples
-        --------
-        >>> print(ForcePulse(0.0, 3.0, 2e-4 / np.pi, 1.0, 1.0).force([0.0, 25e-6, 50e-6, 100e-6]).round(4))
-        [0.     2.1213 3.     0.    ]
-        """
+        """Return the force at times, zero outside the contact, N; to 2e-6 of the peak (n from 0.5, e from 0.01)."""
         t, g, slope = shape(self.exponent, self.restitution)
         u = (np.asarray(times, dtype=float) - self.begin) / self.width
         k = np.clip(np.searchsorted(t, u) - 1, 0, t.size - 2)
@@ -162,7 +144,7 @@ def _half(n: float, chi: float, e: float, released: bool) -> tuple[Array, Array,
     force = d**n * (1.0 + y)
     with np.errstate(divide="ignore", invalid="ignore"):
         slope = n * d ** (n - 1.0) * (y / chi) * (1.0 + y) - d**n * chi * force
-    if not math.isfinite(slope[0]):
+    if not math.isfinite(slope[0]):  # n below 1 rises steeply at touch: the chord stands for the infinite slope
         slope[0] = (-1.0 if released else 1.0) * force[1] / t[1]
     return t, force, slope
 
@@ -175,28 +157,18 @@ def _rest(x: Array) -> Array:
 
 
 class PulseRecord(NamedTuple):
-    """The samples of one pulse, its baseline taken off.
-
-    Attributes
-    ----------
-    time, force : ndarray
-        s and N.
-    offset : float
-        Baseline: mean before the pulse, within the window where it holds some; 0 where there is nothing, N.
-    noise : float or None
-        Standard deviation of a sample before the pulse, N; None where there are too few.
-    before : int
-        Samples before the pulse.
-    peak : float
-        Largest sample, N.
-    """
+    """Samples of one pulse, s and N, without their baseline."""
 
     time: Array
     force: Array
     offset: float
+    """Baseline, N: mean before the pulse, within the window where it holds some; 0 without samples there."""
     noise: float | None
+    """Standard deviation of a sample before the pulse, N; None where there are too few."""
     before: int
+    """Samples before the pulse."""
     peak: float
+    """Largest sample, N."""
 
     @property
     def length(self) -> float:
@@ -218,13 +190,6 @@ def cut_out(time: ArrayLike, force: ArrayLike, window: tuple[float, float] | Non
     ------
     ValueError
         If there is no whole positive pulse of eight samples.
-
-    Examples
-    --------
-    >>> t = np.arange(400) * 1e-6
-    >>> pulse = cut_out(t, 7.0 + ForcePulse(1e-4, 50.0, 60e-6, 1.5, 0.6).force(t))
-    >>> print(pulse.offset, pulse.before > 50, round(pulse.peak, 1), (pulse.time[[0, -1]] * 1e6).round())
-    7.0 True 50.0 [ 76. 252.]
     """
     t, f = _checked(time, force)
     rows = np.arange(t.size)
@@ -284,7 +249,7 @@ def _check_sign(t: Array, f: Array, rows: NDArray[np.intp]) -> None:
 
 
 def _check_clear(f: Array, peak: float) -> None:
-    """Refuse what does not stand out of the noise, that the steps from sample to sample show; not of few samples."""
+    """Refuse a pulse within the noise, which the steps from sample to sample show where there are many."""
     noise = float(np.median(np.abs(np.diff(f)))) / MEDIAN_STEP if f.size >= MANY else 0.0
     if peak < CLEAR * noise:
         raise ValueError(f"no pulse stands out of the noise of {noise:.3g} N: the largest sample is {peak:.3g} N")

@@ -3,11 +3,9 @@
 The law is F = K d^n (1 + chi d'/v0) of two free bodies. A force pulse alone determines m v and K v^n, never K, m and v
 one by one (see ``contact/force_pulse.py``): one of them must be given. Exponent and restitution follow from the shape.
 
-Least squares of the force of one impact: which unknowns are fitted when some are known, and from where it starts.
-
-The pulse alone has five: begin, peak, width, n and e. Two known of stiffness, mass and speed take one of them away,
-three take peak and width away. The fit starts from several shapes: those of low restitution look much like those of
-a high one, so that there are two minima.
+The fit by least squares has five unknowns: begin, peak, width, n and e. Two known of stiffness, mass and speed take one
+of them away, three take peak and width away. It starts from several shapes: pulses of a low restitution look much like
+those of a high one, so that there are two minima.
 """
 
 from __future__ import annotations
@@ -31,66 +29,61 @@ Array = NDArray[np.float64]
 VALUES = ("stiffness", "exponent", "restitution", "mass", "speed")
 """Values that can be given or found: K (N/m^n), n, e, reduced mass m (kg), approach speed v (m/s)."""
 SCALES = ("stiffness", "mass", "speed")
-"""Those of which one must be given, so that the pulse determines the other two."""
+"""Values of which one must be given, so that the pulse determines the other two."""
 EXPONENTS, RESTITUTIONS = (0.2, 8.0), (0.001, 1.0)
-"""Bounds of the search: exponents well beyond those of contacts, 1 to 3 or so, that a fit at a bound shows a pulse of
-another law."""
+"""Bounds of the search, well beyond contacts, n of 1 to 3 or so: a fit at a bound shows a pulse of another law."""
 FREE = ("begin", "peak", "width", "exponent", "restitution")
-"""Values that are fitted, where nothing is known."""
+"""Fitted values where nothing is known."""
 LOW = np.array([-1.0, -100.0, -100.0, math.log(EXPONENTS[0]), RESTITUTIONS[0]])
 HIGH = np.array([1.0, 100.0, 100.0, math.log(EXPONENTS[1]), 1.0])
 """Bounds of the unknowns: the begin within a length of the record, sizes within exp(+-100), which is no bound."""
 FARTHEST = 100.0
-"""How many times another size than that of the pulse what is known may make: more is a wrong unit (a factor of
-1000)."""
+"""Largest ratio of the size of a pulse and that of the known values: beyond is a wrong unit, a factor of 1000."""
 _STEP = 1e-5
 """Step of central differences: the cube root of rounding, where the error of the slope and rounding are alike."""
 _BASINS = (0.5, 0.7, 0.85, 0.97), (0.05, 0.12, 0.25)
-"""Restitutions that the fit begins from, of each of the two minima: the shapes of e above and below some 0.3 look
-alike."""
+"""Restitutions at the start, for each of the two minima: shapes of e above and below some 0.3 look alike."""
 _FIRST_EXPONENTS = 1.0, 1.5, 2.5
-"""Exponents that the fit begins from: a spring, spheres, and a blunter contact."""
+"""Exponents at the start: a spring, spheres, and a blunter contact."""
 _INSIDE = 1e-3
-"""Distance from the bounds at which a start is taken: the trust-region method must begin inside of them."""
+"""Distance of a start from the bounds: the trust-region method must begin inside of them."""
 _CONVERGED, _MOST_EVALUATIONS = 1e-13, 300
-"""Relative changes that end the fit, some hundred times rounding, and evaluations after which it is left as it is;
-usual fits take fewer than fifty."""
+"""Relative changes that end the fit, some hundred times rounding, and most evaluations; usual fits take below fifty."""
 _NEAR_ELASTIC = 0.9
-"""Fitted restitution from which on the limit e = 1 is tried as well."""
+"""Fitted restitution from which on the limit e = 1 is tried as well (chosen: further off it never fits as well)."""
 _AS_GOOD, _PERFECT = 1e-6, 1e-15
-"""The limit e = 1 is taken where its squared misfit is larger by no more than this share, or than this a sample, which
-is rounding in pulses without noise."""
+"""Excess of the squared misfit with which the limit e = 1 is taken: as a share, and a sample, which is the rounding of
+pulses without noise."""
 _LEAST_PEAK = 0.1
-"""Share of the measured peak that a first guess is high at least: a shape far off would else begin with no pulse."""
+"""Least share of the measured peak of a first guess: a shape far off would else begin with no pulse."""
 _TRIED_EXPONENTS = np.geomspace(0.3, 6.0, 61)
-"""Exponents among which the one is found that fits what is known, 5 % apart: the fit does the rest."""
+"""Exponents tried against the known values, 5 % apart: the fit does the rest."""
 _CLOSER = 0.1
-"""Weight of how far an exponent is from that of the pulse alone, beside how far peak and width are: it decides only
-among exponents that suit what is known equally well."""
+"""Weight of the distance of exponents beside that of peak and width: it decides only among equally good ones."""
 _ABOVE = 0.1
 """Share of the peak above which samples count in the moments of a pulse: noise far from it would count the more."""
 
 
 @dataclass(frozen=True)
 class PulseFitProblem:
-    """A record and what is known; the unknowns are logarithms, but for e and the begin, a share of the time taken."""
+    """Record and known values; the unknowns are logarithms, but for e and the begin, a share of the length."""
 
     record: PulseRecord
     given: Mapping[str, float]
 
     @cached_property
     def scales(self) -> frozenset[str]:
-        """Which of `SCALES` are known."""
+        """Known values of `SCALES`."""
         return frozenset(self.given) & frozenset(SCALES)
 
     @cached_property
     def without_scales(self) -> PulseFitProblem:
-        """The problem of the pulse alone, n and e as they are known."""
+        """Problem of the pulse alone, with n and e as known."""
         return PulseFitProblem(self.record, {name: value for name, value in self.given.items() if name not in SCALES})
 
     @cached_property
     def free(self) -> Array:
-        """Places in `FREE` that are fitted: two known scales leave one of peak and width, three none."""
+        """Places in `FREE` that are fitted: two known scales leave peak or width, three neither."""
         follows = {"peak", "width"} if len(self.scales) == 3 else set()
         if len(self.scales) == 2:
             follows = {"width"} if self.scales == {"stiffness", "mass"} else {"peak"}
@@ -169,18 +162,9 @@ class PulseFit:
 
 
 def solve(problem: PulseFitProblem, start: Array) -> PulseFit:
-    """Return the minimum that is reached from a start; at the limit e = 1 exactly where that fits as well.
+    """Return the minimum reached from a start, or the limit e = 1 where that fits as well.
 
     Source: trust-region least squares within bounds (Branch, Coleman & Li 1999).
-
-    Examples
-    --------
-    >>> from strikewave.contact.force_pulse import ForcePulse, cut_out
-    >>> t = np.arange(300) * 1e-6
-    >>> problem = PulseFitProblem(cut_out(t, ForcePulse(50e-6, 2e4, 60e-6, 1.5, 0.6).force(t)), {"exponent": 1.5})
-    >>> fit = solve(problem, problem.unknowns(ForcePulse(40e-6, 1e4, 50e-6, 1.5, 0.8)))
-    >>> round(problem.pulse(fit.unknown).restitution, 6)
-    0.6
     """
     from scipy.optimize import least_squares
 
@@ -190,17 +174,8 @@ def solve(problem: PulseFitProblem, start: Array) -> PulseFit:
         return derivatives(problem.misfit, unknown, high)
 
     inside = np.clip(start, low + _INSIDE, high - _INSIDE)
-    minimum = least_squares(
-        problem.misfit,
-        inside,
-        slopes,
-        (low, high),
-        xtol=_CONVERGED,
-        ftol=_CONVERGED,
-        gtol=_CONVERGED,
-        x_scale="jac",
-        max_nfev=_MOST_EVALUATIONS,
-    )
+    ends = {"xtol": _CONVERGED, "ftol": _CONVERGED, "gtol": _CONVERGED, "max_nfev": _MOST_EVALUATIONS}
+    minimum = least_squares(problem.misfit, inside, slopes, (low, high), x_scale="jac", **ends)
     fit = PulseFit(problem, minimum.x, slopes(minimum.x))
     if "restitution" in problem.given or minimum.x[-1] < _NEAR_ELASTIC:
         return fit
@@ -218,7 +193,7 @@ def derivatives(function: Callable[[Array], Array], at: Array, high: Array) -> A
     for k in range(at.size):
         step = np.zeros(at.size)
         step[k] = _STEP
-        if at[k] + _STEP > high[k]:
+        if at[k] + _STEP > high[k]:  # of second order too: e is often at its limit
             change = 3.0 * function(at) - 4.0 * function(at - step) + function(at - 2.0 * step)
         else:
             change = function(at + step) - function(at - step)
@@ -290,34 +265,33 @@ def near(problem: PulseFitProblem, alone: PulseFit) -> Array:
 
 
 COMBINATIONS = ("momentum", "impulse", "peak_force", "duration", "stiffness_speed")
-"""Combinations that a pulse determines, whatever is given."""
+"""Combinations that a pulse determines, whatever is known."""
 DESCRIBED = 0.01
-"""Misfit that is no noise, as a share of the peak, beyond which the law does not describe a pulse. Chosen: above the
-error of a good measuring chain, below what a reader sees in the figure."""
+"""Systematic misfit over the peak beyond which the law does not describe a pulse (chosen: above the error of a good
+measuring chain, below what a reader sees in the figure)."""
 TRADING, LOOSE = 0.9, 0.2
-"""Correlation and relative standard error from which on a notice is given. Chosen: at 0.9 either value alone is known
-less than half as well as with the other given (1/sqrt(1 - 0.9^2) = 2.3)."""
+"""Correlation and relative standard error from which on a notice is given (chosen: at 0.9 either value alone is known
+less than half as well as with the other given, 1/sqrt(1 - 0.9^2) = 2.3)."""
 PATTERN = 3.5
-"""Standard errors beyond which the lag-1 autocorrelation of the misfit is no chance: 1 record in 2000 of white
-noise."""
+"""Standard errors beyond which the lag-1 autocorrelation of the misfit is no chance: 1 in 2000 of white noise."""
 PATTERN_SEEN = 1e-5
-"""Misfit that is no noise, as a share of the peak, that is reported: below it lies the error of the shapes, 2e-6."""
+"""Systematic misfit over the peak that is reported: below it lies the error of the shapes, 2e-6."""
 ABOVE_NOISE = 4.0
-"""Standard errors by which a misfit must exceed the noise to count as more than noise: 1 record in 30 000."""
+"""Standard errors by which a misfit exceeds the noise to count as more: 1 record in 30 000."""
 DISAGREEING, WORSE, WORSE_BY = 25.0, 1.1, 1e-6
-"""Values given do not agree with a pulse where they raise the sum of squares by 5 standard deviations of a sample,
-squared, and the misfit by a tenth and by more than the error of the shapes: exact pulses would else always disagree."""
+"""Excess of known values that disagree with a pulse: 5 standard deviations of a sample, squared, in the sum of squares,
+a tenth of the misfit, and the error of the shapes, without which exact pulses would always disagree."""
 AS_GOOD, AS_GOOD_OFF, OTHER = 9.0, 1.2, 0.05
-"""Another shape fits as well within 3 standard deviations, squared, or, where the law does not describe the pulse
-anyway, within a fifth more misfit. It is another one from this difference in restitution on."""
+"""Excess with which another shape fits as well: 3 standard deviations, squared, or a fifth of the misfit where the law
+does not describe the pulse; least difference in restitution of another shape."""
 ONE_SIDED_95 = 1.645
 """Standard deviations of a normal distribution below which 95 % lie: one-sided, since e cannot exceed 1."""
 NO_LOSS = 0.9995
 """Lower bound of e from which on no loss is seen: to three digits it is 1."""
 AT_BOUND = 0.05, 0.01
-"""Distances of e and of n from the bounds of the search, relative, within which they count as lying at them."""
+"""Relative distances of e and of n from the bounds of the search within which they count as at them (chosen)."""
 _TINY = 1e-300
-"""Stands for zero below a fraction: a perfect fit has no misfit, and no correlation."""
+"""Divisor in place of zero: a perfect fit has no misfit, and no correlation."""
 
 
 class IdentifiedValue(NamedTuple):
@@ -330,7 +304,7 @@ class IdentifiedValue(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """What a force pulse determines of a contact.
+    """Values of a contact that a force pulse determines.
 
     Attributes
     ----------
@@ -442,16 +416,10 @@ def identify(
     else:
         fits = [solve(problem, near(problem, fit)) for fit in alone]
         result = _identified(sorted(fits, key=lambda fit: fit.deviation), alone[0], noise)
-    return _from(result, start)
-
-
-def _from(result: Identified, start: float) -> Identified:
-    """Return a result with its times counted as those of the record, not from its first sample."""
-    begin, error, given = result.begin
+    begin, error, is_given = result.begin  # counted from the first sample, whose stamp may be large
     pulse = replace(result.pulse, begin=result.pulse.begin + start)
-    return replace(
-        result, begin=IdentifiedValue((begin or 0.0) + start, error, given), time=result.time + start, pulse=pulse
-    )
+    begin_of_record = IdentifiedValue((begin or 0.0) + start, error, is_given)
+    return replace(result, begin=begin_of_record, time=result.time + start, pulse=pulse)
 
 
 def _checked_known(known: Mapping[str, float]) -> dict[str, float]:
@@ -468,7 +436,7 @@ def _checked_known(known: Mapping[str, float]) -> dict[str, float]:
 
 
 class _Quality(NamedTuple):
-    """How the misfit looks: noise of a sample (N), misfit, its part that is no noise, and its lag-1 autocorrelation."""
+    """Noise of a sample (N), misfit, its part that is no noise, and its lag-1 autocorrelation."""
 
     noise: float
     residual: float
@@ -534,7 +502,7 @@ def _identified(fits: list[PulseFit], alone: PulseFit, noise: float | None) -> I
 
 
 def _notices(result: Identified, fits: list[PulseFit], alone: PulseFit, quality: _Quality) -> list[str]:
-    """Report what is not determined, not well, or does not agree."""
+    """Return sentences on values not determined, loosely determined, or in disagreement."""
     fit, notices = fits[0], []
     if not fit.problem.scales:
         notices.append(
@@ -565,7 +533,7 @@ def _notices(result: Identified, fits: list[PulseFit], alone: PulseFit, quality:
 
 
 def _others(fits: list[PulseFit], quality: _Quality) -> list[str]:
-    """Report which other shape fits as well: within the noise, or nearly where the law does not describe the pulse."""
+    """Return sentences on other shapes that fit as well."""
     best, notices = fits[0], []
     pulse = best.problem.pulse(best.unknown)
     for fit in fits[1:]:
@@ -583,7 +551,7 @@ def _others(fits: list[PulseFit], quality: _Quality) -> list[str]:
 
 
 def _limits(result: Identified, fit: PulseFit) -> list[str]:
-    """Report which values lie at a bound of the search."""
+    """Return sentences on values at a bound of the search."""
     notices = []
     near_e, near_n = AT_BOUND
     n, e = result.values["exponent"], result.values["restitution"]
@@ -599,7 +567,7 @@ def _limits(result: Identified, fit: PulseFit) -> list[str]:
 
 
 def _trades(result: Identified) -> list[str]:
-    """Report which values trade against each other, and which are determined loosely."""
+    """Return sentences on values that trade against each other, and on loosely determined ones."""
     notices = []
     shared = result.correlated("exponent", "restitution")
     if shared is not None and abs(shared) > TRADING:

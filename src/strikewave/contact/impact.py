@@ -30,17 +30,17 @@ from strikewave.contact.motion import FIRST_STEP, MotionState, integrate
 Array = NDArray[np.float64]
 
 CLOSED_FORM, INTEGRATOR = "closed form", "integrator"
-"""How an impact was solved."""
+"""Methods that solve an impact."""
 SAME_RESTITUTION = 1e-6
-"""Two restitutions that differ by less are the same: ten times the error of the integrator."""
+"""Largest difference of equal restitutions: ten times the error of the integrator."""
 _STEPS = 1000
-"""Steps of one impact: usual ones take 10 to 30 (counted). What takes far more is a damper close to critical, whose
-bodies hardly part."""
+"""Most steps of one impact: usual ones take 10 to 30 (counted); a damper close to critical takes far more, as bodies
+hardly part."""
 _LARGEST_ENERGY = 1e60
 """m v0^2 beyond this, or below its inverse, is refused by the integrator, J: powers of such depths would overflow."""
 TOLERANCE, HISTORY_TOLERANCE = 1e-8, 1e-9
-"""Local error of a step of the integrator over its scales, of many impacts and of one in time: restitutions are then
-good to 1e-7, far better than any law, and a curve is good to its rounding."""
+"""Local errors of a step over its scales, of many impacts and of one in time: restitutions are then good to 1e-7, far
+better than any law, and a curve to its rounding."""
 _HISTORY_STEPS = 500
 """Steps of a history where no times are given: 0.2 % of the contact, finer than a curve in a figure shows."""
 _ROUNDING = 1e-12
@@ -73,7 +73,7 @@ class ImpactProblem:
 
 @dataclass(frozen=True, eq=False)
 class Impact:
-    """What comes out of an impact; every array has the broadcast shape of the input.
+    """Result of an impact; every array has the broadcast shape of the input.
 
     Attributes
     ----------
@@ -121,15 +121,15 @@ class Impact:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """Report where another restitution came out than was asked of a named law."""
+        """Report the restitution that misses most the one asked of a named law."""
         if self.asked is None:
             return ()
-        asked, got = np.broadcast_arrays(np.asarray(self.asked.restitution, dtype=float), self.restitution)
-        misses = np.abs(got - asked).reshape(-1)
+        wanted, reached = np.broadcast_arrays(np.asarray(self.asked.restitution, dtype=float), self.restitution)
+        misses = np.abs(reached - wanted).reshape(-1)
         if misses.max() <= SAME_RESTITUTION:
             return ()
         at = int(misses.argmax())
-        pair = f"e = {got.reshape(-1)[at]:.4f}, not the {asked.reshape(-1)[at]:g} asked for"
+        pair = f"e = {reached.reshape(-1)[at]:.4f}, not the {wanted.reshape(-1)[at]:g} asked for"
         if np.any(self.flattening > 1.0):
             return (f"the contact yields: {pair} of {self.asked.law} alone",)
         return (f"the damping law {self.asked.law} gives {pair}; exact gives it",)
@@ -178,18 +178,7 @@ def reduced_mass(mass1: ArrayLike, mass2: ArrayLike) -> Array:
     refuse("the first mass", m1, m1 > 0.0, "positive")
     refuse("the second mass", m2, m2 > 0.0, "positive")
     refuse("the second mass", m2, ~(np.isinf(m1) & np.isinf(m2)), "finite where the first is not")
-    return np.asarray(1.0 / (1.0 / m1 + 1.0 / m2))
-
-
-def problem_of(
-    contact: AnyContact, mass1: ArrayLike, mass2: ArrayLike, speed: ArrayLike, deepest: ArrayLike = 0.0
-) -> ImpactProblem:
-    """Return an impact as flat arrays; see `solve_impact` for what is refused."""
-    never = "positive and finite: bodies that do not approach each other never meet"
-    mass, v = reduced_mass(mass1, mass2), positive("the approach speed", speed, never)
-    before = not_negative("the depth yielded before", deepest)
-    laws, shape = rows_beside(contact, mass, v, before)
-    return ImpactProblem(laws, flat(mass, shape), flat(v, shape), flat(before, shape), shape)
+    return np.asarray(1.0 / (1.0 / m1 + 1.0 / m2))  # not m1 m2/(m1 + m2), which is inf/inf for a fixed body
 
 
 def solve_impact(
@@ -253,17 +242,18 @@ def solve_impact(
     >>> print(round(float(result.peak_force), 1), round(float(result.duration) * 1e6, 3))
     10696.9 40.339
     """
-    problem = problem_of(contact, mass1, mass2, speed, deepest)
-    impact = _in_closed_form(problem) if problem.closed else _by_steps(contact, problem, tolerance)
-    return replace(impact, asked=contact.asked)
-
-
-def _in_closed_form(problem: ImpactProblem) -> Impact:
+    never = "positive and finite: bodies that do not approach each other never meet"
+    mass, v = reduced_mass(mass1, mass2), positive("the approach speed", speed, never)
+    before = not_negative("the depth yielded before", deepest)
+    laws, shape = rows_beside(contact, mass, v, before)
+    problem = ImpactProblem(laws, flat(mass, shape), flat(v, shape), flat(before, shape), shape)
+    if not problem.closed:
+        return replace(_by_steps(contact, problem, tolerance), asked=contact.asked)
     out = np.empty((4, problem.mass.size))
     k, n, chi, m, v = problem.numbers
     _kernels.impacts(k, n, chi, m, v, out)
-    zeros, ones = np.zeros(problem.shape), np.ones(problem.shape)
-    return _impact(problem, out, zeros, zeros, ones, CLOSED_FORM)
+    zeros, ones = np.zeros(shape), np.ones(shape)
+    return replace(_impact(problem, out, zeros, zeros, ones, CLOSED_FORM), asked=contact.asked)
 
 
 def _by_steps(contact: AnyContact, problem: ImpactProblem, tolerance: float) -> Impact:
@@ -311,6 +301,7 @@ def _index(where: tuple[np.intp, ...]) -> str:
 def _impact(problem: ImpactProblem, out: Array, deepest: Array, left: Array, flat: Array, method: str) -> Impact:
     e, depth, force, duration = (row.reshape(problem.shape) for row in out[:4])
     with np.errstate(over="ignore", invalid="ignore"):
+        # as a product: 1 - e^2 would lose the digits of 1 - e where little is lost
         lost = (0.5 * problem.mass * problem.speed**2).reshape(problem.shape) * (1.0 - e) * (1.0 + e)
     return Impact(e, depth, force, duration, np.asarray(lost), deepest, left, flat, method, problem)
 
@@ -338,14 +329,6 @@ def impact_history(
     ------
     ValueError
         If it is several impacts, or a time lies outside the contact.
-
-    Examples
-    --------
-    >>> from strikewave.contact import Contact
-    >>> blow = solve_impact(Contact(1e9, 1.5), 1.0, 1.0, 2.0)
-    >>> history = impact_history(blow)
-    >>> print((history.force.max() / blow.peak_force).round(6))
-    1.0
     """
     problem, duration = impact.problem, float(impact.duration.reshape(-1)[0])
     if problem.mass.size != 1:

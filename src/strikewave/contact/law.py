@@ -43,57 +43,43 @@ from strikewave.contact._law_kernels import (
 Array = NDArray[np.float64]
 
 STYLES = {"never-pulls": NEVER_PULLS, "on-approach": ON_APPROACH, "pulls": PULLS, "retarded": RETARDED}
-"""How a damper acts: the force ends where it would pull; it acts while the bodies approach; it may pull; it goes as the
-slope of the elastic force, c F'(d) d', and ends where it would pull."""
+"""Styles of a damper: it ends where it would pull; acts on approach alone; may pull; or goes as the slope of the
+elastic force, c F'(d) d', and ends where it would pull."""
 SHAPES = {"line": LINE, "point": POINT}
 """Shapes of a contact whose pressure is capped."""
 CAPS = {**SHAPES, "crush": CRUSH}
 """Caps of a force: the pressure of a contact of a shape, or the plateau of a cushion that crushes."""
 FORMS = {"tangent": TANGENT, "elastomer": ELASTOMER, "plateau": PLATEAU}
-"""How a cushion hardens; see `strikewave.contact._law_kernels.hardening`."""
+"""Forms of a cushion that hardens; see `strikewave.contact._law_kernels.hardening`."""
 EXPONENT_RANGE = 0.1, 10.0
-"""Exponents of a power law that are taken. Chosen far beyond those of contacts, 1 to 3 or so (the tests cover 1
-to 2), so that only a slip is refused."""
+"""Range of the exponent of a power law: chosen far beyond contacts, 1 to 3 or so, so that only a slip is refused."""
 
 
 @dataclass(frozen=True)
 class Damper:
-    """A damper beside the elastic force of a contact: c d^p d', or c F'(d) d' where it is retarded.
-
-    Parameters
-    ----------
-    coefficient : array_like
-        c, N s/m^(p + 1); s where it is retarded.
-    exponent : array_like
-        p, at least 0.
-    style : str, optional
-        One of `STYLES`.
-    """
+    """Damper beside the elastic force of a contact: c d^p d', or c F'(d) d' where it is retarded."""
 
     coefficient: ArrayLike
+    """c, N s/m^(p + 1); s where it is retarded."""
     exponent: ArrayLike = 0.0
+    """p, at least 0."""
     style: str = "never-pulls"
+    """One of `STYLES`."""
 
 
 @dataclass(frozen=True)
 class PressureCap:
-    """A cap on the contact pressure: the contact yields above a load, and unloads on a flattened radius.
+    """Cap on the contact pressure: the contact yields above a load, and unloads on a flattened radius.
 
-    See `strikewave.contact.elastoplastic`, which makes one from a pressure.
-
-    Parameters
-    ----------
-    yield_load : array_like
-        F_y, N.
-    shape : str
-        One of `CAPS`.
-    limit : array_like, optional
-        Depth towards which what crushes densifies, m; infinite where it does not.
+    `strikewave.contact.elastoplastic` makes one from a pressure.
     """
 
     yield_load: ArrayLike
+    """F_y, N."""
     shape: str
+    """One of `CAPS`."""
     limit: ArrayLike = math.inf
+    """Depth towards which a crushed cushion densifies, m; infinite where it does not."""
 
 
 @dataclass(frozen=True)
@@ -136,22 +122,15 @@ class Contact:
 
 @dataclass(frozen=True)
 class LogarithmicContact:
-    """The force law of a line contact of long bodies, d = (F/G) ln(B/F) (1 + chi d'/v0)^-1, never negative.
+    """Force law of a line contact of long bodies, d = (F/G) ln(B/F) (1 + chi d'/v0)^-1, never negative.
 
-    Holds while F is below B/e, where the indentation is B/(G e).
-
-    Parameters
-    ----------
-    slope : array_like
-        G, N/m.
-    load : array_like
-        B, N.
-    hysteresis_factor, cap, asked
-        As of a `Contact`.
+    Holds while F is below B/e, where the indentation is B/(G e). The other fields are those of a `Contact`.
     """
 
     slope: ArrayLike
+    """G, N/m."""
     load: ArrayLike
+    """B, N."""
     hysteresis_factor: ArrayLike = 0.0
     cap: PressureCap | None = None
     asked: RequestedDamping | None = None
@@ -164,28 +143,20 @@ class LogarithmicContact:
 
 @dataclass(frozen=True)
 class HardeningContact:
-    """The force law of a cushion that hardens towards a limit, F(d) (1 + chi d'/v0), never negative.
+    """Force law of a cushion that hardens towards a limit, F(d) (1 + chi d'/v0), never negative.
 
-    See `strikewave.contact.cushions`, which makes one from area, thickness and properties.
-
-    Parameters
-    ----------
-    form : str
-        One of `FORMS`.
-    stiffness : array_like
-        Slope at first touch k, N/m.
-    limit : array_like
-        Depth that it never reaches L, m; infinite for a plateau that does not densify.
-    plateau : array_like, optional
-        Force of the plateau P, N; the form ``plateau`` needs it.
-    hysteresis_factor, damper, asked
-        As of a `Contact`.
+    `strikewave.contact.cushions` makes one from area, thickness and properties. The other fields are those of a
+    `Contact`.
     """
 
     form: str
+    """One of `FORMS`."""
     stiffness: ArrayLike
+    """Slope at first touch k, N/m."""
     limit: ArrayLike
+    """Depth that it never reaches L, m; infinite for a plateau that does not densify."""
     plateau: ArrayLike = 0.0
+    """Force of the plateau P, N; the form ``plateau`` needs it."""
     hysteresis_factor: ArrayLike = 0.0
     damper: Damper | None = None
     asked: RequestedDamping | None = None
@@ -205,14 +176,7 @@ AnyContact = Contact | LogarithmicContact | HardeningContact
 
 
 def refuse(name: str, values: ArrayLike, good: NDArray[np.bool_], allowed: str) -> None:
-    """Raise ValueError for the first value that is not good, with its index where there are several.
-
-    Examples
-    --------
-    >>> refuse("speed", [1.0, -2.0], np.array([True, False]), "positive")
-    Traceback (most recent call last):
-    ValueError: speed must be positive, got -2.0 at index 1
-    """
+    """Raise ValueError for the first value that is not good, with its index where there are several."""
     if np.all(good):
         return
     array = np.asarray(values, dtype=float)
@@ -237,13 +201,7 @@ def not_negative(name: str, values: ArrayLike) -> Array:
 
 
 def check(contact: AnyContact) -> dict[int, Any]:
-    """Return the numbers of a law by their place in a row of the kernels.
-
-    Raises
-    ------
-    ValueError
-        If one is out of range, with its index.
-    """
+    """Return the numbers of a law by their place in a row of the kernels; refuse one out of range, with its index."""
     row: dict[int, Any] = {DAMPING: not_negative("the hysteresis factor", contact.hysteresis_factor)}
     if isinstance(contact, LogarithmicContact):
         row |= {FORM: LOGARITHMIC, STIFFNESS: positive("the slope", contact.slope)}
@@ -263,7 +221,13 @@ def check(contact: AnyContact) -> dict[int, Any]:
     if contact.cap is not None:
         row |= {YIELD_LOAD: positive("the yield load", contact.cap.yield_load), SHAPE: _one_of(CAPS, contact.cap.shape)}
         if contact.cap.shape == "crush":
-            row[LIMIT] = _crush_limit(contact)
+            if not isinstance(contact, Contact) or np.any(np.asarray(contact.exponent) != 1.0):
+                raise ValueError("what crushes is linear before: the exponent must be 1")
+            row[LIMIT] = limit = np.asarray(contact.cap.limit, dtype=float)
+            first = np.asarray(contact.cap.yield_load) / contact.stiffness
+            # the plateau ends at the share 1 - 1/D of the limit: it must begin before
+            allowed = f"at least {STEEPNESS:g} times the depth at which it begins to crush, load/stiffness"
+            refuse("the limit of the crush", limit, limit >= STEEPNESS * first, allowed)
     return row
 
 
@@ -279,17 +243,6 @@ def _hardening(contact: HardeningContact) -> dict[int, Any]:
         allowed = "beyond the begin of the plateau: limit (1 - 1/D) > plateau/stiffness"
         refuse("the limit", limit, limit * (1.0 - 1.0 / STEEPNESS) > begins, allowed)
     return row
-
-
-def _crush_limit(contact: AnyContact) -> Array:
-    """Return the depth towards which a cushion crushes; its base must be linear."""
-    assert contact.cap is not None
-    if not isinstance(contact, Contact) or np.any(np.asarray(contact.exponent) != 1.0):
-        raise ValueError("what crushes is linear before: the exponent must be 1")
-    limit, first = np.asarray(contact.cap.limit, dtype=float), np.asarray(contact.cap.yield_load) / contact.stiffness
-    allowed = f"at least {STEEPNESS:g} times the depth at which it begins to crush, load/stiffness"
-    refuse("the limit of the crush", limit, limit >= STEEPNESS * first, allowed)
-    return limit
 
 
 def _damper(contact: Contact | HardeningContact) -> dict[int, Any]:
@@ -312,13 +265,7 @@ def _one_of(choices: dict[str, float], word: str) -> float:
 
 
 def rows(contact: AnyContact, shape: tuple[int, ...] = ()) -> Array:
-    """Return a law as rows of numbers for the kernels, shape (N, COLUMNS) for the N values of a broadcast shape.
-
-    Raises
-    ------
-    ValueError
-        If a number of the law is out of range, with its index.
-    """
+    """Return a law as rows of numbers for the kernels, shape (N, COLUMNS) for the N values of a broadcast shape."""
     return rows_beside(contact, np.empty(shape))[0]
 
 
@@ -338,15 +285,9 @@ def flat(values: ArrayLike, shape: tuple[int, ...]) -> Array:
 
 
 def single(contact: AnyContact) -> Array:
-    """Return one law as a row of numbers.
-
-    Raises
-    ------
-    ValueError
-        If the contact holds several, or a number of it is out of range.
-    """
+    """Return one law as a row of numbers, or raise ValueError where the contact holds several."""
     numbers = check(contact)
-    if all(np.ndim(value) == 0 for value in numbers.values()):
+    if all(np.ndim(value) == 0 for value in numbers.values()):  # without broadcasting: bands take thousands of these
         row = np.zeros(COLUMNS)
         for place, value in numbers.items():
             row[place] = value
@@ -358,26 +299,14 @@ def single(contact: AnyContact) -> Array:
 
 
 def elastic_indentation(contact: AnyContact, mass: float, speed: float) -> float:
-    """Return the largest indentation without losses, [(n + 1) m v0^2 / (2 K)]^(1/(n + 1)) of a power law, m.
-
-    Examples
-    --------
-    >>> round(elastic_indentation(Contact(1e9, 1.0), mass=1.0, speed=1.0) * 1e6, 3)
-    31.623
-    """
+    """Return the largest indentation without losses, [(n + 1) m v0^2 / (2 K)]^(1/(n + 1)) of a power law, m."""
     out = np.empty(1)
     _pair_kernels.elastic_depths(single(contact)[None], np.array([0.5 * mass * speed**2]), out)
     return float(out[0])
 
 
 def indentation_under(contact: AnyContact, force: float) -> float:
-    """Return the indentation at which the elastic force of a contact has a value, m; up to the end of its law.
-
-    Examples
-    --------
-    >>> round(indentation_under(Contact(1e9, 1.0), force=1e3) * 1e6, 6)
-    1.0
-    """
+    """Return the indentation at which the elastic force of a contact has a value, m; up to the end of its law."""
     if isinstance(contact, LogarithmicContact):
         slope, load = float(np.asarray(contact.slope)), float(np.asarray(contact.load))
         borne = min(force, load / math.e)
@@ -390,13 +319,7 @@ def indentation_under(contact: AnyContact, force: float) -> float:
 
 
 def check_end(contact: AnyContact, deepest: float) -> None:
-    """Refuse an indentation beyond the end of a law that ends, m.
-
-    Raises
-    ------
-    IntegrationError
-        If it is beyond.
-    """
+    """Raise IntegrationError where an indentation, m, lies beyond the end of its law."""
     if isinstance(contact, Contact) or deepest < float(contact.end_depth):
         return
     end = f"{plain(float(contact.end_depth) * 1e3)} mm"
@@ -412,19 +335,7 @@ def check_end(contact: AnyContact, deepest: float) -> None:
 
 
 def striking_law(contact: AnyContact) -> Array:
-    """Return the law of a striker on a stack of layers as a row of numbers.
-
-    Raises
-    ------
-    ValueError
-        If it is one that pulls.
-
-    Examples
-    --------
-    >>> striking_law(Contact(1e9, 1.5, damper=Damper(1.0, style="pulls")))
-    Traceback (most recent call last):
-    ValueError: a striker on a stack takes a damper that never pulls, or one that acts on approach
-    """
+    """Return the law of a striker on a stack of layers as a row of numbers; refuse one that pulls."""
     row = single(contact)
     if row[DAMPER] and row[STYLE] == PULLS:
         raise ValueError("a striker on a stack takes a damper that never pulls, or one that acts on approach")

@@ -1,4 +1,4 @@
-"""Run the integrator and hold what it found: a motion that can be asked for any time afterwards.
+"""Motions: the integrator's steps, from which states and forces at any time are sampled afterwards.
 
 A motion is followed in stretches of some hundred steps. Of each is kept where it begins, and its steps until they take
 `_KEPT_BYTES`; of a longer motion, later stretches are followed again from there where they are asked for, and come out
@@ -23,26 +23,24 @@ from strikewave.contact._integrator import FULL, STUCK, Control, StepRecord
 Array = NDArray[np.float64]
 
 FIRST_STEP = 2e-3
-"""First step over the shortest time in which a motion changes: so short that its error, of the 8th power, is rounding;
-the step then grows sixfold at a time."""
+"""First step over the shortest time in which a motion changes: its error, of the 8th power, is rounding; the step then
+grows sixfold at a time."""
 _ROWS = 512
-"""Steps of a stretch: half a blow of a machine, which takes 1.2 MB; few enough that a single time is found again in
-some milliseconds."""
+"""Steps of a stretch: half a blow of a machine, 1.2 MB, of which a single time is found again in some milliseconds."""
 _KEPT_BYTES = 256_000_000
-"""Steps of a motion that are kept for good: some hundred blows of a machine."""
+"""Bytes of steps that are kept for good: some hundred blows of a machine."""
 _RECENT = 16
-"""Stretches beyond that are kept until others are asked for: what shows one blow is asked for several times."""
+"""Further stretches that are kept until others are asked for: a figure of one blow asks for several, repeatedly."""
 _MOST_STEPS = 5_000_000
-"""Steps beyond which a motion is refused: five times those of a thousand blows. They take a minute, and usually a
-stiffness or damping is wrong."""
+"""Most steps of a motion: five times those of a thousand blows; beyond, a stiffness or damping is usually wrong."""
 _ROUNDING = 1e-15
-"""Time by which a switch and a step that begins or ends there may differ, s."""
+"""Largest difference of the times of a switch and of a step that begins or ends there, s."""
 _SLACK = 1e-9
-"""Share of a motion by which a time may lie outside of it: what comes from rounding is taken as its begin or end."""
+"""Share of a motion by which a time may lie outside of it through rounding; it is taken as its begin or end."""
 
 
 class MotionState(NamedTuple):
-    """Where a motion stands: time (s), state, integer modes, and floats remembered at switches."""
+    """Point of a motion: time (s), state, integer modes, and floats remembered at switches."""
 
     time: float
     y: Array
@@ -55,7 +53,7 @@ class MotionState(NamedTuple):
 
 
 class Changes(NamedTuple):
-    """Modes and memories of a motion, and since when each row of them holds, s."""
+    """Modes and memories of a motion, a row each, and the time from which a row holds, s."""
 
     time: Array
     mode: NDArray[np.int64]
@@ -63,14 +61,14 @@ class Changes(NamedTuple):
 
 
 class Switched(NamedTuple):
-    """When a switch changed, s, and which."""
+    """Times, s, at which switches changed, and their numbers."""
 
     time: Array
     which: NDArray[np.int64]
 
 
 class _Checkpoint(NamedTuple):
-    """Where a stretch begins, and the step to try there, s."""
+    """Begin of a stretch, and the step to try there, s."""
 
     state: MotionState
     step: float
@@ -90,9 +88,9 @@ class _Stretch:
         return sum(array.nbytes for array in self.record) + (0 if self._impulses is None else self._impulses.nbytes)
 
     def impulses(self) -> Array:
-        """Return the time integral of each link force over each step, N s, shape (steps, links).
+        """Return the integral of each link force over each step, N s, (steps, links), by Gauss quadrature.
 
-        Found by Gauss quadrature of the dense output, independently of the integration of speeds.
+        It is independent of the integration of speeds: an energy or momentum balance compares both.
         """
         if self._impulses is None:
             self._impulses = np.empty((self.record.time.size, self._links))
@@ -101,22 +99,10 @@ class _Stretch:
 
 
 class Motion:
-    """A motion with dense output of order 7 between located switches.
+    """Motion with dense output of order 7 between located switches, from ``begin``, s, to the state ``end``.
 
-    Attributes
-    ----------
-    system : NamedTuple
-        System that moves; see `integrate`.
-    begin : float
-        First time, s.
-    end : MotionState
-        The last state.
-    changes : Changes
-        Modes and memories over time; empty where no step was taken.
-    switched : Switched
-        Switches in order of time.
-    links : int
-        How many link forces there are.
+    ``changes`` are its modes and memories over time, ``switched`` its switches in order of time, ``links`` the number
+    of its link forces.
     """
 
     def __init__(self, system: Any, start: MotionState, control: Control, sizes: tuple[int, int]) -> None:
@@ -132,14 +118,14 @@ class Motion:
     def follow(self, progress: Callable[[float], None] | None = None) -> None:
         """Integrate to the end, or to a switch that stops; see `integrate`."""
         changes, switched = [self.changes], [self.switched]
-        next_one, status, steps, kept = _Checkpoint(self.end, self._control.first_step), FULL, 0, 0
+        following, status, steps, bytes_kept = _Checkpoint(self.end, self._control.first_step), FULL, 0, 0
         while status == FULL:
-            checkpoint = next_one
-            status, record, next_one = self._follow(checkpoint)
-            t, y, *_ = self.end = next_one.state
+            checkpoint = following
+            status, record, following = self._follow(checkpoint)
+            t, y, *_ = self.end = following.state
             if status == STUCK or not np.all(np.isfinite(y)):
                 raise IntegrationError(
-                    f"the motion could not be followed beyond t = {t:.9g} s (step {next_one.step:.3g} s): "
+                    f"the motion could not be followed beyond t = {t:.9g} s (step {following.step:.3g} s): "
                     "a stiffness, damping or mass is extreme; compare the values with the built-in cases"
                 )
             switched.append(Switched(record.event_time, record.event[:, 0]))
@@ -149,9 +135,9 @@ class Motion:
                 changes.append(Changes(*(column[after] for column in (record.time, record.mode, record.memory))))
                 self._checkpoints.append(checkpoint)
                 stretch = _Stretch(self.system, record, self.links)
-                if kept < _KEPT_BYTES:
+                if bytes_kept < _KEPT_BYTES:
                     self._kept.append(stretch)
-                    kept += stretch.nbytes
+                    bytes_kept += stretch.nbytes
             steps += record.time.size
             if status == FULL and steps >= _MOST_STEPS:
                 raise IntegrationError(
@@ -167,7 +153,7 @@ class Motion:
     def nbytes(self) -> int:
         """Bytes of all that is kept."""
         arrays = [*self.changes, *self.switched, *(part for point in self._checkpoints for part in point.state[1:])]
-        return sum(held.nbytes for held in (*arrays, *self._kept, *self._recent.values()))
+        return sum(part.nbytes for part in (*arrays, *self._kept, *self._recent.values()))
 
     def records(self) -> Iterator[StepRecord]:
         """Return the steps in order, some hundred at a time."""
@@ -176,12 +162,7 @@ class Motion:
     def sample(self, times: float | Array) -> tuple[Array, Array]:
         """Return states (N, n) and link forces (N, links) at times within the motion, s, in any order.
 
-        Right at a switch the later side answers.
-
-        Raises
-        ------
-        ValueError
-            If a time lies outside the motion.
+        At a switch they are those after it. A time outside the motion raises ValueError.
         """
         instants = np.array(times, dtype=float, order="C", ndmin=1)
         slack = _SLACK * (self.end.time - self.begin)
@@ -205,7 +186,7 @@ class Motion:
         return total
 
     def _follow(self, checkpoint: _Checkpoint) -> tuple[int, StepRecord, _Checkpoint]:
-        """Follow a stretch from where it begins; return why it ended, its steps, and where the next one begins."""
+        """Follow a stretch from its begin; return why it ended, its steps, and the begin of the next one."""
         t, y, mode, memory = checkpoint.state.copy()
         record = _integrator.empty_record(_ROWS, y.size, mode.size, memory.size)
         status, t, h, steps, switched = _integrator.advance(
@@ -257,18 +238,8 @@ def integrate(
 ) -> Motion:
     """Integrate a system from ``start`` to ``control.end`` or to a switch that stops it.
 
-    Parameters
-    ----------
-    system : NamedTuple
-        A system of the integrator's protocol.
-    start : MotionState
-        Where it starts; left as it is.
-    control : Control
-        Tolerance, scales, steps and end.
-    sizes : (int, int)
-        Number of links and of switch functions.
-    progress : callable, optional
-        Called with the time reached, every some hundred steps.
+    ``sizes`` are the numbers of links and of switch functions; ``progress`` is called with the time reached, every
+    some hundred steps.
 
     Raises
     ------

@@ -29,13 +29,7 @@ from strikewave.base.errors import InputError, StrikewaveError, StrikewaveWarnin
 
 @declare.dataclass
 class Law:
-    """What every law says of itself, in the order in which documents have it.
-
-    Attributes
-    ----------
-    function : callable
-        The law.
-    """
+    """Law of a contact with its description, in the order of the documents."""
 
     name: str = declare.word("as a case file and the command line name it", column=KEY, tables="list")
     function: Callable[..., Any]
@@ -67,7 +61,7 @@ class Law:
         declare.word("status, marked", label="status", column=MAIN, tables="list full", in_document=False)
     )
     def mark(self) -> str:
-        """The status, in capitals where its formula was not seen."""
+        """Status, in capitals where its formula was not seen."""
         return f"! {self.status.upper()} !" if self.status == FROM_MEMORY else self.status
 
 
@@ -107,7 +101,7 @@ class DamperLaw(Law):
 
 
 def needed_words(law: StiffnessLaw | CushionLaw) -> str:
-    """Return the names of what a law takes, in words."""
+    """Return the names of the sizes or properties that a law takes, in words."""
     return ", ".join(name.replace("_", " ") for name in law.needs)
 
 
@@ -167,13 +161,7 @@ L = TypeVar("L", bound=Law)
 
 
 def law_named(laws: Mapping[str, L], name: str, field: str, what: str) -> L:
-    """Return a law by its name.
-
-    Raises
-    ------
-    InputError
-        If no law has that name; the nearest is offered.
-    """
+    """Return a law by its name, or raise `InputError`, which offers the nearest."""
     if name not in laws:
         raise InputError(field, name, what, nearest(name, laws))
     return laws[name]
@@ -202,22 +190,22 @@ def _added(group: str, kind: str) -> dict[str, Any]:
 
 
 def _named(law: Law) -> Callable[..., Any]:
-    """Return the function of a law of an installed package; whatever it does wrong is reported as its own."""
+    """Return the function of a law of an installed package; its errors are reported as its own."""
 
     @wraps(law.function)
     def function(*arguments: Any, **sizes: Any) -> Any:
-        called = f"the contact law {law.name!r} of an installed package"
+        origin = f"the contact law {law.name!r} of an installed package"
         try:
-            answer = law.function(*arguments, **sizes)
+            value = law.function(*arguments, **sizes)
         except StrikewaveError:
             raise
         except (Exception, SystemExit) as error:  # one that ends the program is no better
-            raise StrikewaveError(f"{called} failed ({type(error).__name__}: {error})") from error
-        if isinstance(law, DampingLaw) and np.asarray(answer).dtype.kind not in "fiu":
+            raise StrikewaveError(f"{origin} failed ({type(error).__name__}: {error})") from error
+        if isinstance(law, DampingLaw) and np.asarray(value).dtype.kind not in "fiu":
             raise StrikewaveError(
-                f"{called} gives {show(answer)}, which is no hysteresis factor: a real number is wanted"
+                f"{origin} gives {show(value)}, which is no hysteresis factor: a real number is wanted"
             )
-        return answer
+        return value
 
     return function
 

@@ -3,13 +3,11 @@
 Positions and speeds are positive upwards, along the blow. Bodies are numbered from the bottom, in words from 1. A body
 of infinite mass is a floor, a ceiling or a striker that nothing slows. `collide` finds every collision in its order,
 secondary ones included; `collide_softly` follows the same line with contacts that take time: where two contacts of a
-body overlap, pairs no longer tell how fast the last body goes.
+body overlap, collisions in pairs no longer give the speed of the last body.
 
-The dual-mass shock amplifier: a second mass on cushions above a drop table, which the rebounding table strikes.
-
-Table and second mass fall together. The table comes to a pulse shaper on the anvil and is thrown back; the second mass,
-on soft cushions, goes on down, closes the gap and meets the table, which comes up: a short, high pulse. Speeds are
-positive upwards.
+The dual-mass shock amplifier is a second mass on cushions above a drop table. Both fall together. The table comes to a
+pulse shaper on the anvil and is thrown back; the second mass, on soft cushions, goes on down, closes the gap and meets
+the table, which comes up: a short, high pulse.
 
 With the restitutions e1 of the table on the shaper and e2 of the two masses, the ratio mu = m/M of second mass to
 table, and cushions that do nothing on the way, the masses close with (1 + e1) v, and the second one leaves with
@@ -36,32 +34,18 @@ from strikewave.machines.launch import linear_shaper
 
 @dataclass(frozen=True)
 class BodyLine:
-    """Bodies in a line, from the bottom.
-
-    Parameters
-    ----------
-    masses : tuple of float
-        kg; the first and the last may be infinite.
-    restitutions : tuple of float
-        Coefficient of restitution of each pair of neighbours, 0 to 1.
-    gaps : tuple of float
-        Between neighbours at the start, m.
-    speeds : tuple of float
-        At the start, m/s, upwards.
-    gravity : float, optional
-        Downwards, m/s^2.
-
-    Raises
-    ------
-    ValueError
-        If a number is out of range or their count does not fit.
-    """
+    """Bodies in a line, from the bottom; a number out of range, or a wrong count, raises ValueError."""
 
     masses: tuple[float, ...]
+    """kg; the first and the last may be infinite."""
     restitutions: tuple[float, ...]
+    """Coefficient of restitution of each pair of neighbours, 0 to 1."""
     gaps: tuple[float, ...]
+    """Gaps between neighbours at the start, m."""
     speeds: tuple[float, ...]
+    """Speeds at the start, m/s, upwards."""
     gravity: float = STANDARD_GRAVITY
+    """Gravity, downwards, m/s^2."""
 
     def __post_init__(self) -> None:
         count = len(self.masses)
@@ -127,11 +111,6 @@ def chain_speed(masses: Sequence[float], restitution: ArrayLike, speed: float, f
         One, or one for each pair.
     speed, falling : float
         v of the first body, and u at which all others come against the blow, m/s.
-
-    Examples
-    --------
-    >>> round(chain_speed([4.0, 2.0, 1.0], 1.0, speed=1.0), 6)
-    1.777778
     """
     each = np.broadcast_to(np.asarray(restitution, dtype=float), (len(masses) - 1,))
     for (first, second), e in zip(itertools.pairwise(masses), each, strict=True):
@@ -144,23 +123,12 @@ def gain_limit(restitution: float, collisions: int, falling: bool = False) -> fl
 
     The floor counts as a collision of a falling line: 3 for two elastic bodies, 7 for three,
     so 9 and 49 times the height (Walker 1988).
-
-    Examples
-    --------
-    >>> gain_limit(1.0, 3, falling=True), gain_limit(0.5, 2)
-    (7.0, 2.25)
     """
     return (1.0 + restitution) ** collisions - (1.0 if falling else 0.0)
 
 
 def gain_limit_of(restitutions: Sequence[float]) -> float:
-    """Return the gain of the last body of a falling line for mass ratios that go to zero, each pair with its own e.
-
-    Examples
-    --------
-    >>> gain_limit_of([1.0, 1.0, 1.0]), gain_limit_of([0.5, 1.0])
-    (7.0, 2.0)
-    """
+    """Return the gain of the last body of a falling line for mass ratios that go to zero, each pair with its own e."""
     return math.prod(1.0 + e for e in restitutions) - 1.0
 
 
@@ -168,16 +136,7 @@ def fastest_masses(first: float, last: float, count: int) -> Array:
     """Return the masses that make the last body of a line fastest: a geometric row, kg.
 
     The product of the ratios is given and each enters as 1/(1 + mu), so the best are equal, whatever the restitutions,
-    resting or falling.
-
-    Notes
-    -----
-    Source: Rodgers et al. 2009 (their power law).
-
-    Examples
-    --------
-    >>> print(fastest_masses(8.0, 1.0, 4))
-    [8. 4. 2. 1.]
+    resting or falling. Source: Rodgers et al. 2009 (their power law).
     """
     positive("the masses of the ends", [first, last])
     return np.asarray(first * (last / first) ** np.linspace(0.0, 1.0, count))
@@ -188,72 +147,50 @@ def resting_ratio(speed: float, restitution: float, falling: float = 0.0) -> flo
 
     A line of such ratios hands all its motion to the last body, the second of the two designs of Rodgers et al. 2009.
     Symbols of `next_speed`.
-
-    Examples
-    --------
-    >>> resting_ratio(1.0, 1.0), round(resting_ratio(1.0, 1.0, falling=1.0), 6)
-    (1.0, 0.333333)
     """
     return speed / ((1.0 + restitution) * (speed + falling) - speed)
 
 
 AT_REST = 1e-9
-"""Approach speed, over the speed scale of the line, below which bodies that meet stay together."""
+"""Approach speed, over the speed scale of the line, below which bodies stay together: endless bounces end there, with
+1e-18 of the energy left."""
 AT_ONCE = 1e-12
-"""Collisions nearer than this share of the time passed happen at once."""
+"""Share of the time passed within which collisions happen at once: some thousand roundings of it."""
 
 
 class Collision(NamedTuple):
-    """Two neighbours meet.
-
-    Attributes
-    ----------
-    time : float
-        s.
-    pair : int
-        Number of the lower body; the upper one is the next.
-    before, after : (float, float)
-        Speeds of the lower and the upper body, m/s.
-    impulse : float
-        N s.
-    energy_lost : float
-        (1 - e^2) m w^2/2 with the reduced mass m and the approach speed w, J.
-    at_once : bool
-        True if a third body touched one of the two at that moment.
-    """
+    """Collision of two neighbours."""
 
     time: float
+    """s."""
     pair: int
+    """Number of the lower body; the upper one is the next."""
     before: tuple[float, float]
+    """Speeds of the lower and the upper body, m/s."""
     after: tuple[float, float]
+    """Speeds of both, m/s."""
     impulse: float
+    """N s."""
     energy_lost: float
+    """(1 - e^2) m w^2/2 with the reduced mass m and the approach speed w, J."""
     at_once: bool
+    """True if a third body touched one of the two at that moment."""
 
 
 @dataclass(frozen=True)
 class Collisions:
-    """A line from its start to its end; ask it for any time.
-
-    Attributes
-    ----------
-    line : BodyLine
-        Line that was followed.
-    collisions : tuple of Collision
-        In their order.
-    words : tuple of str
-        Messages for the user.
-    end : float
-        Time after which nothing was followed, s; infinite where nothing collides any more.
-    support : float
-        Impulse of floor and ceiling on what rests there, by the last collision, N s.
-    """
+    """A line of bodies from its start to its end, for any time."""
 
     line: BodyLine
+    """Line that was followed."""
     collisions: tuple[Collision, ...]
+    """Collisions in their order."""
     words: tuple[str, ...]
+    """Messages for the user."""
     end: float
+    """Time at which following ended, s; infinite where nothing collides any more."""
     support: float
+    """Impulse of floor and ceiling on bodies at rest there, by the last collision, N s."""
     _flights: tuple[_Flight, ...] = field(repr=False)
 
     def positions(self, times: ArrayLike) -> Array:
@@ -325,7 +262,7 @@ class Collisions:
 
 
 class _Flight(NamedTuple):
-    """The line from one time to the next collision: time, places, speeds, accelerations."""
+    """State of the line until the next collision: time, places, speeds, accelerations."""
 
     time: float
     places: Array
@@ -334,43 +271,23 @@ class _Flight(NamedTuple):
 
 
 def collide(line: BodyLine, duration: float = math.inf, most: int = 10_000) -> Collisions:
-    """Follow a line of bodies from collision to collision.
+    """Follow a line of bodies from collision to collision, for a time, s, or at most so many collisions.
 
     Between collisions all is closed form: bodies fall freely or rest on a floor. The next collision is the first of
     all pairs, whatever their order in the line. Collisions at once are taken from the bottom up, each as a pair of its
     own with the speeds that the one before has left; so touching bodies act as if a gap of nothing lay between them.
     Bodies that meet at less than `AT_REST` of the speed scale stay together: endless bounces end there, and a
-    notice reports it.
-
-    Parameters
-    ----------
-    line : BodyLine
-        Bodies, gaps, speeds.
-    duration : float, optional
-        How long, s.
-    most : int, optional
-        Largest number of collisions.
+    notice reports it. Source: Rodgers et al. 2009 for the pairs; the order is ours.
 
     Raises
     ------
     ValueError
         If the duration is not positive, or `most` is not at least 1.
-
-    Notes
-    -----
-    Source: Rodgers et al. 2009 for the pairs; the order is found here.
-
-    Examples
-    --------
-    >>> three = BodyLine((1.0, 0.1, 0.01), (1.0, 1.0), gaps=(0.01, 0.01), speeds=(1.0, 0.0, 0.0), gravity=0.0)
-    >>> run = collide(three)
-    >>> [c.pair for c in run.collisions], round(run.gain, 6)
-    ([0, 1], 3.305785)
     """
     if not duration > 0.0 or most < 1:
         raise ValueError(f"the duration must be positive and the collisions 1 at least, got {duration!r} and {most!r}")
     state = _State(line)
-    flights, words = [state.flight()], list[str]()
+    flights, notes = [state.flight()], list[str]()
     collisions: list[Collision] = []
     ended = duration
     while True:
@@ -379,33 +296,28 @@ def collide(line: BodyLine, duration: float = math.inf, most: int = 10_000) -> C
             break
         if len(collisions) == most:
             ended = state.time
-            words.append(f"stopped after {most} collisions, at {ended:.6g} s: more follow")
+            notes.append(f"stopped after {most} collisions, at {ended:.6g} s: more follow")
             break
         state.advance(wait, pair)
         collisions.append(state.strike(pair, at_once))
         flights.append(state.flight())
-    words += _words_about(state.rested, sum(collision.at_once for collision in collisions))
-    return Collisions(line, tuple(collisions), tuple(words), ended, state.support, tuple(flights))
-
-
-def _words_about(rested: set[int], at_once: int) -> list[str]:
-    words = []
-    if rested:
-        bodies = ", ".join(str(k + 1) for k in sorted(rested))
-        words.append(
+    if state.rested:
+        bodies = ", ".join(str(k + 1) for k in sorted(state.rested))
+        notes.append(
             f"ever smaller bounces bring to rest on a neighbour: body {bodies}; those below {AT_REST:g} of the speed "
             "scale are left out"
         )
-    if at_once:
-        words.append(
-            f"collisions while a third body touches: {at_once}; they are taken in pairs from the bottom up, and finite "
-            "contacts may end otherwise"
+    at_once_count = sum(collision.at_once for collision in collisions)
+    if at_once_count:
+        notes.append(
+            f"collisions while a third body touches: {at_once_count}; they are taken in pairs from the bottom up, and "
+            "finite contacts may end otherwise"
         )
-    return words
+    return Collisions(line, tuple(collisions), tuple(notes), ended, state.support, tuple(flights))
 
 
 class _State:
-    """The line at a time; gaps are kept themselves, so that bodies that touch touch exactly."""
+    """The line at a time; gaps are stored, not places, so that bodies in touch have a gap of exactly 0."""
 
     def __init__(self, line: BodyLine) -> None:
         self.line, self.time, self.support = line, 0.0, 0.0
@@ -416,7 +328,7 @@ class _State:
         self.pulls = self._pulls()
 
     def _pulls(self) -> list[float]:
-        """Return the acceleration of each body: none for what is infinite or rests on such from below."""
+        """Return the acceleration of each body: none of infinite ones, and of those that rest on one from below."""
         out, rests = [], True
         for k, mass in enumerate(self.line.masses):
             below = k > 0 and self.gaps[k - 1] == 0.0 and self.speeds[k] == self.speeds[k - 1]
@@ -446,10 +358,11 @@ class _State:
         return still or (self.speeds[k] == self.speeds[k + 1] and self.pulls[k] == self.pulls[k + 1])
 
     def _wait(self, k: int) -> float:
-        """Return when the gap d + w t + a t^2/2 of a pair closes, s; infinite if never."""
+        """Return the wait until the gap d + w t + a t^2/2 of a pair closes, s; infinite if it never does."""
         d, w, a = self.gaps[k], self.speeds[k + 1] - self.speeds[k], self.pulls[k + 1] - self.pulls[k]
         inside = w * w - 2.0 * a * d
         if w < 0.0:
+            # the form of the root in which nothing cancels
             return math.inf if inside < 0.0 else 2.0 * d / (-w + math.sqrt(inside))
         return (w + math.sqrt(inside)) / -a if a < 0.0 else math.inf
 
@@ -458,7 +371,7 @@ class _State:
         v, a = self.speeds, self.pulls
         for k in range(len(self.gaps)):
             w, change = v[k + 1] - v[k], a[k + 1] - a[k]
-            self.gaps[k] = max(self.gaps[k] + (w + 0.5 * change * wait) * wait, 0.0)
+            self.gaps[k] = max(self.gaps[k] + (w + 0.5 * change * wait) * wait, 0.0)  # rounding shall leave no overlap
         self.gaps[pair] = 0.0
         self.base += (v[0] + 0.5 * a[0] * wait) * wait
         resting_mass = sum(m for m, pull in zip(self.line.masses, a, strict=True) if math.isfinite(m) and pull == 0.0)
@@ -477,7 +390,7 @@ class _State:
         impulse = (1.0 + e) * reduced * approach
         after = before[0] - impulse / lower, before[1] + impulse / upper
         if e == 0.0:
-            common = after[1] if math.isinf(upper) else after[0]
+            common = after[1] if math.isinf(upper) else after[0]  # equal to the bit, so that the pair stays in touch
             after = common, common
         self.speeds[pair : pair + 2] = after
         if slow:
@@ -488,7 +401,7 @@ class _State:
         return Collision(self.time, pair, before, after, impulse, lost, at_once)
 
     def _stay_together(self, pair: int) -> None:
-        """Give all bodies that touch the pair and are as slow beside it one speed, that of their momentum."""
+        """Give all bodies that touch the pair, and are as slow beside it, the speed of their momentum."""
         v, first, last = self.speeds, pair, pair + 1
         while first > 0 and self.gaps[first - 1] == 0.0 and abs(v[first - 1] - v[first]) < self.slow:
             first -= 1
@@ -506,21 +419,14 @@ class _State:
 
 @dataclass(frozen=True)
 class SoftCollisions:
-    """A line whose contacts take time.
-
-    Attributes
-    ----------
-    motion : ChainMotion
-        All of it; bodies are named 1, 2 ... from the bottom, infinite ones are bases.
-    speeds : ndarray
-        At the end, m/s; of an infinite body 0.
-    contacts : tuple of ndarray
-        Begin, end (s) and approach speed (m/s) of the contacts of each pair, shape (N, 3).
-    """
+    """A line of bodies whose contacts take time."""
 
     motion: ChainMotion
+    """Motion of all bodies, named 1, 2 ... from the bottom; infinite ones are bases."""
     speeds: Array
+    """Speeds at the end, m/s; of an infinite body 0."""
     contacts: tuple[Array, ...]
+    """Begin, end (s) and approach speed (m/s) of the contacts of each pair, shape (N, 3)."""
 
     @property
     def overlap(self) -> float:
@@ -536,31 +442,12 @@ class SoftCollisions:
 def collide_softly(
     line: BodyLine, contacts: Sequence[AnyContact], duration: float, tolerance: float = 1e-10
 ) -> SoftCollisions:
-    """Follow a line whose bodies meet by contact laws; its restitutions are not asked.
-
-    Parameters
-    ----------
-    line : BodyLine
-        Bodies, gaps, speeds; an infinite one must stand still.
-    contacts : sequence of Contact or LogarithmicContact
-        Law of each pair of neighbours.
-    duration : float
-        How long, s.
-    tolerance : float, optional
-        Tolerance of `strikewave.contact.chain.simulate`.
+    """Follow a line whose bodies meet by a contact law for each pair, for a time, s; its restitutions do not count.
 
     Raises
     ------
     ValueError
         If there is not one contact for each pair, or an infinite body moves.
-
-    Examples
-    --------
-    >>> from strikewave.contact import Contact
-    >>> pair = BodyLine((1.0, 1.0), (1.0,), gaps=(0.0,), speeds=(1.0, 0.0), gravity=0.0)
-    >>> run = collide_softly(pair, [Contact(1e9, 1.5)], duration=1e-3)
-    >>> print(abs(run.speeds).round(6))
-    [0. 1.]
     """
     if len(contacts) != len(line.gaps):
         raise ValueError(f"{len(line.masses)} bodies take {len(line.gaps)} contacts, got {len(contacts)}")
@@ -582,80 +469,57 @@ def collide_softly(
 
 
 LONGEST_WAY = 1.0
-"""How long the second mass may take to meet the table, s: chosen, ten times what soft cushions of 16 Hz take."""
+"""Longest time of the second mass to the table, s (chosen: ten times that of soft cushions of 16 Hz)."""
 
 
 class DualMass(NamedTuple):
-    """Table and second mass, SI.
-
-    Attributes
-    ----------
-    table, second : float
-        Masses, kg.
-    gap : float
-        Way of the second mass to the pad on the table while both fall, its cushions unloaded, m.
-    cushion_stiffness, cushion_damping : float
-        All cushions together, N/m and N s/m.
-    shaper_stiffness, shaper_restitution : float
-        Stiffness, N/m, and coefficient of restitution of the table on the anvil: a linear spring with a damper that
-        never pulls.
-    pad : Contact
-        Law of the contact between second mass and table.
-    """
+    """Table and second mass, SI."""
 
     table: float
+    """kg."""
     second: float
+    """kg."""
     gap: float
+    """Way of the second mass to the pad on the table while both fall, its cushions unloaded, m."""
     cushion_stiffness: float
+    """All cushions together, N/m."""
     cushion_damping: float
+    """All cushions together, N s/m."""
     shaper_stiffness: float
+    """Linear spring of the anvil, N/m."""
     shaper_restitution: float
+    """Coefficient of restitution of the table on it, by a damper that never pulls."""
     pad: AnyContact
+    """Law of the contact between second mass and table."""
 
 
 class SecondImpact(NamedTuple):
-    """How the second mass comes to the table.
-
-    Attributes
-    ----------
-    time : float
-        After the table has met the shaper, s.
-    table, second : float
-        Speeds, upwards, m/s.
-    gain : float
-        Speed with which the second mass leaves, by the law of the pad between rigid masses, over the speed of the fall.
-    cushion_force, shaper_force : float
-        Force of the cushions and of the shaper at that moment, N.
-    """
+    """Impact of the second mass on the table."""
 
     time: float
+    """s after the table has met the shaper."""
     table: float
+    """Speed upwards, m/s."""
     second: float
+    """Speed upwards, m/s."""
     gain: float
+    """Speed with which the second mass leaves, by the law of the pad between rigid masses, over that of the fall."""
     cushion_force: float
+    """N at that moment."""
     shaper_force: float
+    """N at that moment."""
 
 
 def second_impact(masses: DualMass, speed: float, gravity: float = STANDARD_GRAVITY) -> SecondImpact:
-    """Return how the second mass comes to the table after a fall at a speed.
+    """Return the impact of the second mass on the table after a fall at a speed.
+
+    Newton's law for two masses, integrated with located switches (`strikewave.contact.chain.simulate`). The build of
+    such a machine is from memory; Duan et al. 2023 report stacked bodies that fall together for high shocks.
 
     Raises
     ------
     ValueError
-        If it does not come there within `LONGEST_WAY`.
-
-    Notes
-    -----
-    Newton's law for two masses, integrated with located switches (`strikewave.contact.chain.simulate`). How such a
-    machine is built is from memory; of stacked bodies that fall together for high shocks tell Duan et al. 2023.
-
-    Examples
-    --------
-    >>> from strikewave.contact import Contact
-    >>> soft = DualMass(20.0, 2.0, 10e-3, 1.0, 0.0, 5e7, 1.0, Contact(1e9, 1.0))
-    >>> impact = second_impact(soft, speed=3.0, gravity=0.0)
-    >>> round(impact.table, 3), round(impact.second, 3), round(impact.gain, 3)  # v, -v and 2 (1 + 1)/(1.1) - 1
-    (3.0, -3.0, 2.636)
+        If they do not meet within `LONGEST_WAY`.
     """
     shaper = linear_shaper(masses.shaper_stiffness, masses.table, masses.shaper_restitution)
     links: list[Link] = [

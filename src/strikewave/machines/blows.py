@@ -1,4 +1,4 @@
-"""What a run of a machine did to the object, blow by blow."""
+"""Blows of a run of a machine on the object."""
 
 from __future__ import annotations
 
@@ -35,23 +35,24 @@ Array = NDArray[np.float64]
 KINDS = ("full", "glancing", "double", "missed")
 """Kinds of blows; see `Blow`."""
 GLANCING_SHARE = 0.5
-"""A blow whose approach speed is below this share of the nominal one is called glancing."""
+"""Share of the nominal approach speed below which a blow is glancing (chosen: a quarter of its energy)."""
 DOUBLE_SHARE = 0.1
-"""A blow is called double when a later group of contacts carries this share of its contact impulse."""
+"""Share of the contact impulse in a later group of contacts from which on a blow is double (chosen: a tenth of the
+velocity change then is not that of the pulse)."""
 SMALLEST_SPEED = 1e-6
-"""Momentum is resolved to this speed of the object at least, m/s: a face that is only grazed gets none."""
+"""Speed of the object to which momentum is resolved, m/s: a face that is only grazed gets none."""
 WORK_SAMPLES = 2001
-"""Samples of a contact over which its work is summed."""
+"""Samples of a contact over which its work is summed: the trapezoidal rule is off by less than 1e-6 of a half-sine."""
 WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6
-"""Window about a blow, before first touch and at least so long after its last release; sampling, s."""
-
+"""Window about a blow, before first touch and at least so long after its last release; sampling, s (chosen: a pulse of
+50 us has 200 samples)."""
 AGAIN = 1.25
-"""How long a window goes on after the last release at least, over the time in touch: pictures show 2.2 widths of a
-pulse, which is no wider than the time in touch where the frame does not swing longer."""
+"""Shortest part of a window after the last release, over the time in touch: pictures show 2.2 widths of a pulse, which
+is no wider than the time in touch where the frame does not swing longer."""
 LONGEST_WINDOW = 1.0
-"""Longest window of a blow, s, as long as `machine.follow` may be: what touches for longer lies there at rest."""
+"""Longest window of a blow, s, as long as `machine.follow` may be: a touch for longer is a rest."""
 MOST_SAMPLES = 200_000
-"""Samples of such a window at most, 30 MB with all that is sampled: beyond 50 ms it is sampled more coarsely."""
+"""Most samples of such a window, 30 MB with all that is sampled: beyond 50 ms it is sampled more coarsely."""
 
 
 @declare.dataclass
@@ -234,26 +235,16 @@ def blows(run: MachineRun) -> tuple[Blow, ...]:
     return tuple(listed)
 
 
-def window_ends(run: MachineRun, found: Sequence[Blow], tail: float = WINDOW_AFTER) -> Array:
-    """Return when the window of each blow ends, s: it lasts as long as the pulse, and holds what follows.
+def window_ends(run: MachineRun, all_blows: Sequence[Blow], tail: float = WINDOW_AFTER) -> Array:
+    """Return the end of the window of each blow of a run, s; NaN where it missed.
 
     After the last release of its pass it lasts somewhat longer than the pass was in touch, and ``tail`` and a swing of
-    the frame at least; but no longer than until the next blow, the end of the run, or `LONGEST_WINDOW`. NaN where
-    it missed.
-
-    Parameters
-    ----------
-    run : MachineRun
-        The run.
-    found : sequence of Blow
-        All its blows, in order of time.
-    tail : float, optional
-        Shortest time that the window holds after the last release, s.
+    the frame at least; but no longer than until the next blow, the end of the run, or `LONGEST_WINDOW`.
     """
     touches, swing = run.contacts(), 1.0 / run.machine.struck.frame_frequency
-    edges = [*(blow.time for blow in found), run.end]
-    ends = np.full(len(found), math.nan)
-    for k, (blow, until) in enumerate(zip(found, edges[1:], strict=True)):
+    edges = [*(blow.time for blow in all_blows), run.end]
+    ends = np.full(len(all_blows), math.nan)
+    for k, (blow, until) in enumerate(zip(all_blows, edges[1:], strict=True)):
         if blow.kind != "missed":
             last = float(touches[(touches[:, 0] >= blow.time) & (touches[:, 0] < until), 1].max())
             after = max(tail, swing, AGAIN * (last - blow.time))
@@ -273,7 +264,7 @@ def pulse_window(
 
 
 def _window(run: MachineRun, touch: float, until: float, step: float) -> tuple[Array, Moments]:
-    """Return time since first touch, and what the machine does then, about a blow."""
+    """Return time since first touch, and the moments of the machine then, about a blow."""
     after = min(until, run.end - touch)
     first, last = -int(min(WINDOW_BEFORE, touch) / step), int(after / step)
     since = step * np.arange(first, last + 1, dtype=np.float64)
@@ -281,21 +272,15 @@ def _window(run: MachineRun, touch: float, until: float, step: float) -> tuple[A
 
 
 def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
-    nothing = dict.fromkeys(
-        (
-            *("approach_speed", "rebound_speed", "contact_time", "restitution", "rigid_peak", "width", "rise"),
-            *("indentation", "residual_indentation", "contact_stiffness", "flattening", "momentum_error"),
-        ),
-        math.nan,
+    undefined = (
+        *("approach_speed", "rebound_speed", "contact_time", "restitution", "rigid_peak", "width", "rise"),
+        *("indentation", "residual_indentation", "contact_stiffness", "flattening", "momentum_error"),
+    )
+    zero = (
+        *("impulse", "contact_impulse", "support_impulse", "peak_force", "velocity_change"),
+        *("blow_velocity_change", "side_force", "side_impulse", "friction_heat"),
     )
     passing = run.sample(np.array([time]))
-    zeros = dict.fromkeys(
-        (
-            *("impulse", "contact_impulse", "support_impulse", "peak_force", "velocity_change"),
-            *("blow_velocity_change", "side_force", "side_impulse", "friction_heat"),
-        ),
-        0.0,
-    )
     return Blow(
         index=index,
         kind="missed",
@@ -304,8 +289,8 @@ def _missed(run: MachineRun, index: int, number: int, time: float) -> Blow:
         contacts=0,
         largest_displacement=float(passing.face_place[0]) + run.machine.engagement,
         turntable_speed=float(passing.turntable_speed[0]),
-        **nothing,
-        **zeros,
+        **dict.fromkeys(undefined, math.nan),
+        **dict.fromkeys(zero, 0.0),
     )
 
 
@@ -322,10 +307,12 @@ def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
     kind, end = _kind(run, rows, width)
     edges = run.sample(np.array([begin, end]))
     contact, support, _ = run.impulses(begin, end)
-    side_force, side_impulse, heat = _sliding(run, rows, moments.side_force)
+    heat = float(np.diff(run.sample(np.array([begin, last])).friction_heat)[0])
+    side_force = float(moments.side_force[np.argmax(np.abs(moments.side_force))])
     blow_change = float(np.diff(edges.object_speed)[0])
     free = min(until, max(run.released, last))
     path = run.sample(np.linspace(begin, free, 2001)).assembly_place
+    # just before the touch, which belongs to this blow
     before, (deep, restitution) = run.deepest(np.nextafter(begin, 0.0), striker), _work(run, rows)
     yielded = run.deepest(last, striker)
     if yielded > before:
@@ -355,7 +342,7 @@ def _struck(run: MachineRun, index: int, rows: Array, until: float) -> Blow:
         / max(contact, abs(support), struck.mass * SMALLEST_SPEED),
         peak_force=float(force.max()),
         side_force=side_force,
-        side_impulse=side_impulse,
+        side_impulse=run.impulses(begin, last).side,
         friction_heat=heat,
         rigid_peak=pulse.peak if pulse else math.nan,
         width=width,
@@ -371,7 +358,7 @@ def _work(run: MachineRun, rows: Array) -> tuple[float, float]:
     """Return the largest indentation of some contacts, m, and their restitution by work given back over work taken."""
     deepest, taken, back = 0.0, 0.0, 0.0
     for begin, end in rows[:, :2]:
-        # up to just before its end: what a nose that slips off still stores is not given back
+        # up to just before its end: the energy of a nose that slips off is not given back
         moments = run.sample(np.linspace(begin, np.nextafter(end, begin), WORK_SAMPLES))
         d, force = moments.indentation, moments.contact_force
         work = 0.5 * (force[1:] + force[:-1]) * np.diff(d)
@@ -379,13 +366,6 @@ def _work(run: MachineRun, rows: Array) -> tuple[float, float]:
         taken += float(work[work > 0.0].sum())
         back -= float(work[work < 0.0].sum())
     return deepest, math.sqrt(back / taken) if taken > 0.0 else math.nan
-
-
-def _sliding(run: MachineRun, rows: Array, force: Array) -> tuple[float, float, float]:
-    """Return the largest of some side forces of contacts, N, their side impulse, N s, and heat of sliding, J."""
-    begin, last = float(rows[0, 0]), float(rows[:, 1].max())
-    heat = float(np.diff(run.sample(np.array([begin, last])).friction_heat)[0])
-    return float(force[np.argmax(np.abs(force))]), run.impulses(begin, last).side, heat
 
 
 def _kind(run: MachineRun, rows: Array, width: float) -> tuple[str, float]:

@@ -1,4 +1,4 @@
-"""What drives a rotary machine: turntable with motor, controller and brake, and the hydraulic feed of the object."""
+"""Drive of a rotary machine: turntable with motor, controller and brake, and the hydraulic feed of the object."""
 
 from __future__ import annotations
 
@@ -13,44 +13,34 @@ class Turntable:
     The controller asks the drive for the drag at set speed plus ``speed_gain`` times the motor's speed error and
     gets 0 to ``torque``. The drag is viscous. Motor and belt are given as the turntable would have them: with a motor
     of i turns a turn, its inertia times i^2 and its torque times i.
-
-    Parameters
-    ----------
-    inertia : float
-        Moment of inertia with the strikers, kg m^2.
-    radius : float
-        Radius of the strikers' path, m.
-    speed : float
-        Set speed, rad/s.
-    torque : float
-        Largest torque of the drive at the turntable, behind the belt, N m.
-    speed_gain : float
-        Torque per speed error, N m s/rad.
-    drag : float
-        Viscous drag, N m s/rad.
-    brake : float
-        Torque of the brake, N m.
-    motor_inertia : float, optional
-        kg m^2.
-    belt_stiffness, belt_damping : float, optional
-        N m/rad and N m s/rad; rigid where left out: the motor's inertia then belongs to each blow.
-    ripple, ripple_order, ripple_phase : float, optional
-        Share of the set speed by which it swings, how often a turn, and phase at angle 0, rad.
     """
 
     inertia: float
+    """Moment of inertia with the strikers, kg m^2."""
     radius: float
+    """Radius of the strikers' path, m."""
     speed: float
+    """Set speed, rad/s."""
     torque: float
+    """Largest torque of the drive at the turntable, behind the belt, N m."""
     speed_gain: float
+    """Torque per speed error, N m s/rad."""
     drag: float
+    """Viscous drag, N m s/rad."""
     brake: float
+    """Torque of the brake, N m."""
     motor_inertia: float = 0.0
+    """kg m^2."""
     belt_stiffness: float = math.inf
+    """N m/rad; a rigid belt makes the motor's inertia belong to each blow."""
     belt_damping: float = 0.0
+    """N m s/rad."""
     ripple: float = 0.0
+    """Share of the set speed by which it swings."""
     ripple_order: float = 1.0
+    """Swings a turn."""
     ripple_phase: float = 0.0
+    """Phase of the swing at angle 0, rad."""
 
     @property
     def turning(self) -> float:
@@ -73,12 +63,6 @@ def spin_up_time(turntable: Turntable, tolerance: float = 1e-4) -> float:
     ------
     ValueError
         If the torque cannot hold the set speed against the drag.
-
-    Examples
-    --------
-    >>> disc = Turntable(4.0, 0.2, 76.4, torque=40.0, speed_gain=20.0, drag=0.02, brake=30.0)
-    >>> round(spin_up_time(disc), 2)
-    8.69
     """
     t = turntable
     drag_torque = t.drag * t.speed
@@ -94,33 +78,20 @@ def spin_up_time(turntable: Turntable, tolerance: float = 1e-4) -> float:
 
 
 def speed_after_wait(turntable: Turntable, wait: float, tolerance: float = 1e-4) -> float:
-    """Return the speed after waiting at speed, rad/s: the rest of the error dies out exponentially.
-
-    Examples
-    --------
-    >>> disc = Turntable(4.0, 0.2, 76.4, torque=40.0, speed_gain=20.0, drag=0.02, brake=30.0)
-    >>> round(speed_after_wait(disc, 0.0), 5)
-    76.39236
-    """
+    """Return the speed after waiting at speed, rad/s: the rest of the error dies out exponentially."""
     rate = (turntable.speed_gain + turntable.drag) / turntable.turning
     return turntable.speed * (1.0 - tolerance * math.exp(-rate * wait))
 
 
 def braking_time(turntable: Turntable, speed: float) -> float:
-    """Return the time from a speed to rest under brake and drag, s: (J/c) ln(1 + c w / T_brake).
-
-    Examples
-    --------
-    >>> disc = Turntable(4.0, 0.2, 76.4, torque=40.0, speed_gain=20.0, drag=0.0, brake=30.0)
-    >>> round(braking_time(disc, 75.0), 9)
-    10.0
-    """
+    """Return the time from a speed to rest under brake and drag, s: (J/c) ln(1 + c w / T_brake)."""
     t = turntable
     return t.turning * speed / t.brake * _log_share(t.drag * speed / t.brake)
 
 
 def _log_share(x: float) -> float:
     """Return ln(1 + x)/x, 1 at x = 0."""
+    # below, the next term of the series, x^2/3, is less than rounding
     return math.log1p(x) / x if abs(x) > 1e-9 else 1.0 - 0.5 * x
 
 
@@ -130,43 +101,30 @@ class Feed:
 
     Both ways the speed rises as (1 - cos)/2 over a share of the time, stays, and falls alike over another, the
     cushioning; with halves the way is cycloidal, s = u - sin(2 pi u)/(2 pi).
-
-    Parameters
-    ----------
-    wait : float
-        Time at speed before the valve signal, s.
-    valve_delay : float
-        From valve signal to first motion, s.
-    stroke : float
-        Way of the carriage, m.
-    stroke_time : float
-        Time of the stroke, s.
-    arrival : float
-        Where in the striking period the stroke ends, 0 to 1 after the last striker's apex: the valve
-        signal is timed for it.
-    blows : int
-        Wanted number of passes; the retract command comes at the apex of the last.
-    release_delay : float
-        From retract command to first motion, s.
-    retract_time : float
-        Time of the retraction, s.
-    acceleration, cushion : float, optional
-        Shares of the time of a stroke in which it speeds up and is cushioned, together 1 at most.
-    hold : float, optional
-        Longest time in the strike position, s: then the retract command comes, blows or not.
     """
 
     wait: float
+    """Time at speed before the valve signal, s."""
     valve_delay: float
+    """Time from valve signal to first motion, s."""
     stroke: float
+    """Way of the carriage, m."""
     stroke_time: float
+    """s."""
     arrival: float
+    """End of the stroke in the striking period, 0 to 1 after the last striker's apex; it times the valve signal."""
     blows: int
+    """Wanted number of passes; the retract command comes at the apex of the last."""
     release_delay: float
+    """Time from retract command to first motion, s."""
     retract_time: float
+    """s."""
     acceleration: float = 0.5
+    """Share of the time of a stroke in which it speeds up."""
     cushion: float = 0.5
+    """Share in which it is cushioned; both together 1 at most."""
     hold: float = math.inf
+    """Longest time in the strike position, s, after which the retract command comes, blows or not."""
 
     @property
     def fastest(self) -> float:
@@ -178,25 +136,12 @@ def angle_at_valve_signal(feed: Feed, speed: float, pitch: float) -> float:
     """Return the turntable's angle at the valve signal, in 0..pitch, rad.
 
     Chosen so that, at the given speed, the stroke ends ``arrival`` of a pitch after a striker's apex.
-
-    Examples
-    --------
-    >>> import math
-    >>> feed = Feed(1.0, 0.01, 0.015, 0.04, 0.5, 11, 0.003, 0.03)
-    >>> round(angle_at_valve_signal(feed, speed=80.0, pitch=math.pi / 2), 6)
-    1.497787
     """
     travelled = speed * (feed.valve_delay + feed.stroke_time)
     return (feed.arrival * pitch - travelled) % pitch
 
 
 def expected_time(feed: Feed, pitch_time: float) -> float:
-    """Return about how long it takes from the valve signal to the end of the retraction, s.
-
-    Examples
-    --------
-    >>> round(expected_time(Feed(1.0, 0.01, 0.015, 0.04, 0.5, 11, 0.003, 0.03), pitch_time=0.02), 3)
-    0.323
-    """
+    """Return about how long it takes from the valve signal to the end of the retraction, s."""
     way = feed.valve_delay + feed.stroke_time + feed.release_delay + feed.retract_time
     return way + min((feed.blows + 1) * pitch_time, feed.hold)

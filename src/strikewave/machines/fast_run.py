@@ -34,10 +34,14 @@ from strikewave.machines.machine import Machine, machine_system, start_state
 Array = NDArray[np.float64]
 
 QUIET_SHARE = 1e-2
-"""A blow is over once the frame rings with this share of the energy of an object as fast as the nominal approach."""
+"""Share of the energy of an object as fast as the nominal approach that the frame still rings with when a blow is over
+(chosen: a tenth of the amplitude)."""
 STIFFEST_STOP = 1e-2
-"""Largest square of the object's frequency on spring and stop over that of its frame."""
+"""Largest square of the object's frequency on spring and stop over that of its frame (chosen: it swings ten times more
+slowly than the frame rings, so that it counts as one body)."""
 _SPARE_ROWS, _MOST_SAMPLES, _MOST_CONTACTS = 40, 8192, 64
+"""Rows for passes beyond the wanted blows, samples and contacts of a blow: chosen, far more than any has; samples and
+contacts beyond are not written down, and a table that is full ends the run with a reason."""
 
 WHY = {
     kernels.STUCK: "the motion could not be followed: a stiffness, damping or mass is extreme",
@@ -46,28 +50,12 @@ WHY = {
     kernels.TOO_MANY: "far more blows than wanted",
     kernels.LATE: "it took three times as long as expected: the turntable stalls",
 }
-"""Why a run failed, in words."""
+"""Reason in words for each code of a run that failed."""
 
 
 @dataclass(frozen=True)
 class TrainBlow:
-    """One pass of one striker, all its contacts included, as `strikewave.machines.Blow`; SI, NaN where missed.
-
-    Attributes
-    ----------
-    index, kind, striker, time, contacts, approach_speed, rigid_peak, width, turntable_speed
-        As of a `Blow`.
-    velocity_change, blow_velocity_change, impulse, contact_impulse
-        As of a `Blow`.
-    face_place, face_speed : float
-        Place and speed of the struck face at first touch; its place at the apex where missed.
-    angle : float
-        Angle of the turntable at first touch, less that at which the striker stands in the strike position.
-    largest_displacement : float
-        As of a `Blow`.
-    stop_force : float
-        Largest force of the stop until the next pass.
-    """
+    """One pass of one striker, all its contacts included; SI, NaN where missed. Names of a `Blow` mean the same."""
 
     index: int
     kind: str
@@ -81,40 +69,37 @@ class TrainBlow:
     blow_velocity_change: float
     impulse: float
     contact_impulse: float
+    """As of a `Blow`."""
     face_place: float
+    """Place of the struck face at first touch; at the apex where missed."""
     face_speed: float
+    """Speed of the struck face at first touch."""
     angle: float
+    """Angle of the turntable at first touch, less that at which the striker stands in the strike position."""
     largest_displacement: float
+    """As of a `Blow`."""
     stop_force: float
+    """Largest force of the stop until the next pass."""
     turntable_speed: float
+    """As of a `Blow`."""
 
 
 @dataclass(frozen=True, eq=False)
 class FastTrain:
-    """A fast run.
-
-    Attributes
-    ----------
-    machine : Machine
-        Machine that ran, with its own feed.
-    table : ndarray
-        One row a pass, columns as `_train_kernels` names them.
-    end : float
-        Time of the end, s.
-    let_go : float
-        Energy that still rang when blows were taken as over, J.
-    energy_error : float
-        Energy that the balance misses, what was let go counted as lost, over the energy that flowed.
-    steps : (int, int)
-        Steps taken between blows and in blows.
-    """
+    """A fast run."""
 
     machine: Machine
+    """Machine that ran, with its own feed."""
     table: Array
+    """One row a pass, columns as `_train_kernels` names them."""
     end: float
+    """Time of the end, s."""
     let_go: float
+    """Energy that still rang when blows were taken as over, J."""
     energy_error: float
+    """Energy that the balance misses, with the energy let go as lost, over the energy that flowed."""
     steps: tuple[int, int]
+    """Steps taken between blows and in blows."""
 
     @property
     def kinds(self) -> list[str]:
@@ -155,7 +140,7 @@ _COLUMNS = {
 
 
 def _finished(machine: Machine, noted: Array) -> Array:
-    """Return the table of blows: a double one ends with its last release, a missed one has how far the face was off."""
+    """Return the table of blows: a double one ends with its last release, a missed one has the distance of its face."""
     table = noted.copy()
     kinds = np.array(_kinds(machine, table), dtype=object)
     double, missed = kinds == "double", kinds == "missed"
@@ -166,21 +151,17 @@ def _finished(machine: Machine, noted: Array) -> Array:
 
 
 def _kinds(machine: Machine, table: Array) -> list[str]:
-    limit = GLANCING_SHARE * machine.nominal_approach
-    return [_kind(row, limit) for row in table]
-
-
-def _kind(row: Array, limit: float) -> str:
-    """Return what a pass is, given the approach speed below which it is glancing."""
-    if row[column.CONTACTS] == 0.0:
-        return "missed"
-    if row[column.APPROACH] < limit:
-        return "glancing"
-    return "double" if row[column.LATER] > DOUBLE_SHARE * row[column.IMPULSE] else "full"
+    """Return the kind of each pass."""
+    kinds = [
+        (table[:, column.CONTACTS] == 0.0, "missed"),
+        (table[:, column.APPROACH] < GLANCING_SHARE * machine.nominal_approach, "glancing"),
+        (table[:, column.LATER] > DOUBLE_SHARE * table[:, column.IMPULSE], "double"),
+    ]
+    return np.select([rows for rows, _ in kinds], [name for _, name in kinds], "full").tolist()
 
 
 def why_not(machine: Machine) -> str:
-    """Return in words why a machine must not be run fast; nothing where it may.
+    """Return the reason in words against a fast run of a machine; nothing where it may run fast.
 
     The object counts as one body between blows: on spring and stop it must swing far more slowly than its frame
     rings, (k + k_stop)/M over k_frame M/(m_nose m_assembly) at most `STIFFEST_STOP`.
@@ -235,7 +216,7 @@ def fast_train(
     reason = why_not(machine)
     if reason:
         raise ValueError(reason)
-    asked = machine
+    own = machine
     if blows is not None:
         machine = machine.with_feed(blows=blows, hold=math.inf)
     tables, going, struck = train_tables(machine)
@@ -258,7 +239,7 @@ def fast_train(
     missing = gained - (driven - dragged - rubbed - dissipated.sum() - lost + fed)
     table = _finished(machine, passes.table[: passes.counts[column.ROWS_USED]])
     steps = int(passes.counts[column.FLIGHT_STEPS]), int(passes.counts[column.BLOW_STEPS])
-    return FastTrain(asked, table, float(end), lost, float(abs(missing) / flowed), steps)
+    return FastTrain(own, table, float(end), lost, float(abs(missing) / flowed), steps)
 
 
 def _energy(machine: Machine, tables: TrainTables, going: Part, time: float) -> float:
@@ -280,7 +261,7 @@ def empty_passes(rows: int) -> PassTable:
 
 
 def controls(machine: Machine, tolerance: float, tables: TrainTables) -> tuple[Control, Control]:
-    """Return how to integrate free flight and a blow."""
+    """Return the controls of the integrator in free flight and in a blow."""
     approach, radius, q = machine.nominal_approach, machine.radius, machine.engagement
     depth = elastic_indentation(machine.strikers.first.contact, machine.struck.nose_mass, approach)
     pitch_time = machine.pitch / machine.drive.turntable.speed
@@ -307,10 +288,10 @@ def train_tables(machine: Machine) -> tuple[TrainTables, Part, Part]:
     nodes, links = np.arange(len(chain.bodies) + chain.bases.shape[1]), np.arange(len(chain.joins))
     of_bodies, of_bases = nodes[: len(chain.bodies)], nodes[len(chain.bodies) :]
     carriage, supports = of_bases[at.carriage], links[at.support :]
-    one = np.r_[of_bodies[at.strikers][0], of_bodies[at.object]]
+    bodies = np.r_[of_bodies[at.strikers][0], of_bodies[at.object]]
     of_blow = np.r_[links[at.contacts][0], links[at.mounts][0], links[at.frame], supports]
-    in_blow = [*one, of_bases[0], carriage]
-    blow = MachineSystem(_part_of(chain, chain.bodies[one], of_blow, in_blow), full.seats[:1].copy(), full.settings)
+    in_blow = [*bodies, of_bases[0], carriage]
+    blow = MachineSystem(_part_of(chain, chain.bodies[bodies], of_blow, in_blow), full.seats[:1].copy(), full.settings)
     masses = chain.bodies[at.strikers, MASS]
     stretches = masses / np.array([s.mount_stiffness for s in machine.strikers.each])
     frame = struck.nose_mass, struck.frame_stiffness, struck.gravity, struck.nose_mass / struck.mass
@@ -336,7 +317,7 @@ def train_tables(machine: Machine) -> tuple[TrainTables, Part, Part]:
 
 
 def _part_of(chain: ChainTables, bodies: Array, links: NDArray[np.int64], nodes: list[int]) -> ChainTables:
-    """Return some links of a chain between other bodies and bases; of the nodes, those kept, in their new order."""
+    """Return some links of a chain between other bodies and bases, with the remaining nodes in their new order."""
     joins = chain.joins[links].copy()
     for end in (BEHIND, AHEAD):
         joins[:, end] = [nodes.index(node) for node in joins[:, end]]
@@ -344,7 +325,7 @@ def _part_of(chain: ChainTables, bodies: Array, links: NDArray[np.int64], nodes:
 
 
 def _at_rest(system: MachineSystem) -> Part:
-    """Return a part at rest; what has not yielded has not grown."""
+    """Return a part at rest, its spots not yielded: their radius has grown by 1."""
     at = layout_of(system)
     memory = np.zeros(at.memories)
     memory[at.growths] = 1.0
@@ -353,7 +334,7 @@ def _at_rest(system: MachineSystem) -> Part:
 
 
 def fast_run_beside() -> AbstractContextManager[None]:
-    """Return what compiles the fast run in a second process while a full run goes on within."""
+    """Return the context that compiles the fast run in a second process while a full run goes on within."""
     return compiled_beside("run_train", f"{__name__}:{compile_fast_run.__name__}")
 
 
@@ -370,7 +351,7 @@ def compile_fast_run() -> None:
     part, passes = Part(line, count, line, empty_record(1, 1, 1, 1)), empty_passes(1)
     mounted, train = MountedStrikers(table, table, table, line, line, line), Train(0.0, 0.0, 0, 0.0, 0)
     control = Control(0.0, line, 0.0, 0.0, 0.0)
-    own = (
+    parts = (
         (_kernels.machine_switches, (system, 0.0, line, count, line, line)),
         (_kernels.machine_switch, (system, 0, 0.0, line, count, line)),
         (_train_kernels.rigid_energy, (system, 0.0, part)),
@@ -385,11 +366,11 @@ def compile_fast_run() -> None:
         (_pass_kernels.missed_row, (system, part, passes, 0.0, 0.0)),
         (_pass_kernels.repeats, (table, 0, 0.0, 0)),
     )
-    for kernel, arguments in own:
+    for kernel, arguments in parts:
         _compile(kernel, arguments)
     await_kernel("_integrator.advance")
-    whole = TrainTables(system, system, mounted), part, part, (control, control), train, passes
-    _compile(_train_kernels.run_train, whole)
+    all_tables = TrainTables(system, system, mounted), part, part, (control, control), train, passes
+    _compile(_train_kernels.run_train, all_tables)
 
 
 def _compile(kernel: Any, arguments: tuple[Any, ...]) -> None:

@@ -1,4 +1,4 @@
-"""How fast a striker arrives: fall, pendulum, Machete hammer, gas gun, and the pulse of a drop table.
+"""Launch of a striker: fall, pendulum, Machete hammer, gas gun, and the pulse of a drop table.
 
 One law, one short function. A striker bar needs none of its own: `strikewave.hopkinson.bars.StrikerBar` gives the
 strain v/(2c) and the duration 2L/c of the pulse that it makes.
@@ -22,7 +22,7 @@ from strikewave.contact.law import AnyContact, Contact, Damper, not_negative, po
 Array = NDArray[np.float64]
 
 _NEAR_BRANCH = 0.02
-"""Below this distance from its branch point Lambert's W comes from its series, which keeps all digits there."""
+"""Distance from its branch point below which Lambert's W comes from its series, which keeps all digits there."""
 
 
 def fall_speed(
@@ -124,12 +124,6 @@ def corded_fall(
     Notes
     -----
     Source: Newton's law, m v dv/dx = m g (1 - friction) + F, integrated.
-
-    Examples
-    --------
-    >>> speed, time = corded_fall(0.5, 20.0, force=400.0, stiffness=2000.0)
-    >>> round(speed, 4), round(time, 4)
-    (7.4032, 0.1188)
     """
     free = float(fall_speed(height, friction=friction))
     m, end, k = positive("the mass", mass), not_negative("the force", force), not_negative("the stiffness", stiffness)
@@ -144,30 +138,22 @@ def corded_fall(
 
 @dataclass(frozen=True)
 class RigidPendulum:
-    """A rigid pendulum that strikes.
-
-    Parameters
-    ----------
-    mass : float
-        kg.
-    centre : float
-        Pivot to centre of gravity, m.
-    inertia : float
-        Moment of inertia about the pivot, kg m^2; at least mass times centre squared.
-    radius : float
-        Pivot to the point that strikes, m.
-    """
+    """A rigid pendulum that strikes."""
 
     mass: float
+    """kg."""
     centre: float
+    """Pivot to centre of gravity, m."""
     inertia: float
+    """Moment of inertia about the pivot, kg m^2; at least mass times centre squared."""
     radius: float
+    """Pivot to the point that strikes, m."""
 
     def __post_init__(self) -> None:
         for name in ("mass", "centre", "inertia", "radius"):
             positive(f"the {name} of the pendulum", getattr(self, name))
         least = self.mass * self.centre**2
-        if self.inertia < least * (1.0 - 1e-12):
+        if self.inertia < least * (1.0 - 1e-12):  # a point mass has exactly this inertia, but for rounding
             raise ValueError(
                 f"the inertia about the pivot must be at least mass times centre squared, {least:g} kg m^2"
             )
@@ -187,11 +173,6 @@ def inertia_of_period(mass: float, centre: float, period: float, gravity: float 
     """Return the moment of inertia about the pivot from the period of small swings, m g r (t/2 pi)^2, kg m^2.
 
     Source: t = 2 pi sqrt(J/(m g r)) of a rigid body that swings little; the way of ISO 148-2.
-
-    Examples
-    --------
-    >>> round(inertia_of_period(20.0, 0.7, 1.7373), 3)
-    10.496
     """
     return mass * gravity * centre * (period / (2.0 * math.pi)) ** 2
 
@@ -216,12 +197,6 @@ def pendulum_energy(
     ------
     ValueError
         If it does not fall from one angle to the other.
-
-    Examples
-    --------
-    >>> hammer = RigidPendulum(mass=20.0, centre=0.70, inertia=10.5, radius=0.75)
-    >>> print(pendulum_energy(hammer, 2.5).round(2))
-    247.28
     """
     a = np.asarray(angle, dtype=float)
     refuse("the angle of release", a, (np.abs(a) <= math.pi) & (np.abs(a) >= abs(strike_angle)), "above the strike's")
@@ -236,12 +211,6 @@ def pendulum_speed(
 
     A simple pendulum (J = m r^2, R = r) gives the sqrt(2 g L (1 - cos a)) of ISO 13802 and ISO 148-2. See
     `pendulum_energy`.
-
-    Examples
-    --------
-    >>> simple = RigidPendulum(mass=1.0, centre=0.39, inertia=0.39**2, radius=0.39)
-    >>> print(pendulum_speed(simple, 2.7925).round(3))
-    3.852
     """
     energy = pendulum_energy(pendulum, angle, strike_angle, gravity)
     return np.asarray(pendulum.radius * np.sqrt(2.0 * energy / pendulum.inertia))
@@ -253,33 +222,24 @@ class MacheteHammer:
 
     The weight is held by a rope from a drum on the arm's shaft; a drum without a weight leaves an arm that falls by
     itself. The rope pushes nothing: when the head strikes, the weight takes no part.
-
-    Parameters
-    ----------
-    teeth : int
-        On the whole wheel.
-    inertia : float
-        Moment of inertia of arm, head and counterweight about the shaft, kg m^2.
-    radius : float
-        Shaft to the point that strikes, m.
-    unbalance : float, optional
-        Mass of the arm times the distance of its centre of gravity, kg m; 0 with a full counterweight.
-    weight, drum : float, optional
-        Mass of the driving weight, kg, and radius of its drum, m.
-    friction : float, optional
-        Torque of friction, N m.
-    strike_angle : float, optional
-        Where the arm strikes, from hanging down, rad.
     """
 
     teeth: int
+    """Teeth on the whole wheel."""
     inertia: float
+    """Moment of inertia of arm, head and counterweight about the shaft, kg m^2."""
     radius: float
+    """Shaft to the point that strikes, m."""
     unbalance: float = 0.0
+    """Mass of the arm times the distance of its centre of gravity, kg m; 0 with a full counterweight."""
     weight: float = 0.0
+    """Mass of the driving weight, kg."""
     drum: float = 0.0
+    """Radius of its drum, m."""
     friction: float = 0.0
+    """Torque of friction, N m."""
     strike_angle: float = 0.0
+    """Angle of the arm at the strike, from hanging down, rad."""
 
     def __post_init__(self) -> None:
         for name in ("teeth", "inertia", "radius"):
@@ -327,12 +287,6 @@ def machete_energy(hammer: MacheteHammer, teeth: ArrayLike, gravity: float = STA
     -----
     Source: work of the weights. The build of the hammer (ratchet, arm, weight, tooth number) is from memory; Phan &
     Duong 2024 tell of a hammer for parts of weapons that is set by the angle to which it is lifted.
-
-    Examples
-    --------
-    >>> hammer = MacheteHammer(teeth=30, inertia=2.0, radius=0.6, weight=36.0, drum=0.1)
-    >>> print(machete_energy(hammer, [1, 13]).round(2))
-    [ 7.39 96.12]
     """
     n = np.asarray(teeth, dtype=float)
     refuse("the number of teeth", n, (n >= 0.0) & (n == np.floor(n)) & np.isfinite(n), "a whole number from 0")
@@ -348,12 +302,6 @@ def machete_speed(hammer: MacheteHammer, teeth: ArrayLike, gravity: float = STAN
     """Return the speed at which a Machete hammer strikes after a number of teeth, R sqrt(2 E/(J + M r^2)), m/s.
 
     See `machete_energy`. A balanced arm gives a speed that goes as the root of the number of teeth.
-
-    Examples
-    --------
-    >>> hammer = MacheteHammer(teeth=30, inertia=2.0, radius=0.6, weight=36.0, drum=0.1)
-    >>> print(machete_speed(hammer, [4, 16]).round(3))
-    [3.004 6.008]
     """
     return np.asarray(hammer.radius * np.sqrt(2.0 * machete_energy(hammer, teeth, gravity) / hammer.turning_inertia))
 
@@ -363,12 +311,6 @@ def rope_tension(hammer: MacheteHammer, teeth: int, gravity: float = STANDARD_GR
 
     The turning is w' = (M g r + u g sin(c) - T)/(J + M r^2) at the angle c from hanging; see `machete_energy`. A
     negative force no rope can bear: it is slack there.
-
-    Examples
-    --------
-    >>> hammer = MacheteHammer(teeth=30, inertia=2.0, radius=0.6, weight=36.0, drum=0.1)
-    >>> round(rope_tension(hammer, 13), 2)  # M g J/(J + M r^2)
-    299.19
     """
     begin, end = hammer.strike_angle + teeth * hammer.pitch, hammer.strike_angle
     crests = [c for c in (0.5 * math.pi, 2.5 * math.pi) if end <= c <= begin]
@@ -380,42 +322,30 @@ def rope_tension(hammer: MacheteHammer, teeth: int, gravity: float = STANDARD_GR
 STANDARD_ATMOSPHERE = 101325.0
 """Pa."""
 NEAR_ISOTHERMAL = 1e-6
-"""Heat ratio above 1 below which a gas is taken as isothermal: the sums of powers then cancel to as many digits as this
-limit leaves out."""
+"""Excess of the heat ratio over 1 below which a gas is taken as isothermal: the sums of powers then cancel to as many
+digits as this limit leaves out."""
 
 
 @dataclass(frozen=True)
 class GunBarrel:
-    """A reservoir, a barrel and a projectile.
-
-    Parameters
-    ----------
-    pressure : float
-        Pressure of the reservoir before the shot, absolute, Pa.
-    volume : float
-        Volume of the reservoir, m^3.
-    bore : float
-        Area of the barrel, m^2.
-    length : float
-        Way of the projectile in the barrel, m.
-    mass : float
-        Mass of the projectile, kg.
-    friction : float, optional
-        In the barrel, N.
-    ambient : float, optional
-        Pressure before the projectile, Pa; 0 in an evacuated barrel.
-    heat_ratio : float, optional
-        gamma of the gas; 1 for an isothermal expansion.
-    """
+    """A reservoir, a barrel and a projectile."""
 
     pressure: float
+    """Pressure of the reservoir before the shot, absolute, Pa."""
     volume: float
+    """Volume of the reservoir, m^3."""
     bore: float
+    """Area of the barrel, m^2."""
     length: float
+    """Way of the projectile in the barrel, m."""
     mass: float
+    """Mass of the projectile, kg."""
     friction: float = 0.0
+    """Friction in the barrel, N."""
     ambient: float = STANDARD_ATMOSPHERE
+    """Pressure before the projectile, Pa; 0 in an evacuated barrel."""
     heat_ratio: float = 1.4
+    """gamma of the gas; 1 for an isothermal expansion."""
 
     def __post_init__(self) -> None:
         for name in ("pressure", "volume", "bore", "length", "mass"):
@@ -447,12 +377,6 @@ def muzzle_speed(gun: GunBarrel) -> float:
     Source: Rohrbach et al. 2012, eqs (2) and (3), who measured less than both, since their valve throttled. Holds
     while the speed is far below the speed of sound in the gas (compare `wave_muzzle_speed`), the gas is light beside
     the projectile and no valve throttles: an upper bound.
-
-    Examples
-    --------
-    >>> gun = GunBarrel(pressure=5e5, volume=4e-3, bore=1.2e-3, length=1.0, mass=0.2)
-    >>> round(muzzle_speed(gun), 2)
-    61.36
     """
     swept, g = gun.bore * gun.length, gun.heat_ratio - 1.0
     grown = math.log1p(swept / gun.volume)
@@ -494,12 +418,6 @@ def wave_muzzle_speed(gun: GunBarrel, sound_speed: float) -> float:
     Source: u + 2 c/(g - 1) stays the same across the waves that run into the gas at rest, c the speed of sound, and
     P/c^n along an isentrope; integrated here. See Siegel 1965. Holds until the first wave comes back from the end of
     the chamber. The speed never reaches 2 a/(g - 1).
-
-    Examples
-    --------
-    >>> gun = GunBarrel(pressure=5e5, volume=4e-3, bore=1.2e-3, length=1.0, mass=0.2)
-    >>> round(wave_muzzle_speed(gun, sound_speed=343.0), 2)
-    70.21
     """
     a = float(positive("the speed of sound", sound_speed))
     return _behind_a_wave(gun.length * gun.pressure * gun.bore / gun.mass, a, 0.0, gun.heat_ratio)
@@ -533,12 +451,6 @@ def reservoir_muzzle_speed(gun: GunBarrel, sound_speed: float) -> float:
     -----
     Source: steady flow from rest, and the forward characteristics u + 2 c/(g - 1) of gas in a barrel, along which that
     sum is the one at the entrance; it grows with the speed there up to the speed of sound. Integrated here.
-
-    Examples
-    --------
-    >>> gun = GunBarrel(pressure=5e5, volume=4e-3, bore=1.2e-3, length=1.0, mass=0.2)
-    >>> round(reservoir_muzzle_speed(gun, sound_speed=343.0), 2)
-    76.78
     """
     a, g = float(positive("the speed of sound", sound_speed)), gun.heat_ratio
     way = gun.length * gun.pressure * gun.bore / (gun.mass * a**2)
@@ -552,7 +464,7 @@ def reservoir_muzzle_speed(gun: GunBarrel, sound_speed: float) -> float:
 
 
 def _isothermal(heat_ratio: float) -> bool:
-    """Tell whether a gas is so near an isothermal one that the limit is exact to that difference."""
+    """Return whether a gas is so near an isothermal one that the limit is exact to that difference."""
     return heat_ratio - 1.0 < NEAR_ISOTHERMAL
 
 
@@ -577,7 +489,7 @@ def _behind_a_wave(drive: float, sound_speed: float, start: float, heat_ratio: f
         return fast - b * math.expm1((2.0 - n) * log_s) / (n - 2.0) - drive / b
 
     lowest = -1.0 / n
-    while missing(lowest) < 0.0:
+    while missing(lowest) < 0.0:  # the slowest gas: doubled until the root is bracketed
         lowest *= 2.0
     return start + b * -math.expm1(scipy.optimize.brentq(missing, lowest, 0.0, xtol=1e-300, rtol=1e-14))
 
@@ -640,12 +552,6 @@ def shaper_pulse(contact: AnyContact, speed: float, mass: float) -> TablePulse:
     """Return the pulse of a table that falls on a shaper of any contact law; gravity is left out during the pulse.
 
     The peak of m v'' = -F, the whole duration of the contact and (1 + e) v, by `strikewave.contact.solve_impact`.
-
-    Examples
-    --------
-    >>> pulse = shaper_pulse(Contact(7.9e8, 1.0), speed=2.35, mass=20.0)
-    >>> print(round(pulse.peak / 9.80665), round(pulse.width * 1e3, 4), round(pulse.velocity_change, 6))
-    1506 0.4999 4.7
     """
     blow = solve_impact(contact, mass, math.inf, speed)
     change = (1.0 + float(blow.restitution)) * speed
@@ -656,12 +562,6 @@ def linear_shaper(stiffness: float, mass: float, restitution: float = 1.0) -> Co
     """Return a linear shaper that throws a table back with a restitution: spring and dashpot that never pull.
 
     The damping is that of Schwager & Poschel 2007. The pulse of such a shaper is no half sine: it begins with a step.
-
-    Examples
-    --------
-    >>> pulse = shaper_pulse(linear_shaper(7.9e8, 20.0, restitution=0.5), speed=2.35, mass=20.0)
-    >>> round(pulse.velocity_change / 2.35, 6)
-    1.5
     """
     coefficient = 2.0 * float(cut_off_damping_ratio(restitution)) * math.sqrt(stiffness * mass)
     return Contact(stiffness, 1.0, damper=Damper(coefficient) if coefficient > 0.0 else None)
@@ -698,12 +598,6 @@ def drop_for_half_sine(
     ------
     ValueError
         If a number is out of range.
-
-    Examples
-    --------
-    >>> drop = drop_for_half_sine(1500 * 9.80665, 0.5e-3, restitution=0.0)
-    >>> print(round(drop.speed, 2), round(drop.height, 3))
-    4.68 1.118
     """
     a, t, g = (float(positive(*pair)) for pair in (("the peak", peak), ("the width", width), ("gravity", gravity)))
     refuse("the restitution", restitution, np.asarray(0.0 <= restitution <= 1.0), "within 0 to 1")

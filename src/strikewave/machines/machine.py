@@ -48,10 +48,10 @@ from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, LayeredO
 Array = NDArray[np.float64]
 
 FOREVER = 1e9
-"""A time that never comes, s."""
+"""Time that never comes, s: thirty years."""
 BEFORE_TOUCH = 10e-6
-"""How long before first touch a launched machine begins, s: the first touch is a located switch like all others, and
-10 us at 100 m/s are 1 mm, far more than any contact is deep."""
+"""Time before first touch at which a launched machine begins, s: the first touch is a located switch like all others,
+and 10 us at 100 m/s are 1 mm, far more than any contact is deep."""
 UNIT_RADIUS, UNIT_INERTIA = 1.0, 1.0
 """Radius and moment of inertia of the turntable of a launched machine without an arm, m and kg m^2: it stands still, so
 any positive ones do."""
@@ -61,113 +61,79 @@ NO_LAST_PASS = 10**6
 
 @dataclass(frozen=True)
 class Arm:
-    """The arm of a pendulum that carries the striker; it hangs straight down at the strike.
-
-    Parameters
-    ----------
-    inertia : float
-        About the pivot, with the striker, kg m^2.
-    radius : float
-        Pivot to striker, m.
-    speed : float
-        `BEFORE_TOUCH` of first touch, rad/s.
-    weight_moment : float
-        Weight times the distance of the centre of gravity from the pivot, N m.
-    """
+    """The arm of a pendulum that carries the striker; it hangs straight down at the strike."""
 
     inertia: float
+    """Moment of inertia about the pivot, with the striker, kg m^2."""
     radius: float
+    """Pivot to striker, m."""
     speed: float
+    """Speed `BEFORE_TOUCH` of first touch, rad/s."""
     weight_moment: float
+    """Weight times the distance of the centre of gravity from the pivot, N m."""
 
 
 @dataclass(frozen=True)
 class Launch:
-    """How a machine without a drive begins, `BEFORE_TOUCH` of first touch; speeds along the blow.
-
-    Parameters
-    ----------
-    striker_speed : float, optional
-        Speed of a striker that flies, m/s.
-    object_speed : float, optional
-        Speed of the object, m/s; below 0 where it comes to the striker.
-    arm : Arm, optional
-        Arm that carries the striker, if there is one.
-    striker_gravity : float, optional
-        Gravity along the blow that a flying striker feels, m/s^2.
-    travel : float, optional
-        Time from the release to first touch, s.
-    follow : float, optional
-        How long to follow after first touch at most, s.
-    rebounds : Rebounds, optional
-        How long to follow it over its rebounds; without it only the first blow counts.
-    """
+    """Begin of a machine without a drive, `BEFORE_TOUCH` of first touch; speeds along the blow."""
 
     striker_speed: float = 0.0
+    """Speed of a striker that flies, m/s."""
     object_speed: float = 0.0
+    """Speed of the object, m/s; below 0 where it comes to the striker."""
     arm: Arm | None = None
+    """Arm that carries the striker, if there is one."""
     striker_gravity: float = 0.0
+    """Gravity along the blow on a flying striker, m/s^2."""
     travel: float = 0.0
+    """Time from the release to first touch, s."""
     follow: float = 10e-3
+    """Longest time to follow after first touch, s."""
     rebounds: Rebounds | None = None
+    """Rebounds to follow; without them only the first blow counts."""
 
 
 @dataclass(frozen=True)
 class Striker:
-    """One striker on its mount.
-
-    Parameters
-    ----------
-    mass : float
-        Moving mass, kg.
-    mount_stiffness, mount_damping : float
-        The mount on the turntable along the blow, N/m and N s/m; 0 where it flies.
-    contact : Contact
-        Law of the contact between nose and face.
-    angle_error, reach_error : float, optional
-        How far it stands ahead of its place (rad), and beyond the radius of the others (m).
-    """
+    """One striker on its mount."""
 
     mass: float
+    """Moving mass, kg."""
     mount_stiffness: float
+    """Mount on the turntable along the blow, N/m; 0 where it flies."""
     mount_damping: float
+    """N s/m."""
     contact: AnyContact
+    """Law of the contact between nose and face."""
     angle_error: float = 0.0
+    """Angle by which it stands ahead of its place, rad."""
     reach_error: float = 0.0
+    """Distance beyond the radius of the others, m."""
 
 
 @dataclass(frozen=True)
 class Strikers:
-    """The strikers, nominally at equal angles.
-
-    Parameters
-    ----------
-    each : tuple of Striker
-        In the order in which they strike.
-    slowest_approach : float
-        Lowest approach speed that the hysteresis factor uses, m/s.
-    same_spot : bool
-        True if the strikers share what yields: it is the face, which all hit on the same spot, not the noses.
-    friction : float, optional
-        Coefficient of Coulomb friction of a nose that slides across the face.
-    sliding_damping : float, optional
-        Viscous part of that friction, N s/m.
-    """
+    """The strikers, nominally at equal angles."""
 
     each: tuple[Striker, ...]
+    """Strikers in the order in which they strike."""
     slowest_approach: float
+    """Lowest approach speed that the hysteresis factor uses, m/s."""
     same_spot: bool = True
+    """True if the strikers share the spot that yields: the face, which all hit at one place, not the noses."""
     friction: float = 0.0
+    """Coefficient of Coulomb friction of a nose that slides across the face."""
     sliding_damping: float = 0.0
+    """Viscous part of that friction, N s/m."""
 
     @property
     def count(self) -> int:
-        """How many."""
+        """Number of strikers."""
         return len(self.each)
 
     @property
     def first(self) -> Striker:
-        """The first one, which stands for all where they do not differ."""
+        """First striker, which stands for all where they do not differ."""
         return self.each[0]
 
     @property
@@ -178,28 +144,19 @@ class Strikers:
 
 @dataclass(frozen=True)
 class RotaryDrive:
-    """Turntable, feed, and how the strikers on the one meet the object on the other.
-
-    Parameters
-    ----------
-    turntable : Turntable
-        With motor, controller and brake.
-    feed : Feed
-        Feed of the object.
-    engagement : float
-        How far before the place of a nose at the strike position the face rests, along the blow, m: the radial overlap
-        of striker path and struck face.
-    blow_angle : float, optional
-        Angle of the blow from the outward radius at the strike position, rad: 0 as a cam, pi/2 along the path.
-    face_width : float, optional
-        Width of the face across the blow, m, about the strike position.
-    """
+    """Turntable with the strikers, feed with the object, and the geometry in which they meet."""
 
     turntable: Turntable
+    """With motor, controller and brake."""
     feed: Feed
+    """Feed of the object."""
     engagement: float
+    """Distance along the blow by which the face at rest stands before the place of a nose at the strike position, m:
+    the radial overlap of striker path and struck face."""
     blow_angle: float = 0.0
+    """Angle of the blow from the outward radius at the strike position, rad: 0 as a cam, pi/2 along the path."""
     face_width: float = math.inf
+    """Width of the face across the blow, m, about the strike position."""
 
     @property
     def first_touch(self) -> float:
@@ -232,44 +189,30 @@ class RotaryDrive:
 
 @dataclass(frozen=True)
 class Machine:
-    """Strikers, struck object, and what brings them together: a rotary drive, or a launch just before first touch.
-
-    Parameters
-    ----------
-    strikers : Strikers
-        On the turntable; the one that flies, swings or waits.
-    struck : StruckObject
-        As bodies.
-    start : RotaryDrive or Launch
-        Drive or launch that brings them together.
-    layered : LayeredObject, optional
-        The object's layers, if it has any.
-    """
+    """Strikers, struck object, and what brings them together: a rotary drive, or a launch just before first touch."""
 
     strikers: Strikers
+    """Strikers on the turntable; the one that flies, swings or waits."""
     struck: StruckObject
+    """Struck object as bodies."""
     start: RotaryDrive | Launch
+    """Drive or launch that brings them together."""
     layered: LayeredObject | None = None
+    """The object's layers, if it has any."""
 
     @property
     def launch(self) -> Launch | None:
-        """How it begins where it has no drive."""
+        """Launch of a machine without a drive."""
         return self.start if isinstance(self.start, Launch) else None
 
     @property
     def rebounds(self) -> Rebounds | None:
-        """How far a launched machine is followed over its rebounds, if it is."""
+        """Rebounds over which a launched machine is followed, if it is."""
         return self.start.rebounds if isinstance(self.start, Launch) else None
 
     @property
     def drive(self) -> RotaryDrive:
-        """The rotary drive.
-
-        Raises
-        ------
-        ValueError
-            If it has none.
-        """
+        """Rotary drive; ValueError for a launched machine."""
         if isinstance(self.start, Launch):
             raise ValueError("a launched machine has no drive")
         return self.start
@@ -281,14 +224,14 @@ class Machine:
 
     @property
     def radius(self) -> float:
-        """Of the path of the strikers, m; `UNIT_RADIUS` where nothing turns."""
+        """Radius of the path of the strikers, m; `UNIT_RADIUS` where nothing turns."""
         if isinstance(self.start, RotaryDrive):
             return self.start.turntable.radius
         return UNIT_RADIUS if self.start.arm is None else self.start.arm.radius
 
     @property
     def engagement(self) -> float:
-        """How far before the place of a nose at the strike position the face rests, m; 0 at a launch."""
+        """Engagement of the drive, m; 0 at a launch."""
         return self.start.engagement if isinstance(self.start, RotaryDrive) else 0.0
 
     @property
@@ -328,7 +271,8 @@ def machine_system(machine: Machine) -> MachineSystem:
     if isinstance(start, RotaryDrive):
         angle, pull, settings = start.blow_angle, 0.0, _drive_settings(start)
     else:
-        angle, pull, settings = _arm_angle(start), start.striker_gravity, _launch_settings(start)
+        angle = 0.0 if start.arm is None else 0.5 * math.pi  # an arm strikes along its path
+        pull, settings = start.striker_gravity, _launch_settings(start)
     bodies, seats = np.zeros((count + 2, 3)), np.zeros((count, 3))
     for i, striker in enumerate(machine.strikers.each):
         stands = machine.pitch * i + angle - striker.angle_error
@@ -351,16 +295,11 @@ def machine_system(machine: Machine) -> MachineSystem:
     return MachineSystem(chain, seats, values)
 
 
-def _arm_angle(launch: Launch) -> float:
-    """Return the angle of the blow from the outward radius, rad: an arm strikes along its path."""
-    return 0.0 if launch.arm is None else 0.5 * math.pi
-
-
 def _drive_settings(drive: RotaryDrive) -> dict[str, float]:
-    """Return what the kernels need of turntable, feed and face."""
+    """Return the settings of the kernels by turntable, feed and face."""
     disc, feed = drive.turntable, drive.feed
     return {
-        "inertia": disc.turning if disc.rigid_belt else disc.inertia,
+        "inertia": disc.turning if disc.rigid_belt else disc.inertia,  # on a rigid belt the motor turns with it
         "drag": disc.drag,
         "set_speed": disc.speed,
         "gain": disc.speed_gain,
@@ -386,10 +325,10 @@ def _drive_settings(drive: RotaryDrive) -> dict[str, float]:
 
 
 def _launch_settings(launch: Launch) -> dict[str, float]:
-    """Return what the kernels need where nothing is driven or fed: an arm that hangs free, and an end in time.
+    """Return the settings of the kernels without drive and feed: an arm that hangs free, and an end in time.
 
     No motor, belt, brake or ripple; the object is in place from the start, on a face without edges, and the run ends
-    with the hold of the feed. A stroke of 0 tells the kernels that there is no feed.
+    with the hold of the feed. A stroke of 0 means no feed.
     """
     absent = (
         *("drag", "set_speed", "gain", "torque", "ripple", "ripple_order", "ripple_phase", "motor_inertia"),
@@ -435,7 +374,7 @@ def start_state(machine: Machine, system: MachineSystem) -> MotionState:
         x[i] = bases[PLACE, i] - (larger - 1.0) * bases[SECOND, i]
         v[i] = larger * bases[SPEED, i]
     x[at.assembly] = -drive.engagement + feed.stroke
-    x[at.nose] = x[at.assembly] + struck.nose_mass * struck.gravity / struck.frame_stiffness
+    x[at.nose] = x[at.assembly] + struck.nose_mass * struck.gravity / struck.frame_stiffness  # the frame carries it
     modes[at.link_modes] = modes_at(system, y)
     before = np.abs(bases[ACROSS, at.strikers]) <= 0.5 * drive.face_width
     modes[at.on_face] = before
@@ -444,7 +383,7 @@ def start_state(machine: Machine, system: MachineSystem) -> MotionState:
 
 
 def _blank_state(system: MachineSystem) -> MotionState:
-    """Return a state with nothing in it but that no link has yielded."""
+    """Return a state of zeros in which no link has yielded."""
     at = layout_of(system)
     memory = np.zeros(at.memories)
     memory[at.depths], memory[at.growths] = first_depths(system.chain.links), 1.0
@@ -475,7 +414,7 @@ def _launched_state(machine: Machine, launch: Launch, system: MachineSystem) -> 
 
 
 def nodes_at(system: MachineSystem, y: Array) -> Array:
-    """Return where bodies and bases stand, m; the bases as placed last."""
+    """Return the places of bodies and bases, m; the bases as placed last."""
     return np.concatenate([y[layout_of(system).positions], system.chain.bases[PLACE]])
 
 

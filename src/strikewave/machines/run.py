@@ -17,7 +17,7 @@ from strikewave.contact._law_kernels import DAMPER
 from strikewave.contact.law import elastic_indentation, striking_law
 from strikewave.contact.motion import MotionState, integrate
 from strikewave.machines._kernels import RETRACTING, MachineSystem
-from strikewave.machines._layout import FEED_SWITCH, StateLayout, layout_of
+from strikewave.machines._layout import FEED_SWITCH, layout_of
 from strikewave.machines.drive import braking_time, expected_time, spin_up_time
 from strikewave.machines.machine import BEFORE_TOUCH, Launch, Machine, RotaryDrive, energy, machine_system, start_state
 from strikewave.machines.spans import ChainSpan, Impulses, Moments, Span, StackSpan, end_at_touch, top_of_flight
@@ -27,36 +27,26 @@ Array = NDArray[np.float64]
 
 STABLE = 2.5
 """Longest step of a launched machine, in radians of the vibration of its frame. In a long flight the error of a step
-asks for no shorter ones, and DOP853 makes what swings faster than 5.9 a step grow: up to thousands of g of a stiff
-frame. At 2.5 it takes 2.5e-4 of an amplitude off a step, as 1e-4 of critical damping would."""
+asks for no shorter ones, and DOP853 makes vibrations beyond 5.9 a step grow: up to thousands of g of a stiff frame. At
+2.5 it takes 2.5e-4 of an amplitude off a step, as 1e-4 of critical damping would."""
 
 
 @dataclass(frozen=True)
 class MachineRun:
-    """A run of a machine; time 0 is the valve signal, or just before first touch of a launched machine.
-
-    Attributes
-    ----------
-    machine : Machine
-        Machine that ran.
-    spans : tuple of Span
-        Everything between valve signal (or launch) and end, one span after the other.
-    phases : tuple of (str, float)
-        Name and time of each phase, s.
-    energy_error : float
-        Energy that the balance misses over the energy that flowed.
-    ended : str
-        How following over rebounds ended: "rest", "brake", or "" where its time was over.
-    braked : float
-        Kinetic energy that a brake took, J.
-    """
+    """A run of a machine; time 0 is the valve signal, or just before first touch of a launched machine."""
 
     machine: Machine
+    """Machine that ran."""
     spans: tuple[Span, ...]
+    """Spans between valve signal (or launch) and end, one after the other."""
     phases: tuple[tuple[str, float], ...]
+    """Name and time of each phase, s."""
     energy_error: float
+    """Energy that the balance misses over the energy that flowed."""
     ended: str = ""
+    """End of following over rebounds: "rest", "brake", or "" where its time was over."""
     braked: float = 0.0
+    """Kinetic energy that a brake took, J."""
 
     @property
     def end(self) -> float:
@@ -65,7 +55,7 @@ class MachineRun:
 
     @property
     def held(self) -> tuple[float, float]:
-        """When the object was held in the strike position, until the retract command or the end, s."""
+        """Time for which the object was held in the strike position, until the retract command or the end, s."""
         if self.machine.launch is not None:
             return 0.0, self.end
         phases = dict(self.phases)
@@ -73,7 +63,7 @@ class MachineRun:
 
     @property
     def released(self) -> float:
-        """When the object began to move back with the carriage, or the end, s."""
+        """Time at which the object began to move back with the carriage, or the end, s."""
         return dict(self.phases).get("retract", self.end)
 
     def span_at(self, time: float) -> Span:
@@ -86,13 +76,7 @@ class MachineRun:
         return self.span_at(time).deepest(time, striker)
 
     def sample(self, times: Array) -> Moments:
-        """Return what the machine does at times between 0 and the end, in any order.
-
-        Raises
-        ------
-        ValueError
-            If a time lies outside.
-        """
+        """Return the moments of the machine at times between 0 and the end, in any order; others raise ValueError."""
         wanted = np.atleast_1d(np.asarray(times, dtype=float))
         if len(self.spans) == 1:
             return self.spans[0].sample(wanted)
@@ -158,6 +142,7 @@ def run_machine(
     scale[at.positions], scale[at.speeds] = depth, approach
     scale[[at.angle, at.belt_twist]] = depth / machine.radius
     scale[[at.turntable_speed, at.motor_speed]] = approach / machine.radius
+    # thrice the expected time: a turntable that stalls ends the run there
     control = Control(tolerance, scale, 2e-3 * depth / approach, longest, 3.0 * expected)
     report = None if progress is None else (lambda t: progress(min(t / expected, 1.0)))
     spans: list[Span] = []
@@ -169,7 +154,13 @@ def run_machine(
             spans.append(ChainSpan(machine.struck, at, motion))
         before, state = state, motion.end
         if state.mode[at.edge]:
-            raise IntegrationError(_at_the_edge(machine, state, at))
+            striker, x = int(state.mode[at.edge]), state.y[at.positions]
+            raise IntegrationError(
+                f"at {state.time:.4g} s striker {striker} met the edge of the face "
+                f"{float(x[striker - 1] - x[at.nose]) * 1e3:.3g} mm behind it: make machine.face_width "
+                f"({machine.drive.face_width * 1e3:.4g} mm) larger, or machine.engagement "
+                f"({machine.engagement * 1e3:.4g} mm) smaller; or the object has not come back yet"
+            )
         untouched = not np.any(state.mode[at.contacts] != OPEN)
         if (machine.layered is None and rebounds is None) or untouched or state.time >= control.end:
             break
@@ -178,7 +169,10 @@ def run_machine(
                 break
             ended = end_at_touch(rebounds, _contacts(spans), state.time, float(state.memory[at.contacts][0]))
             if ended == "brake":
-                flight = integrate(system, before, _until_top(control, spans), sizes)
+                flying = spans[-1]
+                assert isinstance(flying, ChainSpan)
+                top = top_of_flight(flying, float(_contacts(spans)[-1, 1]))
+                flight = integrate(system, before, control._replace(end=top), sizes)
                 spans[-1] = ChainSpan(machine.struck, at, flight)
                 state, braked = _caught(machine.start, system, flight.end)
             if ended:
@@ -214,15 +208,8 @@ def _contacts(spans: Sequence[Span]) -> Array:
     return np.asarray(rows[np.argsort(rows[:, 0], kind="stable")])
 
 
-def _until_top(control: Control, spans: Sequence[Span]) -> Control:
-    """Return the same control, to the top of the flight that ends with the last span."""
-    flight = spans[-1]
-    assert isinstance(flight, ChainSpan)
-    return control._replace(end=top_of_flight(flight, float(_contacts(spans)[-1, 1])))
-
-
 def _caught(launch: Launch | RotaryDrive, system: MachineSystem, state: MotionState) -> tuple[MotionState, float]:
-    """Return a state in which what was launched stands still, and the kinetic energy that its brake took, J."""
+    """Return a state in which the launched bodies stand still, and the kinetic energy that the brake took, J."""
     at, moving = layout_of(system), energy(system, state)
     stopped = state._replace(y=state.y.copy())
     if isinstance(launch, Launch):
@@ -237,23 +224,12 @@ def _caught(launch: Launch | RotaryDrive, system: MachineSystem, state: MotionSt
 
 
 def _pace(machine: Machine) -> tuple[float, float]:
-    """Return about how long a run takes, and its longest step, s."""
+    """Return the expected time of a run, and its longest step, s."""
     if isinstance(machine.start, Launch):
-        whole = BEFORE_TOUCH + machine.start.follow
-        return whole, min(0.02 * whole, STABLE / (2.0 * math.pi * machine.struck.frame_frequency))
+        lasting = BEFORE_TOUCH + machine.start.follow
+        return lasting, min(0.02 * lasting, STABLE / (2.0 * math.pi * machine.struck.frame_frequency))
     pitch_time = machine.pitch / machine.start.turntable.speed
-    return expected_time(machine.start.feed, pitch_time), 0.02 * pitch_time
-
-
-def _at_the_edge(machine: Machine, state: MotionState, at: StateLayout) -> str:
-    """Return in words that a striker met the edge of the face."""
-    striker, x = int(state.mode[at.edge]), state.y[at.positions]
-    deep = float(x[striker - 1] - x[at.nose])
-    return (
-        f"at {state.time:.4g} s striker {striker} met the edge of the face {deep * 1e3:.3g} mm behind it: make "
-        f"machine.face_width ({machine.drive.face_width * 1e3:.4g} mm) larger, or machine.engagement "
-        f"({machine.engagement * 1e3:.4g} mm) smaller; or the object has not come back yet"
-    )
+    return expected_time(machine.start.feed, pitch_time), 0.02 * pitch_time  # fifty a pitch: no touch is stepped over
 
 
 def _phases(run: MachineRun, last_speed: float) -> tuple[tuple[str, float], ...]:

@@ -1,13 +1,10 @@
 """A run of a machine in spans: as bodies between blows, as a stack of layers in a blow, and over its rebounds.
 
-Both kinds of span answer the same questions: what moved how at given times, which contacts and switches
-there were, and which impulses.
+Both kinds of span have the same methods: moments at given times, contacts, switches and impulses.
 
-A launched machine followed over its rebounds: which contacts are one blow, when it rests, where a brake catches it.
-
-Between two blows striker and object fly apart and come together again, by gravity, spring or arm. With a restitution e
-and gravity g a ball that comes with v rises to the heights h e^(2n), flies 2 v e^n/g between the blows n and n + 1, and
-would rest after v/g (1 + e)/(1 - e) of time from its release.
+Between two blows of a launched machine striker and object fly apart and come together again, by gravity, spring or arm.
+With a restitution e and gravity g a ball that comes with v rises to the heights h e^(2n), flies 2 v e^n/g between the
+blows n and n + 1, and would rest after v/g (1 + e)/(1 - e) of time from its release.
 """
 
 from __future__ import annotations
@@ -29,11 +26,11 @@ from strikewave.machines.struck_object import StruckObject
 Array = NDArray[np.float64]
 
 _TIMES_AT_ONCE = 50_000
-"""Times at which a machine's whole state is sampled at once, in 25 MB: two million of them would take 1 GB."""
+"""Most times at which a machine's whole state is sampled at once, in 25 MB: two million would take 1 GB."""
 
 
 class Moments(NamedTuple):
-    """What the machine does at given times, SI, one value a time.
+    """Motion and forces of a machine at given times, SI, one value a time.
 
     The rigid acceleration is that of a sensor whose zero is taken before the blow: of an object that falls without
     gravity; see `StruckObject.sensed_gravity`. Places and speeds are those of the machine's frame.
@@ -79,7 +76,7 @@ class ChainSpan:
         return float(self.motion.end.time)
 
     def sample(self, times: Array) -> Moments:
-        """Return what the machine does at times within the span."""
+        """Return the moments at times within the span."""
         if times.size > _TIMES_AT_ONCE:
             parts = (self.sample(times[k : k + _TIMES_AT_ONCE]) for k in range(0, times.size, _TIMES_AT_ONCE))
             return Moments(*(np.concatenate(column) for column in zip(*parts, strict=True)))
@@ -105,7 +102,7 @@ class ChainSpan:
 
     @property
     def _side(self) -> slice:
-        """Where the side forces stand: behind those of the links."""
+        """Places of the side forces: behind those of the links."""
         return slice(self.motion.links - self.layout.contacts.stop, self.motion.links)
 
     def _indentation(self, x: Array, contact_forces: Array) -> Array:
@@ -154,7 +151,7 @@ class ChainSpan:
         return float(memory[self.layout.depths][striker])
 
     def parting_speed(self, time: float, striker: int) -> float:
-        """Return how much faster the nose is than a striker, m/s."""
+        """Return the speed of the nose less that of a striker, m/s."""
         speeds = self.motion.sample(np.array([time]))[0][0][self.layout.speeds]
         return float(speeds[self.layout.nose] - speeds[striker])
 
@@ -169,54 +166,40 @@ class TapHistories(NamedTuple):
 
 @dataclass(frozen=True)
 class StackSpan:
-    """One blow on a stack, from first touch until it has settled.
-
-    Attributes
-    ----------
-    struck : StruckObject
-        The object as between blows.
-    begin, step : float
-        Time of first touch, spacing of the histories, s.
-    striker : int
-        Who struck.
-    history : ndarray
-        Columns as `_stack_kernels` names them.
-    taps : TapHistories
-        Histories of the taps; velocities and accelerations in the frame below.
-    rigid_acceleration : ndarray
-        Acceleration of the assembly as in `Moments`, average about each sample, m/s^2.
-    field_position : ndarray
-        Places of the x-t field from the first face, m; empty where none was kept.
-    field_step, field_force : float and ndarray
-        Spacing of its times, s, and force, N, shape (times, places).
-    frame : (float, float)
-        Speed of the stack's frame at the beginning, and its acceleration.
-    touches, switched : ndarray
-        Begin, end, approach speed of each contact; which of the machine's switches, and when.
-    momentum_error : float
-        Impulses less momentum gained by the waves, over the contact impulse.
-    yielded : float
-        Depth to which the spot has yielded by the end, m.
-    rubbed : float
-        Heat of sliding of the blows before, J.
-    """
+    """One blow on a stack, from first touch until it has settled."""
 
     struck: StruckObject
+    """Object as between blows."""
     begin: float
+    """Time of first touch, s."""
     step: float
+    """Spacing of the histories, s."""
     striker: int
+    """Number of the striker, from 0."""
     history: Array
+    """Columns as `_stack_kernels` names them."""
     taps: TapHistories
+    """Histories of the taps; velocities and accelerations in the frame below."""
     rigid_acceleration: Array
+    """Acceleration of the assembly as in `Moments`, average about each sample, m/s^2."""
     field_position: Array
+    """Places of the x-t field from the first face, m; empty where none was kept."""
     field_step: float
+    """Spacing of its times, s."""
     field_force: Array
+    """Force, N, shape (times, places)."""
     frame: tuple[float, float]
+    """Speed of the stack's frame at the beginning, and its acceleration."""
     touches: Array
+    """Begin, end, approach speed of each contact."""
     switched: Array
+    """Number and time of each switch of the machine."""
     momentum_error: float
+    """Impulses less momentum gained by the waves, over the contact impulse."""
     yielded: float
+    """Depth to which the spot has yielded by the end, m."""
     rubbed: float
+    """Heat of sliding of the blows before, J."""
 
     @property
     def end(self) -> float:
@@ -230,7 +213,7 @@ class StackSpan:
         return np.interp(times, self.begin + self.step * np.arange(len(values)), values)
 
     def sample(self, times: Array) -> Moments:
-        """Return what the machine does at times within the span."""
+        """Return the moments at times within the span."""
         nose, assembly = self._at(times, column.NOSE_SPEED), self._at(times, column.ASSEMBLY_SPEED)
         struck = self.struck
         return Moments(
@@ -258,8 +241,8 @@ class StackSpan:
     def impulses(self, begin: float, end: float) -> Impulses:
         """Return the impulses on the object between two times."""
         edges = np.clip([begin, end], self.begin, self.end)
-        kept = (column.CONTACT_IMPULSE, column.END_IMPULSE, column.SIDE_IMPULSE)
-        entered, through, side = (float(np.diff(self._at(edges, k))[0]) for k in kept)
+        columns = (column.CONTACT_IMPULSE, column.END_IMPULSE, column.SIDE_IMPULSE)
+        entered, through, side = (float(np.diff(self._at(edges, k))[0]) for k in columns)
         weight = self.struck.mass * self.struck.gravity * float(edges[1] - edges[0])
         return Impulses(entered, weight - through, side)
 
@@ -268,7 +251,7 @@ class StackSpan:
         return self.yielded
 
     def parting_speed(self, time: float, striker: int) -> float:
-        """Return how much faster the face is than the striker, m/s."""
+        """Return the speed of the face less that of the striker, m/s."""
         at = np.array([time])
         return float(self._at(at, column.FACE_SPEED)[0] - self._at(at, column.STRIKER_SPEED)[0])
 
@@ -291,37 +274,27 @@ Span = ChainSpan | StackSpan
 
 
 REST_SHARE = 0.02
-"""An object rests once it comes with less than this share of its first approach speed. Chosen: 4e-4 of the energy is
-left then, and the number of blows stays finite, ln(0.02)/ln(e) of them."""
+"""Approach speed over the first below which an object rests (chosen: 4e-4 of the energy is left then, and the number of
+blows stays finite, ln(0.02)/ln(e) of them)."""
 FLIGHT_SHARE = 5.0
-"""A touch begins another blow where the two were apart for so many times as long as the blow before it lasted. A frame
-that rings touches again within about one such time; a flight of 20 mm/s, the slowest that is followed after a fall of
-50 mm, takes 4 ms, twenty times a contact of 200 us."""
+"""Time apart, over that of the blow before, after which a touch begins another blow. A frame that rings touches again
+within about one such time; a flight of 20 mm/s, the slowest that is followed after a fall of 50 mm, takes 4 ms, twenty
+times a contact of 200 us."""
 FLIGHT_SAMPLES = 4001
-"""Times among which the top of a flight is looked for before it is located."""
+"""Times among which the top of a flight is looked for before it is located (chosen: a frame that rings swings the
+speeds through zero several times, and the last one counts)."""
 
 
 @dataclass(frozen=True)
 class Rebounds:
-    """How long a launched machine is followed after its first blow.
-
-    Parameters
-    ----------
-    brake_after : int, optional
-        Blows after which a brake catches it, at the top of its rebound; without one it is followed until it rests.
-    """
+    """Rebounds of a launched machine that are followed after its first blow."""
 
     brake_after: int | None = None
+    """Blows after which a brake catches it, at the top of its rebound; without one it is followed until it rests."""
 
 
 def blow_numbers(contacts: Array) -> NDArray[np.int64]:
-    """Return the number, from 0, of the blow that each contact belongs to; rows of begin and end, in order of time.
-
-    Examples
-    --------
-    >>> blow_numbers(np.array([[0.0, 1e-4], [1.2e-4, 2e-4], [0.3, 0.3001]])).tolist()
-    [0, 0, 1]
-    """
+    """Return the number, from 0, of the blow that each contact belongs to; rows of begin and end, in order of time."""
     numbers = np.zeros(len(contacts), dtype=np.int64)
     begin = contacts[0, 0] if len(contacts) else 0.0
     for row in range(1, len(contacts)):
@@ -333,21 +306,14 @@ def blow_numbers(contacts: Array) -> NDArray[np.int64]:
 
 
 def is_flight(begin: float, released: float, touched: float) -> bool:
-    """Tell whether a touch begins another blow than the one that began and was released at these times, s."""
+    """Return whether a touch begins another blow than the one that began and was released at these times, s."""
     return touched - released > FLIGHT_SHARE * (released - begin)
 
 
 def end_at_touch(rebounds: Rebounds, contacts: Array, time: float, approach: float) -> str:
-    """Return how following ends at a touch: "rest" or "brake"; empty where it goes on.
+    """Return the end of following at a touch, of a time (s) and approach speed (m/s): "rest", "brake", or "" for none.
 
-    Parameters
-    ----------
-    rebounds : Rebounds
-        How far to follow.
-    contacts : ndarray
-        Begin, end (s) and approach speed (m/s) of the contacts before, in order of time.
-    time, approach : float
-        Time of the touch, s, and its approach speed, m/s.
+    ``contacts`` are begin, end (s) and approach speed (m/s) of the contacts before, in order of time.
     """
     if not len(contacts):
         return ""
@@ -361,7 +327,7 @@ def end_at_touch(rebounds: Rebounds, contacts: Array, time: float, approach: flo
 
 
 def top_of_flight(span: ChainSpan, released: float) -> float:
-    """Return when striker and object are farthest apart in a flight that ends with a span, s."""
+    """Return the time at which striker and object are farthest apart in a flight that ends with a span, s."""
 
     def parting(times: Array) -> Array:
         speeds = span.motion.sample(times)[0][:, span.layout.speeds]

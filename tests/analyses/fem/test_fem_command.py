@@ -325,11 +325,9 @@ def test_progress_is_told_in_plain_lines_where_there_is_no_terminal(capsys, monk
 
 def test_the_width_of_a_published_force_is_that_of_the_whole_contact(bars):
     """2 l / c0 of two bars, from the first tenth of the peak to the last."""
-    from types import SimpleNamespace
-
-    found = bars._computed(SimpleNamespace(quantity="first.force_width", sensor=""))
-    assert found == pytest.approx(2 * 60e-3 / math.sqrt(211e9 / 7820.0), rel=0.1)
-    assert found == bars.contacts["striker.top-bar.bottom"].duration
+    width = bars.number("first.force_width")
+    assert width == pytest.approx(2 * 60e-3 / math.sqrt(211e9 / 7820.0), rel=0.1)
+    assert width == bars.contacts["striker.top-bar.bottom"].duration
 
 
 def test_the_terminal_says_where_the_largest_values_are_and_the_impulse_of_whole_bodies(bars, capsys, monkeypatch):

@@ -180,9 +180,9 @@ def test_the_instant_of_the_pictures_is_that_of_the_force_of_the_blow_not_of_the
     run = synthetic.run(synthetic.mesh())  # whose half-sine of force on the ball peaks in the middle
     film = SnapshotRecorder(skin, 1e-5)
     film.whole.kept = stills
-    found = fem_fields._pressed(SimpleNamespace(model=model, run=run), film)
-    assert found.still.time == 0.5 * synthetic.DURATION
-    on_floor = mesh.part[skin.elements[skin.element[found.zone.faces]]] == mesh.names.index("floor")
+    snapshot, zone, _ = fem_fields._pressed(SimpleNamespace(model=model, run=run), film)
+    assert snapshot.time == 0.5 * synthetic.DURATION
+    on_floor = mesh.part[skin.elements[skin.element[zone.faces]]] == mesh.names.index("floor")
     assert not on_floor.any()
 
 

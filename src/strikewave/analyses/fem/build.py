@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import functools
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.constants import Material, material
+from strikewave.base.constants import material
 from strikewave.base.errors import MISSING, InputError, InputErrors, nearest
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
@@ -81,12 +81,31 @@ from strikewave.fem.shapes import (
 )
 from strikewave.fem.solids import AnySolid, Bilinear, Elastic, JohnsonCook, ZerilliArmstrong
 
+Array = NDArray[np.float64]
+
 ROUGH = 2.0
-"""Largest factor by which an estimate of elements is too high: what it refuses is too large without doubt."""
+"""Largest factor by which an estimate of elements is too high; a model refused by it is too large without doubt."""
+LARGEST = 3_000_000
+"""Most elements of a model: they take about 3 GB, which a usual machine has to spare."""
 LARGEST_HISTORY = 200_000
-"""Instants of the histories: half a gigabyte for tens of parts, and no pulse needs as many."""
+"""Most instants of the histories: half a gigabyte for tens of parts, and no pulse needs as many."""
 FEWEST_INSTANTS = 3.0
-"""Intervals of the histories at least: fewer show no pulse at all."""
+"""Fewest intervals of the histories: fewer show no pulse at all."""
+ROUNDING = 1e-9
+"""Share by which a size may exceed its part, by rounding of units."""
+LARGEST_FINE_CORE = 0.5
+"""Largest share of a radius that a core takes, as `strikewave.fem.sections.CORE`."""
+NEAREST = 8
+"""Elements looked at for each place, those whose centres are nearest: a corner has so many around it."""
+INSIDE = 0.25
+"""Share of an element's smallest depth that a place inside it lies behind each face: surfaces may overlap by a tenth of
+a face (`strikewave.fem.contact.SHALLOW`), and a deeper overlap is a part out of place."""
+SHARE = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
+"""Share of a body that a sector holds."""
+LENGTHS = ("width", "depth", "height", "length", "diameter", "outer_diameter", "radius")
+"""Fields of a shape that give its size: its elements cannot be larger."""
+CONTROLS = ("duration", "interval", "safety", "hourglass", "linear_viscosity", "quadratic_viscosity", "least_step")
+"""Fields of [fem] that the engine calls as the case does."""
 ELASTIC = {"density": "a density", "modulus": "Young's modulus", "poissons_ratio": "Poisson's ratio"}
 """Constants that every solid has, in words."""
 _KINDS: dict[type, tuple[type[Elastic], tuple[str, ...]]] = {
@@ -96,19 +115,11 @@ _KINDS: dict[type, tuple[type[Elastic], tuple[str, ...]]] = {
     JohnsonCookTable: (JohnsonCook, ()),
     ZerilliArmstrongTable: (ZerilliArmstrong, ()),
 }
-"""The solid of each table, and what it takes of the material besides."""
+"""Solid of each table, and its further constants from the material."""
 
 
 def build_model(case: Case, threads: int = 1) -> Model:
-    """Return the model of a case with [mesh] and [fem].
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> model = build_model(load_case("two-bars-fem"))
-    >>> model.mesh.names
-    ('striker', 'bar')
-    """
+    """Return the model of a case with [mesh] and [fem]."""
     mesh_table, fem = check_elements(case)
     mesh = joined(built_parts(mesh_table))
     check_mesh(mesh)
@@ -116,8 +127,8 @@ def build_model(case: Case, threads: int = 1) -> Model:
         raise InputError("mesh", f"{len(mesh.hexahedra)} elements", f"at most {LARGEST}", "take larger elements")
     _check_sides(mesh, fem)
     _check_points(mesh, fem)
-    pairs = [(f"fem.contact.{k}", part_of(row.first), part_of(row.second)) for k, row in enumerate(fem.contact)]
-    check_apart(mesh, [pair for pair in pairs if pair[1] != pair[2]])
+    for k, row in enumerate(fem.contact):
+        _check_apart(mesh, f"fem.contact.{k}", part_of(row.first), part_of(row.second))
     parts = mesh_table.part
     return Model(
         mesh=mesh,
@@ -159,9 +170,17 @@ def check_elements(case: Case) -> tuple[MeshTable, FemTable]:
     once("fem.section", [row.name for row in fem.section])
     once("fem.point", [row.name for row in fem.point])
     once("fem.group", [row.name for row in fem.group])
-    _check_groups(fem, names)
+    for group in fem.group:
+        if group.name in names:
+            raise InputError(f"fem.group.{group.name}.name", group.name, "a name that no part has")
+        if len(set(group.parts)) < len(group.parts):
+            raise InputError(f"fem.group.{group.name}.parts", ", ".join(group.parts), "each part once")
     _check_rigid(fem, {part.name for part in case.mesh.part if part.rigid})
-    for path, name in _part_names(fem):
+    named_parts = [(path, part_of(side)) for path, side in _sides(fem)]
+    for kind, rows in (("section", fem.section), ("point", fem.point)):
+        named_parts += [(f"fem.{kind}.{row.name}.part", row.part) for row in rows]
+    named_parts += [(f"fem.group.{group.name}.parts", part) for group in fem.group for part in group.parts]
+    for path, name in named_parts:
         if name not in names:
             raise InputError(path, name, "a part of [mesh]", nearest(name, names))
     for k, row in enumerate(fem.boundary):
@@ -199,10 +218,15 @@ def solid_of(part: AnyPart) -> AnySolid:
         hint = 'or one of your own: solid = { law = "elastic", density, modulus, poissons_ratio }'
         raise InputError(f"{path}.material", MISSING, "a material of the table (`strikewave materials`)", hint)
     kind, keys = _KINDS[type(table)]
-    constants = _given(table, *(key for key in type(table).model_fields if key != "law")) if table else {}
+    fields = [key for key in type(table).model_fields if key != "law"] if table else []
+    constants = {key: value.si for key in fields if (value := getattr(table, key)) is not None}
     for key in (*ELASTIC, *keys):
         if key not in constants:
-            constants[key] = _of_material(row, key, f"{path}.solid.{key}")
+            value = getattr(row, "youngs_modulus" if key == "modulus" else key, None)
+            if value is None:
+                reason = f"the table of materials has none for {row.name}" if row else "the part names no material"
+                raise InputError(f"{path}.solid.{key}", MISSING, f"{ELASTIC.get(key, 'a yield strength')}: {reason}")
+            constants[key] = value
     if kind is JohnsonCook and ("specific_heat" in constants) != ("melting_temperature" in constants):
         lacking = "melting_temperature" if "specific_heat" in constants else "specific_heat"
         raise InputError(f"{path}.solid.{lacking}", MISSING, "both specific_heat and melting_temperature, or neither")
@@ -211,20 +235,6 @@ def solid_of(part: AnyPart) -> AnySolid:
     except InputError as error:
         field = "modulus" if error.field == "youngs_modulus" else error.field
         raise error.at(f"{path}.solid.{field}") from None
-
-
-def _given(table: Any, *keys: str) -> dict[str, float]:
-    """Return the fields of a table that are there."""
-    return {key: value.si for key in keys if (value := getattr(table, key)) is not None}
-
-
-def _of_material(row: Material | None, key: str, path: str) -> float:
-    """Return a constant of a material."""
-    value: float | None = getattr(row, "youngs_modulus" if key == "modulus" else key, None)
-    if value is None:
-        reason = f"the table of materials has none for {row.name}" if row else "the part names no material"
-        raise InputError(path, MISSING, f"{ELASTIC.get(key, 'a yield strength')}: {reason}")
-    return value
 
 
 def _controls(fem: FemTable, parts: Sequence[AnyPart], threads: int) -> Controls:
@@ -278,17 +288,6 @@ def _rigid(part: AnyPart) -> Rigid:
     return Rigid(part.name, along, (False, False, False))  # type: ignore[arg-type]
 
 
-def _part_names(fem: FemTable) -> Iterator[tuple[str, str]]:
-    """Yield every part that [fem] names, with the path of the field."""
-    for path, side in _sides(fem):
-        yield path, part_of(side)
-    for kind, rows in (("section", fem.section), ("point", fem.point)):
-        for row in rows:
-            yield f"fem.{kind}.{row.name}.part", row.part
-    for group in fem.group:
-        yield from ((f"fem.group.{group.name}.parts", part) for part in group.parts)
-
-
 def _check_rigid(fem: FemTable, rigid: Collection[str]) -> None:
     """Refuse a boundary that holds or drives a rigid part, and ties of one."""
     conditions = [(f"boundary.{k}.side", x.side) for k, x in enumerate(fem.boundary) if not isinstance(x, PressedSide)]
@@ -313,15 +312,6 @@ def _check_points(mesh: Mesh, fem: FemTable) -> None:
             raise InputError(f"fem.point.{row.name}.place", got, f"in {row.part}, from ({low}) to ({high}) mm")
 
 
-def _check_groups(fem: FemTable, names: Sequence[str]) -> None:
-    """Refuse a group that is called as a part, or has a part twice."""
-    for row in fem.group:
-        if row.name in names:
-            raise InputError(f"fem.group.{row.name}.name", row.name, "a name that no part has")
-        if len(set(row.parts)) < len(row.parts):
-            raise InputError(f"fem.group.{row.name}.parts", ", ".join(row.parts), "each part once")
-
-
 def _sides(fem: FemTable) -> Iterator[tuple[str, str]]:
     """Yield every side that [fem] names, with the path of the field."""
     for k, pair in enumerate(fem.contact):
@@ -335,19 +325,15 @@ def _sides(fem: FemTable) -> Iterator[tuple[str, str]]:
             yield f"fem.{kind}.{k}.side", row.side
 
 
-def _nearest_side(part: str, side: str, known: Sequence[str]) -> str:
-    """Name the side nearest to a mistyped one; nothing where none is near."""
-    hint = nearest(f"{part}.{side}", [f"{part}.{other}" for other in known])
-    return hint if nearest(side, known).startswith("did") else ""
-
-
 def _check_sides(mesh: Mesh, fem: FemTable) -> None:
-    """Refuse sides that there are not, and pairs that share nodes."""
+    """Refuse unknown sides, and pairs that share nodes."""
     for path, name in _sides(fem):
         part, _, side = side_name(name).partition(".")
         known = [key.partition(".")[2] for key in mesh.sides if key.partition(".")[0] == part] + ["all"]
         if side not in known:
-            raise InputError(path, name, f"a side of {part}: {', '.join(known)}", _nearest_side(part, side, known))
+            hint = nearest(f"{part}.{side}", [f"{part}.{other}" for other in known])
+            near = nearest(side, known).startswith("did")  # all sides of a part begin alike: judge the rest alone
+            raise InputError(path, name, f"a side of {part}: {', '.join(known)}", hint if near else "")
     pairs = [(f"fem.contact.{k}.second", row.first, row.second) for k, row in enumerate(fem.contact)]
     pairs += [(f"fem.contact.{k}.onto", row.side, row.onto) for k, row in enumerate(fem.tie)]
     for path, first, second in pairs:
@@ -355,24 +341,9 @@ def _check_sides(mesh: Mesh, fem: FemTable) -> None:
             raise InputError(path, second, f"a side that shares no nodes with {first}")
 
 
-CONTROLS = ("duration", "interval", "safety", "hourglass", "linear_viscosity", "quadratic_viscosity", "least_step")
-"""Fields of [fem] that the engine calls as the case does."""
-
-
 @contextlib.contextmanager
 def fields_of_case(model: Model) -> Iterator[None]:
-    """Raise what the engine refuses with the field of the case that it stands for.
-
-    Examples
-    --------
-    >>> from strikewave.analyses.fem.build import build_model
-    >>> from strikewave import load_case
-    >>> with fields_of_case(build_model(load_case("two-bars-fem"))):
-    ...     raise InputError("contact striker.top-bar.bottom.friction", -1, "at least 0")
-    Traceback (most recent call last):
-    ...
-    strikewave.base.errors.InputError: fem.contact.0.friction: got -1; allowed: at least 0
-    """
+    """Raise errors of the engine with the field of the case that they stand for."""
     try:
         yield
     except InputErrors as error:
@@ -432,40 +403,18 @@ def direction(table: Any, path: str) -> Vector:
     return (x / length, y / length, z / length)
 
 
-Array = NDArray[np.float64]
-
-NEAREST = 8
-"""Elements looked at for each place, those whose centres are nearest: a corner has so many around it."""
-INSIDE = 0.25
-"""A place is inside an element where it is deeper behind each of its faces than this share of its smallest depth.
-
-Surfaces may overlap by a tenth of a face (`strikewave.fem.contact.SHALLOW`); what is deeper is a part out of place."""
-
-
-def check_apart(mesh: Mesh, pairs: Iterable[tuple[str, str, str]]) -> None:
-    """Refuse parts that stand in each other; surfaces that overlap a little are the contact's affair.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Before the blow.
-    pairs : iterable of (str, str, str)
-        Path of the field, and the names of two parts.
-    """
-    for path, first, second in pairs:
-        for this, that in ((first, second), (second, first)):
-            place = _inside(mesh, this, that)
-            if place is not None:
-                where = ", ".join(f"{x * 1e3:.4g}" for x in place)
-                got = f"{this} inside {that} around ({where}) mm"
-                raise InputError(path, got, "parts that stand beside each other", "move one of them: mesh.part.*.at")
+def _check_apart(mesh: Mesh, path: str, first: str, second: str) -> None:
+    """Refuse two parts that stand in each other; surfaces that overlap a little are the contact's affair."""
+    for this, that in ((first, second), (second, first)) if first != second else ():
+        place = _inside(mesh, this, that)
+        if place is not None:
+            where = ", ".join(f"{x * 1e3:.4g}" for x in place)
+            got = f"{this} inside {that} around ({where}) mm"
+            raise InputError(path, got, "parts that stand beside each other", "move one of them: mesh.part.*.at")
 
 
 def _inside(mesh: Mesh, this: str, that: str) -> Array | None:
-    """Return a place within an element of one part that lies inside an element of another; None where there is none.
-
-    Places are half-way between the corners of an element and its centre.
-    """
+    """Return a place in an element of one part, half-way from corner to centre, that lies in another part; or None."""
     from scipy.spatial import cKDTree
 
     boxes = mesh.points[mesh.nodes_of(that)]
@@ -485,7 +434,7 @@ def _inside(mesh: Mesh, this: str, that: str) -> Array | None:
 
 
 def _in_elements(places: Array, corners: Array) -> NDArray[np.bool_]:
-    """Tell which places lie inside their element, (n, 3) and (n, 8, 3)."""
+    """Return which places lie inside their element, (n, 3) and (n, 8, 3)."""
     centre, depths, mine = corners.mean(axis=1), [], []
     for face in FACES:
         a, b, c, d = (corners[:, node] for node in face)
@@ -497,24 +446,16 @@ def _in_elements(places: Array, corners: Array) -> NDArray[np.bool_]:
     return np.asarray(np.min(mine, axis=0) > INSIDE * np.min(depths, axis=0))
 
 
-LARGEST = 3_000_000
-"""Elements of a model: about 3 GB, what a usual machine has to spare."""
-ROUNDING = 1e-9
-"""Share by which a size may exceed its part, by rounding of units."""
-LARGEST_FINE_CORE = 0.5
-"""Share of a radius that a core takes at most, as `strikewave.fem.sections.CORE`."""
-SHARE = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
-"""Share of a body that a sector holds."""
-LENGTHS = ("width", "depth", "height", "length", "diameter", "outer_diameter", "radius")
-"""Fields of a shape that give its size: its elements cannot be larger."""
-
-
 def built_parts(table: MeshTable) -> list[Mesh]:
-    """Return the meshes of all parts, in their order; those of a file come where the first of them stands."""
+    """Return the meshes of all parts, in their order; parts of a file come where the first of them stands."""
     meshes, read_files = [], set()
     for part in table.part:
         if not isinstance(part, FilePart):
-            meshes.append(_put_in_place(part, _with_part_path(part, functools.partial(_MAKERS[type(part)], part))))
+            mesh = _with_part_path(part, functools.partial(_MAKERS[type(part)], part))
+            if part.turn is not None:
+                axis = direction(part.turn.axis, f"mesh.part.{part.name}.turn.axis")
+                mesh = turned(mesh, axis, part.turn.angle.si)
+            meshes.append(moved(mesh, vector(part.at)) if part.at is not None else mesh)
         elif part.file not in read_files:
             read_files.add(part.file)
             rows = [row for row in table.part if isinstance(row, FilePart) and row.file == part.file]
@@ -562,10 +503,7 @@ def estimated_elements(table: MeshTable) -> float:
 
 
 def exact_volume(part: AnyPart) -> float | None:
-    """Return the volume of a shape, or its sector, before flat faces are put in place of round ones, m^3.
-
-    A part of a file has none to compare with.
-    """
+    """Return the volume, m^3, of a shape or its sector with its round faces; None for a part of a file."""
     if isinstance(part, FilePart):
         return None
     if isinstance(part, Block):
@@ -587,7 +525,7 @@ def exact_volume(part: AnyPart) -> float | None:
 
 
 def _with_part_path(part: AnyPart, make: Callable[[], Any]) -> Any:
-    """Make a part; what its room refuses is named by the path of the part."""
+    """Make a part; an error of its room gets the path of the part."""
     path = f"mesh.part.{part.name}"
     try:
         return make()
@@ -595,14 +533,6 @@ def _with_part_path(part: AnyPart, make: Callable[[], Any]) -> Any:
         field = error.field.removeprefix(f"{part.name}.").removeprefix("grading.")
         field = {"coarse": "size", "fine": "finest", "at": "fine_at"}.get(field, field)
         raise error.at(f"{path}.{field}") from None
-
-
-def _put_in_place(part: ShapedPart, mesh: Mesh) -> Mesh:
-    """Return the mesh of a part turned, then moved."""
-    if part.turn is not None:
-        axis = direction(part.turn.axis, f"mesh.part.{part.name}.turn.axis")
-        mesh = turned(mesh, axis, part.turn.angle.si)
-    return moved(mesh, vector(part.at)) if part.at is not None else mesh
 
 
 def _grading(part: ShapedPart, at: float = 0.0) -> Grading:
@@ -614,7 +544,7 @@ def _grading(part: ShapedPart, at: float = 0.0) -> Grading:
 
 
 def _lines(part: Block | FramePart) -> list[tuple[float, Grading]]:
-    """Return length and sizes along x, y and z of what is fine about the middle of its upper or lower side."""
+    """Return length and sizes along x, y and z of a part that is fine about the middle of its upper or lower side."""
     across = zip(_cuts(part), (part.width.si, part.depth.si), strict=True)
     lines = [(0.5 * length, 0.0) if cut else (length, 0.5 * length) for cut, length in across]
     height = part.height.si
@@ -643,37 +573,20 @@ def _frame(part: FramePart) -> Mesh:
     return frame(part.name, FrameSize(*(size.si for size in sizes)), x, y, z, part.sector)
 
 
-def _cylinder(part: Cylinder) -> Mesh:
-    return cylinder(part.name, part.diameter.si, part.length.si, _grading(part), _along(part), part.sector)
-
-
 def _tube(part: Tube) -> Mesh:
     bottom, top = (end.si if end else 0.0 for end in (part.bottom, part.top))
     size = TubeSize(part.inner_diameter.si, part.outer_diameter.si, part.length.si, bottom, top)
     return tube(part.name, size, _grading(part), _along(part), part.sector)
 
 
-def _half_cylinder(part: HalfCylinder) -> Mesh:
-    along = Grading(part.size.si)
-    return half_cylinder(part.name, part.radius.si, part.length.si, _grading(part), along, part.sector)
-
-
-def _half_space(part: HalfSpace) -> Mesh:
-    return half_space(part.name, part.radius.si, _grading(part), part.sector)
-
-
-def _ball(part: Ball) -> Mesh:
-    return ball(part.name, part.radius.si, _grading(part), part.sector, part.part_of == "lower half")
-
-
 _MAKERS: dict[type, Callable[[Any], Mesh]] = {
     Block: _block,
-    Cylinder: _cylinder,
+    Cylinder: lambda p: cylinder(p.name, p.diameter.si, p.length.si, _grading(p), _along(p), p.sector),
     Tube: _tube,
-    HalfCylinder: _half_cylinder,
+    HalfCylinder: lambda p: half_cylinder(p.name, p.radius.si, p.length.si, _grading(p), Grading(p.size.si), p.sector),
     FramePart: _frame,
-    HalfSpace: _half_space,
-    Ball: _ball,
+    HalfSpace: lambda p: half_space(p.name, p.radius.si, _grading(p), p.sector),
+    Ball: lambda p: ball(p.name, p.radius.si, _grading(p), p.sector, p.part_of == "lower half"),
 }
 """Function that makes the mesh of each shape."""
 
@@ -684,10 +597,7 @@ def _count(length: float, sizes: Grading) -> int:
 
 
 def _estimate(part: AnyShaped) -> float:
-    """Return about how many elements a part will have.
-
-    A block's lines are counted; a round part has a core and a ring of as many elements as its radius takes.
-    """
+    """Return about how many elements a part will have: a round part has a core, and a ring as deep as its radius."""
     if isinstance(part, Block | FramePart):
         return float(math.prod(_count(length, sizes) for length, sizes in _lines(part)))
     sizes, share = _grading(part), SHARE[part.sector]
@@ -696,8 +606,10 @@ def _estimate(part: AnyShaped) -> float:
         wall = _count(max(outer - inner, sizes.finest), sizes)
         return share * math.pi * (inner + outer) / sizes.coarse * wall * _count(part.length.si, _along(part))
     radius = 0.5 * part.diameter.si if isinstance(part, Cylinder) else part.radius.si
+    # the core is as large as the fine extent, or half the radius where that is more
     core = max(1.0, sizes.extent / sizes.finest, LARGEST_FINE_CORE * radius / sizes.coarse)
     ring = _count(radius, sizes)
+    # four rings of core x ring elements around a core of 2 x 2 squares of core elements
     disc = share * 4.0 * core * (core + 2.0 * ring)
     if isinstance(part, Cylinder):
         return disc * _count(part.length.si, _along(part))

@@ -140,17 +140,17 @@ def ls_dyna(
     if beside is not None:
         raise InputError("--beside", str(beside), "--compare, its new name", "write --compare DIR")
     contacts, parts = _numbers_by_name("--contact", contact), _numbers_by_name("--part", part)
-    for option, given in (("--contact", contact), ("--part", part)):
-        if compare is None and given:
-            raise InputError(option, given[0], "only with a result of strikewave fem", "add --compare DIR")
+    for option, pairs in (("--contact", contact), ("--part", part)):
+        if compare is None and pairs:
+            raise InputError(option, pairs[0], "only with a result of strikewave fem", "add --compare DIR")
     system = unit_system(units, "--units")
     return read_run(LsDynaCommand(folder, system, compare, contacts, parts, output.stated_test()), output)
 
 
-def _numbers_by_name(option: str, given: Sequence[str] | None) -> dict[str, int]:
+def _numbers_by_name(option: str, pairs: Sequence[str] | None) -> dict[str, int]:
     """Return numbers by name from NAME=NUMBER."""
     numbers: dict[str, int] = {}
-    for text in given or ():
+    for text in pairs or ():
         name, _, number = text.rpartition("=")
         if not name or not number.strip().isdecimal() or name in numbers:
             raise InputError(option, text, "NAME=NUMBER, each name once", f"such as {option} ball=1")

@@ -26,12 +26,12 @@ from strikewave.reporting.shown_result import ShownResult
 from strikewave.reporting.terminal import tell
 
 CODES = {"ls-dyna": (".k",), "openradioss": ("_0000.rad", "_0001.rad")}
-"""Codes, and how the names of their files end."""
+"""Endings of the names of the files of each code."""
 
 
 @declare.dataclass
 class DeckNote:
-    """What another code does in its own way, or what its deck does not hold."""
+    """A difference of the other code's model, or a part of ours that its deck does not hold."""
 
     kind: str = declare.word("differs, or left out", column=KEY)
     what: str = declare.word("the same in words", column=MAIN)
@@ -39,19 +39,7 @@ class DeckNote:
 
 @declare.dataclass
 class DeckResult(ShownResult):
-    """A model written for another code; see `Result` for what it shares with others.
-
-    Beside what documents have:
-
-    Attributes
-    ----------
-    case : Case
-        Case that the model was built from.
-    system : UnitSystem
-        Units of the deck.
-    pieces : sequence of iterator of str
-        Text of each file, to be written one after another.
-    """
+    """Model written for another code: its case, the units of the deck, and the text of each file, not yet made."""
 
     command: ClassVar[str] = "deck"
     drawing: ClassVar[str] = ""
@@ -95,8 +83,7 @@ def marked_text(case: Case, code: str, system: UnitSystem) -> str:
 def write_deck(case: Case, changes: list[str], code: str, system: UnitSystem, output: Output) -> int:
     """Write the deck of a case, print what differs, and return the exit code."""
     text = marked_text(case, code, system)
-    model = build_model(case)
-    command = DeckCommand(case, model, code, system)
+    command = DeckCommand(case, build_model(case), code, system)
     return run_and_write(command, output, case_folder(f"{case.name or 'case'}-deck", text, changes), text)
 
 

@@ -1,4 +1,4 @@
-"""What a user should know of an explicit run: balances, overlaps, coarse contacts, strength."""
+"""Notices of an explicit run: balances, overlaps, coarse contacts, strength."""
 
 from __future__ import annotations
 
@@ -45,24 +45,23 @@ ALL_PRESSED = 0.9
 """Share of a surface that is pressed, above which its ends, not its faces, bound the contact: flat on flat presses all
 but a rim, a curved surface much less."""
 FEWEST_TRANSITS = 1.0
-"""Transits of a wave through an element at the contact for which the top of its force lasts at least.
+"""Fewest transits of a wave through an element at the contact that the top of its force lasts.
 
 Nodes on a face carry half an element with them, and turn at once: where a bar with elements of length h meets its like,
 the mean force of the first interval is h/(2 c interval) times A rho c v/2. Of the bars of ``two-bars-fem``, on elements
 of 1 to 8 mm and intervals of 0.1 to 2 us, a top of less than one transit came with peaks up to seven times those of
 fine elements; without it they stayed within 5 %."""
 LONGER = 1.1
-"""By how much longer a run is to last than its last force, continued, takes to fall to nothing."""
+"""Factor on the time in which the last force, continued, falls to nothing (chosen: a tenth, as falls flatten)."""
 RISING = 0.9
-"""Share of the peak above which the force at the end may still rise: its fall tells nothing of when it ends."""
+"""Share of the peak above which the force at the end may still rise: its fall says nothing about its end."""
 RESTLESS, REST_YIELD = 1e-9, 1e-4
-"""Shares of the energy of a blow that may be left as vibration before it, and taken by yield on the way to rest.
-
-Ten times what relaxation aims at (`strikewave.fem.solve.REST`); and a hundredth of the 1 % of the balance."""
+"""Largest shares of the energy of a blow that are left as vibration before it, and taken by yield on the way to rest:
+ten times the aim of relaxation (`strikewave.fem.solve.REST`), and a hundredth of the 1 % of the balance."""
 
 
 def all_notices(solution: FemSolution) -> Iterator[Notice]:
-    """Yield what a user should know about all blows; of later ones what is new, or breaks a limit."""
+    """Yield the notices of all blows; of later ones those that are new, or break a limit."""
     model, (before, *later) = solution.model, solution.blows
     first = list(notices(before))
     yield from first
@@ -74,11 +73,9 @@ def all_notices(solution: FemSolution) -> Iterator[Notice]:
 
 
 def notices(solution: FemSolution) -> Iterator[Notice]:
-    """Yield what a user should know about the first blow."""
+    """Yield the notices of the first blow."""
     case, model, run = solution.case, solution.model, solution.run
-    if run.stopped:
-        message = f"the run ended early: {run.stopped}"
-        yield Notice("stopped", message, float(run.time[-1]), model.controls.duration, severity=FAILED)
+    yield from _stopped(model, run)
     yield from _balances(solution.measured_balance)
     yield from origin_notices(case)
     yield from model_notices(case, model)
@@ -95,7 +92,7 @@ def notices(solution: FemSolution) -> Iterator[Notice]:
 
 
 def model_notices(case: Case, model: Model) -> Iterator[Notice]:
-    """Yield what a user should know about a model before it is run."""
+    """Yield the notices of a model before it is run."""
     yield from material_notices(case)
     yield from _fast_parts(model)
     sector_of = sectors(case, model)
@@ -116,7 +113,7 @@ def model_notices(case: Case, model: Model) -> Iterator[Notice]:
 
 
 def _fast_parts(model: Model) -> Iterator[Notice]:
-    """Report parts that meet faster than a wave runs in one of them: of shock fronts the solids here know nothing."""
+    """Yield a notice of parts that meet faster than a wave runs in one of them: the solids have no law of shocks."""
     rigid = {body.part for body in model.rigid}
     for sides in model.touching.values():
         parts = [side.rpartition(".")[0] or side for side in sides]
@@ -129,48 +126,50 @@ def _fast_parts(model: Model) -> Iterator[Notice]:
             fields = " and ".join(f"mesh.part.{part}.velocity" for part in parts if part in model.velocity)
             message = (
                 f"{fields}: {' and '.join(parts)} meet at {plain(speed, 4)}\xa0m/s, faster than a wave in {slowest}, "
-                f"{plain(limit, 4)}\xa0m/s: it is a shock front, of which the laws of solids do not know; look at "
+                f"{plain(limit, 4)}\xa0m/s: that makes a shock front, which the laws of solids do not cover; check "
                 "the unit"
             )
             yield Notice("faster-than-wave", message, speed, limit)
 
 
 def blow_notices(solution: FemSolution) -> Iterator[Notice]:
-    """Yield what a user should know about a blow after the first, and how the bodies came to it."""
+    """Yield the notices of a blow after the first, and of the relaxation before it; each names its blow."""
     case, model, run = solution.case, solution.model, solution.run
-    rest = run.rest
+    rest, notices_of_blow = run.rest, list[Notice]()
     if rest is not None and not rest.kinetic_share <= RESTLESS:
         message = f"before it, bodies still vibrate with {rest.kinetic_share:.1e} of the energy of the blow before"
-        yield _named(run, Notice("blow-rest", message, rest.kinetic_share, RESTLESS))
+        notices_of_blow.append(Notice("blow-rest", message, rest.kinetic_share, RESTLESS))
     yielded = rest.plastic_energy / max(run.initial_energy, TINY) if rest is not None else 0.0
     if rest is not None and yielded > REST_YIELD:
         message = (
             f"on the way to rest before it the bodies yield with {plain(rest.plastic_energy)}\xa0J, {yielded:.1e} "
-            "of its"
+            "of its energy"
         )
-        yield _named(run, Notice("blow-yield", f"{message} energy", yielded, REST_YIELD))
+        notices_of_blow.append(Notice("blow-yield", message, yielded, REST_YIELD))
+    notices_of_blow += _stopped(model, run)
+    notices_of_blow += _balances(solution.measured_balance)
+    notices_of_blow += _contacts(model, run)
+    notices_of_blow += _strength(case, model, run)
+    for notice in notices_of_blow:
+        yield replace(notice, message=f"blow {run.blow}: {notice.message}")
+
+
+def _stopped(model: Model, run: FemRun) -> Iterator[Notice]:
     if run.stopped:
         message = f"the run ended early: {run.stopped}"
-        yield _named(run, Notice("stopped", message, float(run.time[-1]), model.controls.duration, severity=FAILED))
-    for group in (_balances(solution.measured_balance), _contacts(model, run), _strength(case, model, run)):
-        yield from (_named(run, notice) for notice in group)
-
-
-def _named(run: FemRun, notice: Notice) -> Notice:
-    """Return a notice that names its blow."""
-    return replace(notice, message=f"blow {run.blow}: {notice.message}")
+        yield Notice("stopped", message, float(run.time[-1]), model.controls.duration, severity=FAILED)
 
 
 def _unfinished(model: Model, run: FemRun) -> Iterator[Notice]:
-    """Say which contacts of bodies that met still press when a run ends, how much, and how long it would take."""
+    """Yield a notice of each contact of bodies that still presses when a run ends, with the duration that it needs."""
     follows = run.blow < model.controls.blows
     for name in run.force if not run.stopped else ():
         measure, at_end = contact_measure(run, name), pressing_at_end(run, name)
         if measure is None or not still_presses(run, name) or stays(model, model.touching[name]):
             continue
         end, share = float(run.time[-1]), at_end / measure.peak
-        falling = measure.at + (end - measure.at) / max(1.0 - share, 1.0 - RISING)
-        enough = measure.begin + 2.0 * (end - measure.begin) if share > RISING else falling
+        falling = measure.at + (end - measure.at) / max(1.0 - share, 1.0 - RISING)  # on a straight line to zero
+        enough = measure.begin + 2.0 * (end - measure.begin) if share > RISING else falling  # a half-sine, doubled
         message = (
             f"the contact {name} still presses with {percent(share, 0 if share > 0.1 else 1)} of its peak when "
             f"{f'blow {run.blow}' if follows else 'the run'} ends"
@@ -199,7 +198,7 @@ def _balances(balance: BalanceMeasure) -> Iterator[Notice]:
 
 
 def _overlaps(model: Model, run: FemRun) -> Iterator[Notice]:
-    """Say which surfaces stood in each other before the blow, beyond rounding."""
+    """Yield a notice of each contact whose surfaces stand in each other before the blow, beyond rounding."""
     least = ROUNDING * float(np.ptp(model.mesh.points, axis=0).max())
     for overlap in run.overlaps:
         if overlap.deepest > least:
@@ -213,14 +212,14 @@ def _overlaps(model: Model, run: FemRun) -> Iterator[Notice]:
 
 
 def _contacts(model: Model, run: FemRun) -> Iterator[Notice]:
-    """Say which contacts nothing touched, and for which pulses intervals are too long, or elements too coarse."""
+    """Yield notices of contacts without touch, of pulses with few intervals, and of elements too coarse for them."""
     interval = float(run.time[1] - run.time[0])
     for name in run.force:
         measure = contact_measure(run, name)
         if measure is None:
             message = f"nothing touched in the contact {name}: a longer fem.duration, or another place or velocity"
             yield Notice("no-contact", message, 0.0, 0.0)
-        elif measure.duration < FEWEST_INTERVALS * interval:
+        elif measure.duration < FEWEST_INTERVALS * interval:  # too few points give no shape of a pulse
             message = (
                 f"the contact {name} lasts {plain(measure.duration * 1e6)}\xa0us, {measure.duration / interval:.1f} "
                 "intervals of the histories: take a shorter fem.interval"
@@ -242,22 +241,19 @@ def _contacts(model: Model, run: FemRun) -> Iterator[Notice]:
 
 
 def _transit(model: Model, sides: Sequence[str]) -> tuple[float, str]:
-    """Return how long a wave takes through the thinnest element of the coarser side of a contact, s, and that side.
-
-    Elements of a graded part are thinnest where it is struck. Rigid parts have no waves.
-    """
+    """Return the transit of a wave through the thinnest element of the coarser side of a contact, s, and that side."""
     rigid, mesh = {body.part for body in model.rigid}, model.mesh
-    of_parts = {side: side.rpartition(".")[0] for side in sides}
     transits = [
+        # graded parts are thinnest where they are struck; rigid ones have no waves
         (float(thickness(mesh, mesh.side(side)).min()) / model.solids[part].wave_speed, side)
-        for side, part in of_parts.items()
-        if part not in rigid
+        for side in sides
+        if (part := side.rpartition(".")[0]) not in rigid
     ]
     return max(transits, default=(0.0, ""))
 
 
 def _coarse_contacts(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
-    """Say which contacts press so few faces of a larger surface that their force depends on the mesh."""
+    """Yield notices of contacts that press too few faces of a larger surface."""
     sector_of, sides = sectors(case, model), model.touching
     unlike = unlike_sectors(model, sector_of)
     for name, pressed in run.pressed.items():
@@ -273,7 +269,7 @@ def _coarse_contacts(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
 
 
 def _strength(case: Case, model: Model, run: FemRun) -> Iterator[Notice]:
-    """Say which elastic parts go beyond the yield strength of their material."""
+    """Yield notices of elastic parts beyond the yield strength of their material."""
     for part in case.mesh.part if case.mesh else ():
         strength = material(part.material).yield_strength if part.material else None
         stress = float(run.von_mises[part.name].max()) if part.name in run.von_mises else 0.0

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from strikewave.analyses.fem.figures import histories
 from strikewave.analyses.fem.figures.animation import fem_page, movie_of, write_fem_gif
@@ -56,7 +56,7 @@ _SOLIDS = {
 _BOUNDARIES = {"NonReflecting": "non-reflecting", "Symmetry": "plane of symmetry"}
 _SHARES = {2: "half", 4: "quarter"}
 MOST_BODIES = 4
-"""Bodies whose pulses the summary names (chosen: the text stays a paragraph; the table of parts has them all)."""
+"""Most bodies whose pulses the summary names (chosen: it stays a paragraph; the table of parts has them all)."""
 _OF_BLOW = re.compile(r"blow (\d+): ")
 _GROUPS_FIRST = (
     " Groups, drawn thicker, set the scale; a part that reaches far beyond it is cut off, and its legend says how far "
@@ -83,13 +83,7 @@ _PARTS = (
 
 
 def fem_report(solution: FemSolution) -> str:
-    """Return the report of an explicit run as one HTML page: no script, nothing fetched.
-
-    Parameters
-    ----------
-    solution : FemSolution
-        Solution of the model; without frames the page has a note of it.
-    """
+    """Return the report of an explicit run as one HTML page: no script, nothing fetched."""
     tables = [_contact_table(solution), face_table(solution, "bodies", caption="Parts, each as one rigid body")]
     sections = [
         _histories(solution.run),
@@ -119,7 +113,7 @@ def _status(solution: FemSolution) -> Tag:
 
 
 def _failed(solution: FemSolution) -> list[str]:
-    """Return the codes of failed checks, each once, with their blows where there are several."""
+    """Return the codes of failed checks, each once, with their blows if the run has several."""
     blows_of: dict[str, list[str]] = {}
     for notice in solution.notices:
         if notice.broken:
@@ -134,7 +128,7 @@ def _failed(solution: FemSolution) -> list[str]:
 
 
 def fem_words(solution: FemSolution) -> str:
-    """Say in words what happened: on the screen and at the head of the report."""
+    """Return the events of a run in sentences, for the screen and the head of the report."""
     run = solution.run
     sentences = [f"The run ended early: {run.stopped}."] if run.stopped else []
     for name, strongest in solution.strongest.items():
@@ -153,7 +147,7 @@ def fem_words(solution: FemSolution) -> str:
 
 
 def _sector_words(solution: FemSolution) -> str:
-    """Say of which parts a sector is meshed, and that numbers are those of whole bodies."""
+    """Return which parts are meshed as sectors, and that numbers are those of whole bodies."""
     pieces = {name: solution.sectors[name].pieces for name in solution.run.parts}
     meshed = [
         f"a {share} of {listed(names)}"
@@ -165,38 +159,29 @@ def _sector_words(solution: FemSolution) -> str:
     return f" Meshed is {listed(meshed)}; {whole} are those of whole bodies." if meshed else ""
 
 
-def _share(value: float) -> str:
-    """Write a share in per cent.
-
-    Examples
-    --------
-    >>> _share(2.1e-4), _share(-0.0312), _share(math.inf)
-    ('+0.021 %', '-3.12 %', 'no bound')
-    """
-    return f"{100.0 * value:+.3g} %" if math.isfinite(value) else "no bound"
-
-
 def _histories(run: FemRun) -> Section:
-    """Draw forces, accelerations, energies, and what sections and watched points saw."""
-    parts: list[Part] = []
-    if run.force:
-        caption = "Magnitude of the contact force, mean of each interval, with its peak; dotted: its impulse."
-        parts.append(Picture(histories.force_figure(run), caption))
-    caption = "Rigid-body acceleration of the parts along the blow."
-    parts.append(Picture(histories.acceleration_figure(run), caption + (_GROUPS_FIRST if run.groups else "")))
-    parts.append(
-        Picture(
-            histories.energy_figure(run),
+    """Return the pictures of forces, accelerations, energies, sections and watched points."""
+    accelerations = "Rigid-body acceleration of the parts along the blow." + (_GROUPS_FIRST if run.groups else "")
+    pictures = (
+        (
+            bool(run.force),
+            histories.force_figure,
+            "Magnitude of the contact force, mean of each interval, with its peak; dotted: its impulse.",
+        ),
+        (True, histories.acceleration_figure, accelerations),
+        (
+            True,
+            histories.energy_figure,
             "Energy balance: the energies, and below them the balance error over the energy in play.",
-        )
+        ),
+        (
+            bool(run.sections),
+            histories.section_figure,
+            "Mean stress of the sections along the blow; tension is positive.",
+        ),
+        (bool(run.points), histories.point_figure, "Velocity of the watched points along the blow."),
     )
-    if run.sections:
-        parts.append(
-            Picture(histories.section_figure(run), "Mean stress of the sections along the blow; tension is positive.")
-        )
-    if run.points:
-        parts.append(Picture(histories.point_figure(run), "Velocity of the watched points along the blow."))
-    return Section("Histories", "", parts)
+    return Section("Histories", "", [Picture(draw(run), caption) for there, draw, caption in pictures if there])
 
 
 def _contact_table(solution: FemSolution) -> Table:
@@ -211,7 +196,8 @@ def _contact_table(solution: FemSolution) -> Table:
 
 def _what_ran(solution: FemSolution) -> Section:
     model, run, view = solution.model, solution.run, view_of(solution.model)
-    pictures = [Picture(mesh_picture(model.mesh, view), "The mesh before the blow" + _cut_words(view.cut is not None))]
+    cut = ", cut along the blow." if view.cut is not None else "."
+    pictures = [Picture(mesh_picture(model.mesh, view), f"The mesh before the blow{cut}")]
     zone = contact_zone(model, view)
     if zone is not None:
         near = dataclasses.replace(view, near=zone)
@@ -220,12 +206,10 @@ def _what_ran(solution: FemSolution) -> Section:
         pictures.append(Picture(mesh_picture(model.mesh, near), caption))
     pace = f"{run.steps} steps, the smallest {amount(STEP, run.step)}, took {run.seconds:.3g} s."
     added = f" Mass scaling added {amount(MASS, run.added_mass, digits=3)}." if run.added_mass > 0.0 else ""
-    parts: list[Part] = [_solid_table(solution), _condition_table(model), _quality_table(model), *pictures]
+    caption = "Quality of the mesh, worst values; the scaled Jacobian is 1 for right angles and 0 for a flat corner"
+    quality = page_table(caption, columns_of(PartQuality, quality_report(model.mesh)))
+    parts: list[Part] = [_solid_table(solution), _condition_table(model), quality, *pictures]
     return Section("Model and method", f"{_METHOD}\n\n{pace}{added}", parts)
-
-
-def _cut_words(cut: bool) -> str:
-    return ", cut along the blow." if cut else "."
 
 
 def _solid_table(solution: FemSolution) -> Table:
@@ -264,7 +248,7 @@ def _solid_table(solution: FemSolution) -> Table:
 
 
 def _yield_words(solid: AnySolid) -> str:
-    """Say how a solid yields."""
+    """Return the law of yield of a solid with its constants."""
     if isinstance(solid, Bilinear):
         text = f", yields at {_stress(solid.yield_strength)}, then {_stress(solid.tangent_modulus)}"
         return text + (f", {percent(solid.kinematic, 0)} kinematic" if solid.kinematic else "")
@@ -305,7 +289,7 @@ def _condition_table(model: Model) -> Table:
 
 
 def _boundary_words(boundary: Any) -> str:
-    """Say what a boundary does beyond its kind."""
+    """Return the values of a boundary."""
     if hasattr(boundary, "axis"):
         return f"along {_plain(boundary.axis)}"
     curve = getattr(boundary, "velocity", None) or getattr(boundary, "pressure", None)
@@ -325,15 +309,11 @@ def _metres(place: Sequence[float]) -> str:
     return "(" + ", ".join(f"{v * 1e3:.4g}" for v in place) + ") mm"
 
 
-def _quality_table(model: Model) -> Table:
-    caption = "Quality of the mesh, worst values; the scaled Jacobian is 1 for right angles and 0 for a flat corner"
-    return page_table(caption, columns_of(PartQuality, quality_report(model.mesh)))
-
-
 def _energy_words(solution: FemSolution) -> str:
-    """Say whether the energy balance holds, and whether hourglass modes are small."""
+    """Return whether the energy balance holds, and whether hourglass modes are small."""
     energy, hourglass, _ = solution.balance_checks
-    text = f"The energy balance error is {_share(energy.error)}, "
+    error = f"{100.0 * energy.error:+.3g} %" if math.isfinite(energy.error) else "no bound"
+    text = f"The energy balance error is {error}, "
     if energy.holds:
         text += f"within its limit of {percent(energy.limit, 0)}."
     else:
@@ -351,19 +331,16 @@ def _energy_words(solution: FemSolution) -> str:
 
 
 def _balances(solution: FemSolution) -> Section:
-    tables = [chapters.balance_table(solution.balance_checks), _energy_table(solution.run)]
+    run = solution.run
+    labels = [name + (" (within internal)" if name == "plastic" else "") for name in ENERGIES]
+    rows = [EnergyExtent(math.nan, run.initial_energy), *(EnergyExtent.of(run.energy[name]) for name in ENERGIES)]
+    columns = [Column("energy", ["at the start, all", *labels]), *columns_of(EnergyExtent, rows)]
+    tables = [chapters.balance_table(solution.balance_checks), page_table("Energies", columns)]
     return Section("Energy and momentum balance", _energy_words(solution), tables)
 
 
-def _energy_table(run: FemRun) -> Table:
-    called = {name: name + (" (within internal)" if name == "plastic" else "") for name in ENERGIES}
-    rows = [EnergyExtent(math.nan, run.initial_energy), *(EnergyExtent.of(run.energy[name]) for name in ENERGIES)]
-    names = Column("energy", ["at the start, all", *called.values()])
-    return page_table("Energies", [names, *columns_of(EnergyExtent, rows)])
-
-
 FEWEST_OF_WAVE = 3
-"""Instants after first touch without which there is no row of them (chosen: two show no motion of a front)."""
+"""Fewest instants after first touch that make a row of pictures (chosen: two show no motion of a front)."""
 _HOW = (
     "Each element has the colour of its one value, at its place at that instant: displacements are to scale. Dark "
     "lines are the outlines of bodies, thin lines the mesh, where its elements are large enough. Faces seen "
@@ -376,16 +353,8 @@ _END_OF_SCALE = (
 )
 
 
-class PeakContact(NamedTuple):
-    """The instant nearest to the largest force of the contact of the blow, where it presses, and that in words."""
-
-    still: Snapshot
-    zone: Zone
-    words: str
-
-
 def fields_section(solution: FemSolution) -> Section:
-    """Return the pictures of the fields, with what is seen in them."""
+    """Return the pictures of the fields with their text."""
     film = getattr(solution, "film", None)
     frames = solution.frames or solution.run.frames
     if film is None or not film.snapshots:
@@ -396,12 +365,19 @@ def fields_section(solution: FemSolution) -> Section:
     mesh = solution.model.mesh
     parts: list[Part] = [_whole(film, pressed), *_close_up(film, pressed, mesh), *_wave(film)]
     cut = film.skin.cut
-    opened = f" {_opened(film)}" + (_BEFORE if not cut.symmetric else "")
-    return Section("Fields", f"{_HOW}{opened} {largest_words(film, mesh)}".rstrip(), parts)
+    if not cut.symmetric:
+        opened = f"The bodies, which are modelled whole, are cut open along the blow.{_BEFORE}"
+    elif cut.mirror is None:
+        opened = "The bodies are seen from their plane of symmetry: the half that is modelled."
+    else:
+        opened = (
+            "The bodies are seen from a plane of symmetry; the quarter that is modelled is mirrored at the other plane."
+        )
+    return Section("Fields", f"{_HOW} {opened} {largest_words(film, mesh)}".rstrip(), parts)
 
 
-def _pressed(solution: FemSolution, film: SnapshotRecorder) -> PeakContact | None:
-    """Return when and where the contact of the blow presses, nearest to its largest force; None where it does not."""
+def _pressed(solution: FemSolution, film: SnapshotRecorder) -> tuple[Snapshot, Zone, str] | None:
+    """Return instant, place and words of the largest force of the contact of the blow; None where it never presses."""
     model: Model = solution.model
     meeting = blow_contact(model)
     measure = contact_measure(solution.run, meeting.name) if meeting and meeting.name in solution.run.force else None
@@ -410,35 +386,23 @@ def _pressed(solution: FemSolution, film: SnapshotRecorder) -> PeakContact | Non
     own = faces_on(film.skin, model.mesh, model.touching[meeting.name])
     pressed = pressed_most(film.skin, film.snapshots, measure.at, own)
     instant = f"the stored instant nearest to the force peak of {meeting.name}, at {instant_words(measure.at)}"
-    return None if pressed is None else PeakContact(*pressed, instant)
+    return None if pressed is None else (*pressed, instant)
 
 
-def _opened(film: SnapshotRecorder) -> str:
-    """Say where the bodies are cut open."""
-    cut = film.skin.cut
-    if not cut.symmetric:
-        return "The bodies, which are modelled whole, are cut open along the blow."
-    if cut.mirror is None:
-        return "The bodies are seen from their plane of symmetry: the half that is modelled."
-    return "The bodies are seen from a plane of symmetry; the quarter that is modelled is mirrored at the other plane."
-
-
-def _whole(film: SnapshotRecorder, pressed: PeakContact | None) -> Picture:
+def _whole(film: SnapshotRecorder, pressed: tuple[Snapshot, Zone, str] | None) -> Picture:
     """Return the bodies cut open when the force of the blow is largest, or else the stress, and at the end."""
-    stills = film.snapshots
-    still, when = (film.worst or stills[-1], "when the stress is largest")
-    if pressed is not None:
-        still, when = pressed.still, pressed.words
-    shown = [still] if still.time == stills[-1].time else [still, stills[-1]]
+    last = film.snapshots[-1]
+    still, when = (film.worst or last, "when the stress is largest") if pressed is None else (pressed[0], pressed[2])
+    shown = [still] if still.time == last.time else [still, last]
     largest = float(von_mises(still.stress.astype(float)).max(initial=0.0))
     caption = f"Von Mises stress in the bodies cut open at {_instant(still)}, {when}"
-    caption += f", and at {_instant(stills[-1])}, the last instant." if len(shown) > 1 else "."
+    caption += f", and at {_instant(last)}, the last instant." if len(shown) > 1 else "."
     caption += f" The largest value in view at {_instant(still)} is {amount(STRESS, largest)}."
     return Picture(cut_figure(film.skin, shown), f"{caption} {_END_OF_SCALE}")
 
 
-def _close_up(film: SnapshotRecorder, pressed: PeakContact | None, mesh: Mesh) -> list[Part]:
-    """Return where bodies press each other, and what yielded there; nothing where nothing is pressed."""
+def _close_up(film: SnapshotRecorder, pressed: tuple[Snapshot, Zone, str] | None, mesh: Mesh) -> list[Part]:
+    """Return the contact from near with stress and plastic strain; nothing where nothing presses."""
     if pressed is None:
         return []
     (still, zone, when), last = pressed, film.snapshots[-1]
@@ -452,7 +416,7 @@ def _close_up(film: SnapshotRecorder, pressed: PeakContact | None, mesh: Mesh) -
         pictures.append((last, "plastic_strain"))
         caption += f", and equivalent plastic strain at {_instant(last)}, the last instant"
         largest_seen = float(seen_close_up(film.skin, zone, last, "plastic_strain").max(initial=0.0))
-        if largest_seen < 0.999 * spot.value:
+        if largest_seen < 0.999 * spot.value:  # values are shown to three digits: nearer ones read alike
             elsewhere = f" The largest plastic strain of all, {written(spot.value)}, is not in this view: it is in "
             elsewhere += f"{place_words(mesh, spot.element)}."
     caption += f". The scales reach the largest value that is seen.{elsewhere}"
@@ -460,7 +424,7 @@ def _close_up(film: SnapshotRecorder, pressed: PeakContact | None, mesh: Mesh) -
 
 
 def _wave(film: SnapshotRecorder) -> list[Part]:
-    """Return the row of instants after first touch; nothing where nothing touches, or the run went on later."""
+    """Return the row of instants after first touch; nothing without touch, or where the run went on later."""
     if len(film.wave) < FEWEST_OF_WAVE or film.touched is None:
         return []
     caption = (
@@ -477,21 +441,21 @@ def _instant(still: Snapshot) -> str:
     return instant_words(still.time)
 
 
-_WORDS = (
+_RELAXATION = (
     "After a blow the bodies come to rest (dynamic relaxation) without their loads and contacts, go back to where "
     "they began as rigid bodies, and meet again with the velocities of the case. Plastic strain, back stress, "
-    "temperature, shape and residual stress are those that the blow before left. All other sections are those of the "
+    "temperature, shape and residual stress stay from the blow before. All other sections are those of the "
     "first blow. The coefficient of restitution is the speed of separation at the end over that of approach at the "
     "start, of the parts of the contact as rigid bodies."
 )
 
 
 def blows_section(solution: FemSolution) -> Section:
-    """Return what each blow came to, and the dynamic relaxation before it."""
-    caption = "Force of the strongest contact of each blow, means of intervals; and what yield takes of each."
+    """Return the numbers of each blow, and the dynamic relaxation before it."""
+    caption = "Force of the strongest contact of each blow, means of intervals, and the share that yield takes."
     picture = Picture(blows_figure([blow.run for blow in solution.blows]), caption)
     forces = face_table(solution, "contacts_of_blows", "blow", empty="No contact is in the model.")
-    return Section("Blow after blow", _WORDS, [forces, face_table(solution, "yield_of_blows"), picture])
+    return Section("Blow after blow", _RELAXATION, [forces, face_table(solution, "yield_of_blows"), picture])
 
 
 page = fem_report

@@ -41,7 +41,6 @@ from strikewave.fem.run import (
     ContactMeasure,
     FemRun,
     FieldFrame,
-    PartHistory,
     PartMeasure,
     Rest,
     balance_measure,
@@ -61,15 +60,12 @@ from strikewave.reporting.parts import written
 from strikewave.reporting.shown_result import Curve, history_curve
 
 if TYPE_CHECKING:
-    from strikewave.cases.tables.common import Published
     from strikewave.fem.mesh import Mesh
 
 Array = NDArray[np.float64]
 
 STRESS_COMPONENTS = ("xx", "yy", "zz", "xy", "yz", "zx")
 """Components of a stress."""
-
-
 SECONDS = Quantity("s", "s")
 
 
@@ -85,7 +81,7 @@ class BodyBlow:
 
 @declare.dataclass
 class TouchedBodies:
-    """What a contact came to on whole bodies and on what is meshed."""
+    """Measure of a contact on whole bodies and on the mesh."""
 
     measure: ContactMeasure = declare.part(ContactMeasure, "what it measures", inline=True)
     whole_peak: float = declare.number(CONTACT_FORCE, "equal to peak")
@@ -158,7 +154,7 @@ class ContactOfBlow:
 
 @declare.dataclass
 class YieldOfBlow:
-    """What yields in one of several blows, and how the bodies came to rest before it."""
+    """Yield in one of several blows, and the relaxation before it."""
 
     blow: int = declare.count("number of the blow, from 1", column=KEY, tables="yield")
     plastic_strain: float = declare.number(
@@ -185,25 +181,7 @@ class BodyComparison(Comparison):
 
 @declare.dataclass
 class FemSolution(CaseResult):
-    """The result of an explicit finite-element run; see `Result` for what it shares with others.
-
-    Beside what documents have:
-
-    Attributes
-    ----------
-    model : Model
-        Mesh, solids, and what holds and loads them.
-    run : FemRun
-        Histories, of whole bodies where sectors of them are meshed.
-    frames : tuple of FieldFrame
-        Fields to be shown.
-    film : SnapshotRecorder, optional
-        Instants that pictures are made of.
-    later : tuple of FemRun
-        The blows after the first, which is ``run``.
-    modelled : tuple of FemRun
-        All blows as meshed, of the sectors alone; empty where whole bodies are meshed.
-    """
+    """Result of an explicit finite-element run; `Result` has the attributes of every result."""
 
     command: ClassVar[str] = "fem"
     table_name: ClassVar[str] = "parts"
@@ -211,18 +189,24 @@ class FemSolution(CaseResult):
     data_file: ClassVar[str] = "histories.nc"
 
     model: Model = field(repr=False)
+    """Mesh and solids with their boundaries and loads."""
     run: FemRun = field(repr=False)
+    """Histories of the first blow, of whole bodies also where sectors are meshed."""
     frames: tuple[FieldFrame, ...] = field(repr=False)
+    """Fields to be shown."""
     film: SnapshotRecorder | None = field(default=None, repr=False)
+    """Instants for pictures."""
     later: tuple[FemRun, ...] = field(default=(), repr=False)
+    """Blows after the first."""
     modelled: tuple[FemRun, ...] = field(default=(), repr=False)
+    """All blows as meshed, of the sectors alone; empty where whole bodies are meshed."""
 
     @declare.computed(declare.named(TouchedBodies, "strongest contact", in_document=False, headline="first"))
     def strongest(self) -> dict[str, TouchedBodies]:
         """The contact of the largest force; none where nothing touched."""
-        found = {name: one for name, one in self.touched.items() if one is not None}
-        most = max(found, key=lambda name: found[name].measure.peak, default="")
-        return {most: found[most]} if found else {}
+        touched = {name: bodies for name, bodies in self.touched.items() if bodies is not None}
+        most = max(touched, key=lambda name: touched[name].measure.peak, default="")
+        return {most: touched[most]} if touched else {}
 
     @declare.computed(declare.named(PartMeasure, "what moves", in_document=False, headline="first"))
     def moved(self) -> dict[str, PartMeasure]:
@@ -232,17 +216,17 @@ class FemSolution(CaseResult):
 
     @declare.computed(declare.count("how many elements", headline="elements"))
     def elements(self) -> int:
-        """How many elements there are."""
+        """Number of elements."""
         return self.run.elements
 
     @declare.computed(declare.count("how many nodes"))
     def nodes(self) -> int:
-        """How many nodes there are."""
+        """Number of nodes."""
         return len(self.model.mesh.points)
 
     @declare.computed(declare.count("how many time steps", headline="steps"))
     def steps(self) -> int:
-        """How many time steps there were."""
+        """Number of time steps."""
         return self.run.steps
 
     @declare.computed(declare.number(STEP, "smallest time step"))
@@ -287,7 +271,7 @@ class FemSolution(CaseResult):
 
     @declare.computed(declare.named(TouchedBodies, "contacts and walls", key="contacts", label="contact"))
     def touched(self) -> dict[str, TouchedBodies | None]:
-        """What each contact and wall of the first blow came to; None where nothing touched."""
+        """Measures of each contact and wall in the first blow; None where nothing touched."""
         return self.first_blow.contacts
 
     @declare.computed(declare.named(BodyBlow, "the blow that each part took", key="parts", label="part"))
@@ -328,7 +312,7 @@ class FemSolution(CaseResult):
     @declare.computed(declare.rows(BodyComparison, "comparison with published values"))
     def published(self) -> tuple[BodyComparison, ...]:
         """The comparisons, by the key of the JSON document."""
-        return tuple(BodyComparison(**vars(one)) for one in self.comparisons)
+        return tuple(BodyComparison(**vars(comparison)) for comparison in self.comparisons)
 
     @declare.computed(declare.word("why the run ended early; null where it did not"))
     def stopped(self) -> str | None:
@@ -337,7 +321,7 @@ class FemSolution(CaseResult):
 
     @declare.computed(declare.rows(ElementsBlow, "each blow", key="blows"))
     def blow_rows(self) -> list[ElementsBlow]:
-        """What each blow came to."""
+        """Numbers of each blow."""
         return [self.first_blow, *(each.first_blow for each in self.blows[1:])]
 
     @declare.computed(declare.rows(ContactOfBlow, "forces of each blow", in_document=False))
@@ -347,34 +331,41 @@ class FemSolution(CaseResult):
         for each in self.blows:
             restitution = blow_measure(each.run, each.model.touching).restitution
             body = next(iter(blow_of_bodies(each.model, each.run).items()))
-            found = each.contacts.items()
-            rows += [ContactOfBlow(each.run.blow, name, one, restitution[name], *body) for name, one in found]
+            rows += [
+                ContactOfBlow(each.run.blow, name, measure, restitution[name], *body)
+                for name, measure in each.contacts.items()
+            ]
         return rows
 
     @declare.computed(declare.rows(YieldOfBlow, "yield in each blow, and relaxation before it", in_document=False))
     def yield_of_blows(self) -> list[YieldOfBlow]:
-        """What yields in each blow."""
+        """Yield in each blow."""
         rows = []
         for each in self.blows:
-            one, error = blow_measure(each.run, each.model.touching), each.measured_balance.energy
-            strain, taken = max(one.plastic_strain.values(), default=math.nan), sum(one.plastic_energy.values())
-            rows.append(YieldOfBlow(one.blow, strain, taken, each.run.initial_energy, error, one.rest))
+            blow, error = blow_measure(each.run, each.model.touching), each.measured_balance.energy
+            strain, taken = max(blow.plastic_strain.values(), default=math.nan), sum(blow.plastic_energy.values())
+            rows.append(YieldOfBlow(blow.blow, strain, taken, each.run.initial_energy, error, blow.rest))
         return rows
 
     @functools.cached_property
     def first_blow(self) -> ElementsBlow:
-        """What the first blow came to."""
+        """Numbers of the first blow."""
         blow, meshed, twins = blow_measure(self.run, self.model.touching), self.model_run, self.model_contacts
-        sector = self.sectors
+        sector, masses = self.sectors, {name: part.mass for name, part in {**meshed.parts, **meshed.groups}.items()}
 
-        def body(name: str, measure: PartMeasure, modelled: PartHistory) -> BodyBlow:
-            return BodyBlow(measure, sector[name].pieces, measure.mass, modelled.mass)
+        def body(name: str, measure: PartMeasure) -> BodyBlow:
+            return BodyBlow(measure, sector[name].pieces, measure.mass, masses[name])
 
+        contacts: dict[str, TouchedBodies | None] = {}
+        for name, whole in self.contacts.items():
+            twin = twins[name]
+            of_mesh = (None, None) if twin is None else (twin.peak, twin.impulse)
+            contacts[name] = None if whole is None else TouchedBodies(whole, whole.peak, whole.impulse, *of_mesh)
         return ElementsBlow(
             blow=blow.blow,
-            contacts={name: _touched(found, twins[name]) for name, found in self.contacts.items()},
-            parts={name: body(name, part, meshed.parts[name]) for name, part in self.parts.items()},
-            groups={name: body(name, part, meshed.groups[name]) for name, part in self.groups.items()},
+            contacts=contacts,
+            parts={name: body(name, part) for name, part in self.parts.items()},
+            groups={name: body(name, part) for name, part in self.groups.items()},
             restitution=dict(blow.restitution),
             plastic_strain=dict(blow.plastic_strain),
             plastic_energy=dict(blow.plastic_energy),
@@ -400,7 +391,7 @@ class FemSolution(CaseResult):
 
     @functools.cached_property
     def measured_balance(self) -> BalanceMeasure:
-        """How well the balances of the first blow close, of what was meshed: its momentum across cuts counts too."""
+        """Errors of the balances of the first blow as meshed: momentum across cuts counts too."""
         return balance_measure(self.model_run)
 
     @property
@@ -430,47 +421,37 @@ class FemSolution(CaseResult):
 
     @property
     def sectors(self) -> dict[str, Sector]:
-        """How much of its body each part and group is."""
+        """Sector of its body that each part and group is."""
         return sectors(self.case, self.model)
 
     @property
     def contacts(self) -> dict[str, ContactMeasure | None]:
-        """What each contact and wall of the whole bodies came to; None where nothing touched."""
+        """Measure of each contact and wall on whole bodies; None where nothing touched."""
         return {name: contact_measure(self.run, name) for name in self.run.force}
 
     @property
     def model_contacts(self) -> dict[str, ContactMeasure | None]:
-        """What each contact and wall came to as meshed, of the sectors alone; None where nothing touched."""
+        """Measure of each contact and wall as meshed, of the sectors alone; None where nothing touched."""
         return {name: contact_measure(self.model_run, name) for name in self.model_run.force}
 
     def compared(self) -> tuple[Comparison, ...]:
-        """Return the published numbers of the case beside what the first blow came to."""
-        return comparisons(self.case, self._computed)
-
-    def _computed(self, entry: Published) -> float | None:
-        """Return what a published number is set beside; None where the model has no such thing."""
-        return self.number(entry.quantity, entry.sensor)
+        """Return the published numbers of the case with those of the first blow."""
+        return comparisons(self.case, lambda entry: self.number(entry.quantity, entry.sensor))
 
     def number(self, name: str, body: str = "") -> float | None:
-        """Return a number of the first blow by its name as published ones have it; None where there is no such thing.
+        """Return a published quantity of the first blow: a force of the first contact, or a number of a part or group.
 
-        Forces are those of the first contact of the case; ``body`` is the part or group that others are of.
+        None where the model has no such quantity.
         """
         which, _, quantity = name.partition(".")
-        first = next(iter(self.contacts), None)
-        touched = None if first is None else self.contacts[first]
+        touched = next(iter(self.contacts.values()), None)
         part = {**self.parts, **self.groups}.get(body)
-        value: float | None = None
         if which != "first" or touched is None:
             return None
-        if quantity == "peak_force":
-            value = touched.peak
-        elif quantity == "force_width":
-            value = touched.duration
-        elif part is not None and quantity == "force_over_mass":
-            value = touched.peak / part.mass
-        elif part is not None and quantity in ("rigid_peak", "width"):
-            value = getattr(part, quantity)
+        numbers = {"peak_force": touched.peak, "force_width": touched.duration}
+        if part is not None:
+            numbers |= {"force_over_mass": touched.peak / part.mass, "rigid_peak": part.rigid_peak, "width": part.width}
+        value = numbers.get(quantity)
         return None if value is None or math.isnan(value) else value
 
     def preview(self) -> Curve | None:
@@ -523,10 +504,7 @@ class FemSolution(CaseResult):
 
     @functools.cached_property
     def arrays(self) -> LabelledArrays:
-        """Histories of the first blow by the names of the case: vectors by ``axis``, stresses by ``component``.
-
-        Of sectors, ``model_contact`` and ``model_energy`` are what the mesh alone came to.
-        """
+        """Histories of the first blow by the names of the case; ``model_`` marks those of the sectors alone."""
         run, vector, means = self.run, ("time", "axis"), ("interval", "axis")
         variables = {}
 
@@ -575,13 +553,7 @@ MOTION = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
 
 
 def of_blow(name: str, blow: int) -> str:
-    """Return the name of a file of a blow: the first blow's has no number.
-
-    Examples
-    --------
-    >>> of_blow("histories.csv", 1), of_blow("histories.csv", 3)
-    ('histories.csv', 'histories-3.csv')
-    """
+    """Return the name of a file of a blow, such as histories-3.csv; that of the first blow has no number."""
     stem, _, ending = name.partition(".")
     return name if blow == 1 else f"{stem}-{blow}.{ending}"
 
@@ -589,14 +561,6 @@ def of_blow(name: str, blow: int) -> str:
 def _energy(run: FemRun) -> dict[str, float]:
     """Return the energies at the start, all, and at the end."""
     return {"initial": run.initial_energy, **{name: float(run.energy[name][-1]) for name in ENERGIES}}
-
-
-def _touched(found: ContactMeasure | None, modelled: ContactMeasure | None) -> TouchedBodies | None:
-    """Return what a contact came to on whole bodies and on what is meshed; None where nothing touched."""
-    if found is None:
-        return None
-    meshed = (None, None) if modelled is None else (modelled.peak, modelled.impulse)
-    return TouchedBodies(found, found.peak, found.impulse, *meshed)
 
 
 def _components(name: str, unit: str, values: Array, axes: tuple[str, ...] = ("x", "y", "z")) -> Iterator[Any]:
@@ -611,7 +575,7 @@ def _after(means: Array) -> Array:
 
 
 def largest_words(film: SnapshotRecorder, mesh: Mesh) -> str:
-    """Say where von Mises stress and plastic strain are largest of all elements, seen or not; nothing where none is."""
+    """Return places and sizes of the largest von Mises stress and plastic strain of all elements, seen or not."""
     names, places = {"von_mises": "von Mises stress", "plastic_strain": "plastic strain"}, []
     for name, spot in film.largest.items():
         value = amount(STRESS, spot.value) if name == "von_mises" else written(spot.value)
@@ -623,12 +587,13 @@ def largest_words(film: SnapshotRecorder, mesh: Mesh) -> str:
 
 
 def place_words(mesh: Mesh, element: int) -> str:
-    """Name the part of an element and its middle before the blow."""
+    """Return the part of an element and its middle before the blow."""
     middle = mesh.points[mesh.hexahedra[element]].mean(axis=0) * 1e3
+    # a picometre, in mm: rounding, which would show as -0
     place = ", ".join(f"{x:.4g}" for x in np.where(np.abs(middle) < 1e-9, 0.0, middle))
     return f"{mesh.names[int(mesh.part[element])]} at ({place}) mm"
 
 
 def instant_words(time: float) -> str:
-    """Write a time with its unit; the time 0 as the start."""
+    """Return a time with its unit; the time 0 as the start."""
     return amount(MICROSECONDS, time) if time > 0.0 else "the start"

@@ -27,13 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass
 class Watch:
-    """Hands frames on to a writer; keeps that of the largest stress and the last.
-
-    Parameters
-    ----------
-    writer : Writer, optional
-        Such as `strikewave.fem.vtkhdf.FieldWriter`.
-    """
+    """Frames on their way to a writer; the one of the largest stress and the last are kept."""
 
     writer: Writer | None = None
     worst: FieldFrame | None = None
@@ -93,19 +87,7 @@ def run_fem(case: Case, threads: int = 1, device: str | None = None) -> FemSolut
 
 @compiling_shown()
 def run_model(case: Case, model: Model, options: RunOptions | None = None, snapshots: int = SNAPSHOTS) -> FemSolution:
-    """Run the model of a case; see `run_fem`.
-
-    Parameters
-    ----------
-    case : Case
-        Case that the model was built from.
-    model : Model
-        Model of the case.
-    options : RunOptions, optional
-        Options of the run beyond its histories; the number of frames is that of the case.
-    snapshots : int
-        Instants over the run that are kept for pictures, and as many again while anything touches.
-    """
+    """Run the model of a case; ``snapshots`` are kept for pictures, and as many again while anything touches."""
     from strikewave.fem.solve import RunOptions, check_controls, solve_blows
 
     options = options or RunOptions()
@@ -152,13 +134,14 @@ def first_step(model: Model) -> float:
 
 def sources(model: Model) -> tuple[str, ...]:
     """Return the keys of the sources that a model rests on."""
-    listed = ["flanagan-belytschko-1981", "hughes-winget-1980"]
-    if any(isinstance(solid, JohnsonCook) for solid in model.solids.values()):
-        listed.append("johnson-cook-1983")
-    if any(isinstance(solid, ZerilliArmstrong) for solid in model.solids.values()):
-        listed.append("zerilli-armstrong-1987")
-    if any(isinstance(boundary, NonReflecting) for boundary in model.boundaries):
-        listed.append("lysmer-kuhlemeyer-1969")
-    if model.controls.blows > 1:
-        listed += ["cundall-1976", "barnes-1999"]
-    return tuple(listed)
+    solids, boundaries = ({type(x) for x in rows} for rows in (model.solids.values(), model.boundaries))
+    used = {
+        "flanagan-belytschko-1981": True,
+        "hughes-winget-1980": True,
+        "johnson-cook-1983": JohnsonCook in solids,
+        "zerilli-armstrong-1987": ZerilliArmstrong in solids,
+        "lysmer-kuhlemeyer-1969": NonReflecting in boundaries,
+        "cundall-1976": model.controls.blows > 1,
+        "barnes-1999": model.controls.blows > 1,
+    }
+    return tuple(key for key, is_used in used.items() if is_used)

@@ -1,7 +1,6 @@
-"""A run of explicit finite elements as a command: check, solve, print, draw.
+"""Command of explicit finite elements: check, solve, print, draw.
 
-While it is under way, it keeps its state and its fields in a folder beside the result, so that it may go on after it is
-stopped.
+A run under way keeps its state and its fields in a folder beside the result, to go on from after a stop.
 """
 
 from __future__ import annotations
@@ -16,7 +15,6 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from strikewave.analyses.fem.build import build_model, exact_volume
 from strikewave.analyses.fem.notices import model_notices
@@ -58,18 +56,18 @@ from strikewave.reporting.terminal import (
 
 NAMES = {2: "half", 4: "quarter"}
 LEAST_OFF = 1e-4
-"""Share of a part's volume that its flat faces take, and is reported: chosen, a tenth of what a mesh errs by."""
+"""Smallest share of a part's volume lost to flat faces that is reported (chosen: a tenth of a mesh's error)."""
 MOST_REST, REST_WORDS = 3.5, "1 to 3.5 times"
-"""How many times the steps of a blow the bodies take to come to rest after it, at most as a rule."""
+"""Steps that relaxation takes after a blow over those of the blow, at most as a rule."""
 USUAL_RATE = 5e6
 """Element-steps a second of one thread, for the estimate before a run: half of what two cores of 2023 reach."""
 STATES = 20
-"""How often in a run its state is kept: a stopped run loses at most a twentieth, and writing costs below a per cent."""
+"""States kept in a run: a stopped run loses at most a twentieth, and writing costs below a per cent."""
 
 
 @dataclass(frozen=True)
 class FemOptions:
-    """What was asked for besides the case."""
+    """Options of a run besides its case and its output."""
 
     threads: int = 1
     report: bool = True
@@ -99,10 +97,14 @@ def check_element_case(case: Case, json: bool, threads: int = 1) -> int:
     show_notices(tuple(model_notices(case, model)))
     masses = _masses(case, model, quality)
     parts = [CheckedPart(row, math.prod(masses[row.part]), masses[row.part][0]) for row in quality]
-    if json:
-        print_json(_check_document(case, model, parts))
-    else:
+    if not json:
         print_rows("Mesh", columns_of(CheckedPart, parts))
+        return 0
+    counted = {"elements": len(model.mesh.hexahedra), "nodes": len(model.mesh.points), "step": first_step(model)}
+    rows = {part.quality.part: declare.content(part) for part in parts}
+    notices = [notice.document() for notice in model_notices(case, model)]
+    units = {**declare.units(CheckedPart), "step": "s"}
+    print_json(plain({**head(units, notices), "case": case.name, **counted, "parts": rows}))
     return 0
 
 
@@ -141,29 +143,30 @@ class FemCommand(Command[FemSolution]):
     def solve(self) -> FemSolution:
         """Return the solution, with a bar on stderr."""
         with progress() as report:
-            solution = run_model(self.case, self.model, self._asked()._replace(report=report), self._stills())
+            options, snapshots = self._options()._replace(report=report), SNAPSHOTS
+            if self.choice.animate:
+                from strikewave.analyses.fem.figures import animation
+
+                snapshots = animation.SNAPSHOTS
+            solution = run_model(self.case, self.model, options, snapshots)
         lost = self.fields.notices if self.fields else ()
         return dataclasses.replace(solution, notices=(*solution.notices, *lost))
 
-    def _asked(self) -> RunOptions:
-        """Return what is asked of the run besides its histories."""
+    def _options(self) -> RunOptions:
+        """Return the options of the run; one that writes no files keeps no state."""
         if self.home is None or self.fields is None:
             return RunOptions(device=self.device)
         state = self.home / STATE_FILE
-        keep = Checkpoint(state, max(1, round(self.model.controls.intervals / STATES)))
-        asked = RunOptions(checkpoint=keep, resume=state if self.choice.restart else None, device=self.device)
-        return asked._replace(writer=self.fields.of_blow(1), later=self.fields.of_blow)
-
-    def _stills(self) -> int:
-        """Return how many instants the run keeps for its pictures."""
-        if not self.choice.animate:
-            return SNAPSHOTS
-        from strikewave.analyses.fem.figures import animation
-
-        return animation.SNAPSHOTS
+        return RunOptions(
+            checkpoint=Checkpoint(state, max(1, round(self.model.controls.intervals / STATES))),
+            resume=state if self.choice.restart else None,
+            device=self.device,
+            writer=self.fields.of_blow(1),
+            later=self.fields.of_blow,
+        )
 
     def summary(self, result: FemSolution) -> str:
-        """Say what happened."""
+        """Return the events of the run in sentences."""
         from strikewave.analyses.fem.report import fem_words
 
         return fem_words(result)
@@ -196,7 +199,7 @@ def progress() -> Iterator[Callable[[Progress], None]]:
 
 
 def say_model(case: Case, model: Model, quality: Sequence[PartQuality]) -> None:
-    """Say what will be run: elements, nodes, masses, the worst element, about how many steps."""
+    """Print elements, nodes, masses, the worst element, and about how many steps a run takes."""
     mesh, controls = model.mesh, model.controls
     say(f"{len(mesh.hexahedra)} elements, {len(mesh.points)} nodes")
     say("mass: " + ", ".join(f"{name} {_mass_words(*mass)}" for name, mass in _masses(case, model, quality).items()))
@@ -206,7 +209,7 @@ def say_model(case: Case, model: Model, quality: Sequence[PartQuality]) -> None:
     step = first_step(model)
     count = controls.duration / step
     work = len(mesh.hexahedra) * count * controls.blows
-    seconds = work / (USUAL_RATE * controls.threads)
+    seconds = work / (USUAL_RATE * controls.threads)  # threads share the elements evenly: contact and files come on top
     least, most = 1.0 + (controls.blows - 1) / controls.blows, 1.0 + MOST_REST * (controls.blows - 1) / controls.blows
     many = f", in {controls.blows} blows {controls.blows * count:.0f}" if controls.blows > 1 else ""
     rest = (
@@ -228,13 +231,7 @@ def _masses(case: Case, model: Model, quality: Sequence[PartQuality]) -> dict[st
 
 
 def _mass_words(mass: float, pieces: int) -> str:
-    """Write the mass of a body, and of it that of the mesh where that is a sector.
-
-    Examples
-    --------
-    >>> _mass_words(0.1655, 4), _mass_words(0.1655, 1)
-    ('0.662 kg (a quarter is meshed, 0.1655 kg)', '0.1655 kg')
-    """
+    """Return the mass of a body, and that of its meshed sector."""
     meshed = f" (a {NAMES[pieces]} is meshed, {mass:.4g} kg)" if pieces > 1 else ""
     return f"{pieces * mass:.4g} kg{meshed}"
 
@@ -252,12 +249,12 @@ def brief(value: float) -> str:
 
 
 def say_faceted(case: Case, quality: Sequence[PartQuality]) -> None:
-    """Say how much the flat faces of the elements take from round parts."""
+    """Print the share of mass that flat faces take from round parts."""
     exact = {part.name: exact_volume(part) for part in (case.mesh.part if case.mesh else ())}
     off = {row.part: row.volume / whole - 1.0 for row in quality if (whole := exact.get(row.part))}
-    words = [f"{part} {percent(share, 2, '+')}" for part, share in off.items() if abs(share) >= LEAST_OFF]
-    if words:
-        say(f"mass against that of the shape, whose round sides have flat faces here: {', '.join(words)}")
+    shares = [f"{part} {percent(share, 2, '+')}" for part, share in off.items() if abs(share) >= LEAST_OFF]
+    if shares:
+        say(f"mass against that of the shape, whose round sides have flat faces here: {', '.join(shares)}")
 
 
 def show(solution: FemSolution) -> None:
@@ -268,22 +265,17 @@ def show(solution: FemSolution) -> None:
         tell(words)
     print_face(solution, "touched", "Contacts")
     print_published(solution.comparisons)
-    _show_balance(solution)
+    run, columns = solution.run, zip(declarations(Energies), columns_of(Energies, [solution.energy]), strict=True)
+    print_rows("Energy at the end", [column for name, column in columns if name == "initial" or run.energy[name].any()])
+    tell("balance: " + ", ".join(check.words for check in solution.balance_checks))
+    tell(f"{run.steps} steps of {amount(STEP, run.step, digits=3)} or more, {run.speed / 1e6:.3g} M element-steps/s")
+    tell(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])
     if solution.later:
         _show_blows(solution)
 
 
-def _show_balance(solution: FemSolution) -> None:
-    run, columns = solution.run, zip(declarations(Energies), columns_of(Energies, [solution.energy]), strict=True)
-    there = [column for name, column in columns if name == "initial" or run.energy[name].any()]
-    print_rows("Energy at the end", there)
-    tell("balance: " + ", ".join(check.words for check in solution.balance_checks))
-    tell(f"{run.steps} steps of {amount(STEP, run.step, digits=3)} or more, {run.speed / 1e6:.3g} M element-steps/s")
-    tell(NO_BAND_OF_ELEMENTS[0].lower() + NO_BAND_OF_ELEMENTS[1:])
-
-
 def _show_blows(solution: FemSolution) -> None:
-    """Print what each blow came to, and how the bodies came to rest before it."""
+    """Print the contacts and the yield of each blow, and the relaxation before it."""
     print_face(solution, "contacts_of_blows", "Blow after blow", "blow")
     print_face(solution, "yield_of_blows", "Yield in each blow", "yield")
     for run in solution.later:
@@ -298,26 +290,17 @@ def _show_blows(solution: FemSolution) -> None:
 
 @declare.dataclass
 class CheckedPart:
-    """A part whose mesh was checked, and its masses."""
+    """Quality of the mesh of a part, and its masses."""
 
     quality: PartQuality = declare.part(PartQuality, "how good its mesh is", inline=True)
     mass: float = declare.number(MASS, "of the whole body", column=MORE)
     model_mass: float = declare.number(MASS, "of what is meshed")
 
 
-def _check_document(case: Case, model: Model, parts: Sequence[CheckedPart]) -> dict[str, Any]:
-    """Return the JSON document of a model that was checked."""
-    counted = {"elements": len(model.mesh.hexahedra), "nodes": len(model.mesh.points), "step": first_step(model)}
-    rows = {one.quality.part: declare.content(one) for one in parts}
-    notices = [notice.document() for notice in model_notices(case, model)]
-    units = {**declare.units(CheckedPart), "step": "s"}
-    return plain({**head(units, notices), "case": case.name, **counted, "parts": rows})
-
-
 UNFINISHED_NAMES = re.compile(r"(case|state|field)(-\d+)?(\.|$)")
-"""Names of what a run under way writes."""
+"""Names of the files of a run under way."""
 STATE_FILE = "state.h5"
-"""Where a run keeps its state to go on from."""
+"""File of the state that a run goes on from."""
 
 
 @contextlib.contextmanager
@@ -358,15 +341,15 @@ def unfinished_run(folder: Path, text: str, restart: bool, anew: bool) -> Iterat
 
 
 def _command_with(option: str) -> str:
-    """Return the command that runs now, with --restart or --force."""
-    words = [word for word in sys.argv[1:] if word not in ("--restart", "--force")]
-    words = ["fem" if k == 0 and word == "run" else word for k, word in enumerate(words)]  # run has no --restart
-    end = words.index("--") if "--" in words else len(words)  # behind it all words are names
-    return command_line([*words[:end], option, *words[end:]])
+    """Return the present command with --restart or --force."""
+    arguments = [argument for argument in sys.argv[1:] if argument not in ("--restart", "--force")]
+    arguments[:1] = ["fem"] if arguments[:1] == ["run"] else arguments[:1]  # run has no --restart
+    end = arguments.index("--") if "--" in arguments else len(arguments)  # behind it all are names
+    return command_line([*arguments[:end], option, *arguments[end:]])
 
 
 def _clear(home: Path) -> None:
-    """Remove what a run that was under way left; a folder with other files stays, and is refused."""
+    """Remove the folder of an unfinished run; one with other files stays, and is refused."""
     if not home.exists():
         return
     foreign = [entry.name for entry in home.iterdir() if not UNFINISHED_NAMES.match(entry.name)]
@@ -387,7 +370,7 @@ class FieldFile:
         self.notices: list[Notice] = []
 
     def add(self, frame: FieldFrame) -> None:
-        """Write a frame; what an interrupted run wrote beyond the state that it goes on from is dropped."""
+        """Write a frame; frames of an interrupted run after the state that it goes on from are dropped."""
         if self.writer is None:
             earlier = sum(time < frame.time for time in self.instants)
             again = self._taken_up(frame.time, earlier) if earlier else None
@@ -395,7 +378,7 @@ class FieldFile:
         self.writer.add(frame)
 
     def _taken_up(self, time: float, earlier: int) -> FieldWriter | None:
-        """Return the writer of the frames before, None where none can be used; what is lost is noted."""
+        """Return the writer of the frames before, None where none can be used; lost frames make a notice."""
         try:
             writer, reason = FieldWriter.restored(self.path, self.mesh, time), "the others are not there"
         except InputError as error:
@@ -409,52 +392,42 @@ class FieldFile:
             self.notices.append(Notice("frames-lost", message, float(count), float(earlier)))
         return writer
 
-    def hand_over(self, place: Path) -> list[str]:
-        """Close the file, put it into a folder and return its name; nothing where no frame came.
-
-        It stays here as well, under a second name, until the whole result is in its place: a run that is stopped
-        before goes on with it.
-        """
-        if self.writer is None:
-            return []
-        self.writer.close()
-        try:
-            os.link(self.path, place / self.path.name)
-        except OSError:  # a file system without second names
-            shutil.copyfile(self.path, place / self.path.name)
-        return [self.path.name]
-
-    def abandon(self) -> None:
-        """Leave the file as it is, to be taken up again."""
-        if self.writer is not None:
-            self.writer.abandon()
-
 
 class FieldFiles:
-    """field.vtkhdf of the first blow, field-2.vtkhdf of the second, and so on."""
+    """Files of fields: field.vtkhdf of the first blow, field-2.vtkhdf of the second, and so on."""
 
     def __init__(self, home: Path, mesh: Mesh, instants: Sequence[float]) -> None:
         self.home, self.mesh, self.instants = home, mesh, instants
         self.files: list[FieldFile] = []
 
     def of_blow(self, blow: int) -> FieldFile:
-        """Return the file of a blow, which is not there before."""
+        """Add the file of a blow and return it."""
         path = self.home / of_blow("field.vtkhdf", blow)
         self.files.append(FieldFile(path, self.mesh, self.instants))
         return self.files[-1]
 
     @property
     def notices(self) -> tuple[Notice, ...]:
-        """What was lost of the frames before a run went on."""
+        """Notices of frames lost before a run went on."""
         return tuple(notice for file in self.files for notice in file.notices)
 
     def hand_over(self, place: Path) -> list[str]:
-        """Close all files, put them into a folder and return their names."""
-        return [name for file in self.files for name in file.hand_over(place)]
+        """Close the files with frames, put them into a folder and return their names."""
+        written = [file for file in self.files if file.writer is not None]
+        for file in written:
+            if file.writer is not None:
+                file.writer.close()
+            # a second name, no move: a run that is stopped before the whole result is in place goes on with the file
+            try:
+                os.link(file.path, place / file.path.name)
+            except OSError:  # a file system without second names
+                shutil.copyfile(file.path, place / file.path.name)
+        return [file.path.name for file in written]
 
     def __enter__(self) -> FieldFiles:
         return self
 
     def __exit__(self, *error: object) -> None:
         for file in self.files:
-            file.abandon()
+            if file.writer is not None:
+                file.writer.abandon()

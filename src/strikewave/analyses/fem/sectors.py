@@ -23,34 +23,26 @@ from strikewave.fem.snapshots import outward
 Array = NDArray[np.float64]
 
 ACROSS = 1e-6
-"""Sine of the angle below which a way lies in a plane: files of meshes keep six digits or more."""
+"""Sine of the angle below which a direction lies in a plane: files of meshes keep six digits or more."""
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
-"""Where the components of a stress, xx yy zz xy yz zx, stand in a tensor."""
+"""Components of a stress, xx yy zz xy yz zx, at their places in a tensor."""
 _COMPONENTS = np.array([0, 4, 8, 1, 5, 2])
-"""Where they are found in a tensor, row by row."""
+"""Places of the components in a tensor, row by row."""
 
 
 @dataclass(frozen=True)
 class Sector:
-    """What is there of a body.
-
-    Attributes
-    ----------
-    pieces : int
-        So many of these make the whole body: 1, 2 or 4.
-    sides : tuple of str
-        Its sides in the planes of symmetry.
-    normals : tuple of tuple of float
-        Outward unit normals of those sides.
-    """
+    """The meshed part of a body; ``pieces`` of it, 1, 2 or 4, make the whole."""
 
     pieces: int = 1
     sides: tuple[str, ...] = ()
+    """Its sides in the planes of symmetry."""
     normals: tuple[tuple[float, ...], ...] = ()
+    """Outward unit normals of those sides."""
 
     @property
     def free(self) -> Array:
-        """What projects a vector onto its planes of symmetry, (3, 3): what lies across them cancels in the whole."""
+        """Projector of a vector onto the planes of symmetry, (3, 3): a component across them cancels in the whole."""
         projector = np.eye(3)
         for normal in self.normals:
             projector = projector - np.outer(normal, normal)
@@ -62,17 +54,7 @@ class Sector:
 
 
 def sectors(case: Case | None, model: Model) -> dict[str, Sector]:
-    """Return what is there of each part and group; a part of a file, or a group of unlike ones, counts as whole.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> from strikewave.analyses.fem.build import build_model
-    >>> case = load_case("hertz-ball-fem")
-    >>> found = sectors(case, build_model(case))["ball"]
-    >>> found.pieces, found.sides
-    (4, ('ball.x-', 'ball.y-'))
-    """
+    """Return the sector of each part and group; a part of a file, or a group of unlike sectors, counts as whole."""
     mesh = model.mesh
     sector_of = {name: Sector() for name in mesh.names}
     for part in case.mesh.part if case is not None and case.mesh is not None else ():
@@ -83,8 +65,7 @@ def sectors(case: Case | None, model: Model) -> dict[str, Sector]:
             normals = tuple(tuple(outward(mesh, side).tolist()) for side in sides)
             sector_of[part.name] = Sector(2 ** len(sides), tuple(sides), normals)
     for name, parts in model.groups.items():
-        first, *others = (sector_of[part] for part in parts)
-        sector_of[name] = first if all(_alike(first, other) for other in others) else Sector()
+        sector_of[name] = _shared(sector_of, parts)
     return sector_of
 
 
@@ -115,7 +96,10 @@ def of_whole_bodies(model: Model, run: FemRun, sector_of: dict[str, Sector]) -> 
         return run
     shared = _shared(sector_of, list(run.parts))
     touching = {name: _shared(sector_of, [_part(side) for side in sides]) for name, sides in model.touching.items()}
-    parts = {name: _whole_part(part, sector_of[name]) for name, part in run.parts.items()}
+    parts = {}
+    for name, part in run.parts.items():
+        moved = (history @ sector_of[name].free for history in (part.velocity, part.acceleration, part.displacement))
+        parts[name] = PartHistory(sector_of[name].pieces * part.mass, *moved)
     cuts = {section.name: section for section in model.sections}
     sections = {
         name: _whole_section(section, sector_of[cuts[name].part], unit(cuts[name].normal, "normal"))
@@ -138,7 +122,8 @@ def of_whole_bodies(model: Model, run: FemRun, sector_of: dict[str, Sector]) -> 
         momentum=shared.whole(run.momentum),
         impulse_given=shared.whole(run.impulse_given),
         added_mass=shared.pieces * run.added_mass,
-        pressed={name: _whole_faces(pressed, touching[name].pieces) for name, pressed in run.pressed.items()},
+        # the share of a surface that is pressed is that of the whole; the number of faces is not
+        pressed={name: pressed * np.array([1.0, touching[name].pieces]) for name, pressed in run.pressed.items()},
         rest=rest,
         plastic_work={name: sector_of[name].pieces * work for name, work in run.plastic_work.items()},
     )
@@ -151,9 +136,9 @@ def unlike_sectors(model: Model, sector_of: dict[str, Sector]) -> list[str]:
 
 
 def blow_of_bodies(model: Model, run: FemRun) -> dict[str, PartMeasure]:
-    """Return the blow that each body took: groups, then parts that nothing holds, then the others, the heaviest first.
+    """Return the blow of each body in a run of whole bodies: groups, then free parts, then held ones, heaviest first.
 
-    Held are parts with a fixed or non-reflecting side. What does not move comes last. ``run`` is that of whole bodies.
+    Held are parts with a fixed or non-reflecting side; bodies at rest come last.
     """
     held_parts = {_part(b.side) for b in model.boundaries if isinstance(b, Fixed | NonReflecting)}
     bodies = {name: part_measure(run, name) for name in (*run.groups, *run.parts)}
@@ -170,14 +155,9 @@ def _part(side: str) -> str:
 
 
 def _shared(sector_of: dict[str, Sector], names: Sequence[str]) -> Sector:
-    """Return the sector that all parts of some names are; the whole where they are not the same."""
+    """Return the sector that all of some parts are; the whole where they are not the same."""
     first, *others = (sector_of[name] for name in names)
     return first if all(_alike(first, other) for other in others) else Sector()
-
-
-def _whole_part(part: PartHistory, sector: Sector) -> PartHistory:
-    moved = (history @ sector.free for history in (part.velocity, part.acceleration, part.displacement))
-    return PartHistory(sector.pieces * part.mass, *moved)
 
 
 def _whole_section(section: SectionHistory, sector: Sector, normal: Array) -> SectionHistory:
@@ -194,13 +174,8 @@ def _whole_section(section: SectionHistory, sector: Sector, normal: Array) -> Se
     return SectionHistory(section.elements, stress.reshape(-1, 9)[:, _COMPONENTS], velocity, acceleration)
 
 
-def _whole_faces(pressed: Array, pieces: int) -> Array:
-    """Return the share of surfaces that is pressed, which is that of the whole, and how many faces that is."""
-    return np.asarray(pressed * np.array([1.0, pieces]))
-
-
 def _alike(first: Sector, second: Sector) -> bool:
-    """Tell whether two sectors were cut along the same planes, but for where these stand."""
+    """Return whether two sectors were cut along parallel planes."""
     return first.pieces == second.pieces and all(
         any(float(np.linalg.norm(np.cross(normal, twin))) < ACROSS for twin in second.normals)
         for normal in first.normals
@@ -208,5 +183,5 @@ def _alike(first: Sector, second: Sector) -> bool:
 
 
 def _in_plane(ways: Array, normal: tuple[float, ...]) -> bool:
-    """Tell whether all ways, unit vectors, lie in the plane of a normal."""
+    """Return whether all ways, unit vectors, lie in the plane of a normal."""
     return bool(np.all(np.abs(ways @ np.array(normal)) < ACROSS))

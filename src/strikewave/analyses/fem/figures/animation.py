@@ -53,33 +53,29 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 SNAPSHOTS = 60
-"""Instants over the run, and as many again while anything touches, that are kept for an animation (chosen: a few more
-than are shown, `TOUCHING` and `APART`)."""
+"""Instants kept over the run, and again while bodies touch (chosen: more than are shown, `TOUCHING` and `APART`)."""
 TOUCHING, APART = 52, 20
-"""Instants shown at most while bodies touch and while they are apart: a page plays 72 pictures in ten
-seconds, most of them of the contact."""
+"""Most instants shown while bodies touch, and while they are apart: a page plays 72 in ten seconds."""
 LARGEST_PAGE = 850_000
-"""Bytes of all pictures in a page at most: in base 64 they are 1.13 MB, so that a page fits into a mail."""
+"""Most bytes of all pictures in a page: in base 64 they are 1.13 MB, so that a page fits into a mail."""
 QUALITIES = (82, 65, 45, 25)
-"""Quality of the pictures as WebP and JPEG count it, 0 to 100; the first with which they are small enough is taken
-(chosen: from no difference that is seen to coarse blocks)."""
+"""Qualities of WebP and JPEG, 0 to 100, tried until the page is small enough (chosen: from unseen loss to blocks)."""
 COARSE = 2.0
-"""How many times larger than in still pictures the pieces are that faces are painted in: a frame has about half the
-pixels across of a still picture."""
+"""Factor on the size of painted pieces in still pictures: a frame has about half their pixels across."""
 LARGEST_SIDES = (860, 640)
 """Largest sides of a picture, pixels (chosen: sharp on a screen 1200 wide, and below `LARGEST_PAGE`)."""
 MOST_CURVES = 3
-"""Curves of a panel (chosen: their legends, one below the other, fit above it)."""
+"""Most curves of a panel (chosen: their legends, one below the other, fit above it)."""
 WIDE = 0.5
-"""A picture lower than this share of its width stands above the histories, not beside them."""
+"""Height of a picture over its width below which it stands above the histories, not beside them."""
 GIF_PICTURES = 60
 """Pictures of a GIF: six seconds at ten a second."""
 _DPI = 90
 """Resolution of a GIF, dots an inch (chosen: 790 pixels wide, as a slide shows)."""
 PANEL_HEIGHT = 98.0
-"""Height of a panel of histories, pixels: two of them with their legends are as high as the bodies beside them."""
+"""Height of a panel of histories, pixels: two with their legends are as high as the bodies beside them."""
 SCALE_COLOURS = 65
-"""Colours of the colour scale: more than can be told apart."""
+"""Colours of the colour scale: more than an eye tells apart."""
 NOTE = (
     "The bodies are cut open; sectors are mirrored to the half. Each element has the colour of its one value; "
     "displacements are to scale. The animation plays slower while bodies touch, as pictures are closer in time there. "
@@ -89,7 +85,7 @@ NOTE = (
 
 
 class PanelHistories(NamedTuple):
-    """Histories in one panel of the animation: what stands above, and time, s, and values by name."""
+    """Histories in one panel of the animation: label, unit, and time, s, with values by name."""
 
     label: str
     unit: str
@@ -98,31 +94,19 @@ class PanelHistories(NamedTuple):
 
 @dataclass(frozen=True)
 class Movie:
-    """Pictures of the bodies at instants, and what stands beside them.
-
-    Attributes
-    ----------
-    time : array (pictures,)
-        s.
-    images : sequence of image
-        All of one size.
-    shown : CutQuantity
-        Quantity that their colours show.
-    scale : ScalarMappable
-        How.
-    width : float
-        Width of the view in a picture, m.
-    extend : str
-        At which ends values lie beyond the scale, as matplotlib calls it.
-    traces : sequence of PanelHistories
-    """
+    """Pictures of the bodies over time, and the histories beside them."""
 
     time: Array
+    """Instants of the pictures, s."""
     images: Sequence[Image]
+    """Pictures, all of one size."""
     shown: CutQuantity
     scale: Any
+    """Colours of the quantity, a ScalarMappable."""
     width: float
+    """Width of the view in a picture, m."""
     extend: str
+    """Ends at which values lie beyond the scale, in the words of matplotlib."""
     traces: Sequence[PanelHistories]
 
     @property
@@ -135,16 +119,7 @@ class Movie:
 def movie_of(
     solution: FemSolution, quantity: str = "von_mises", progress: Callable[[float], None] | None = None
 ) -> Movie | None:
-    """Return the pictures of a run; None where it kept no instants.
-
-    Parameters
-    ----------
-    solution : FemSolution
-    quantity : str
-        One of `strikewave.analyses.fem.figures.cut.QUANTITIES`.
-    progress : callable, optional
-        Called with the share that is done, 0 to 1.
-    """
+    """Return the pictures of a run; None where it kept no instants. ``progress`` takes the share done, 0 to 1."""
     film = solution.film
     stills = shown_snapshots(film) if film is not None else []
     if film is None or not stills:
@@ -165,7 +140,7 @@ def movie_of(
 
 
 def shown_snapshots(film: SnapshotRecorder) -> list[Snapshot]:
-    """Return the instants that are shown, in the order of time: most of them while bodies touch."""
+    """Return the instants to be shown, in the order of time: most of them while bodies touch."""
     touching = {still.time for still in film.contact.kept}
     apart = [still for still in film.snapshots if still.time not in touching]
     shown = [film.contact.kept[k] for k in even_rows(len(touching), TOUCHING)] if touching else []
@@ -200,7 +175,7 @@ def _curves(time: Array, values: Mapping[str, Array]) -> dict[str, tuple[Array, 
 
 
 def _canvas(skin: Skin, seen: Seen) -> Callable[[Snapshot, Array], Image]:
-    """Return what makes a picture of the bodies at an instant, by the colours of their faces."""
+    """Return a function that draws the bodies at an instant in the colours of their faces."""
     left, right, low, high = seen.window
     each = min(LARGEST_SIDES[0] / (right - left), LARGEST_SIDES[1] / (high - low))
     size = (max(round(each * (right - left)), 80), max(round(each * (high - low)), 60))
@@ -217,15 +192,7 @@ def _canvas(skin: Skin, seen: Seen) -> Callable[[Snapshot, Array], Image]:
 
 
 def fem_page(movie: Movie, title: str, name: str = "") -> str:
-    """Return a page that plays the pictures beside the histories, which grow with time; it stands alone.
-
-    Parameters
-    ----------
-    movie : Movie
-        Pictures of the bodies over time.
-    title, name : str
-        Title of the page, and name of the case; plain text.
-    """
+    """Return a page that plays the pictures beside the histories, which grow with time; it stands alone."""
     return animation_page(fem_animation(movie), title, name)
 
 
@@ -233,12 +200,15 @@ def fem_animation(movie: Movie) -> Animation:
     """Return the pictures as frames in one scene, and the histories in a chart beside it, or below wide pictures."""
     time = np.array([float(f"{t:.7g}") for t in movie.time])
     pixels = movie.images[0].size
+    limits = (float(movie.scale.norm.vmin), float(movie.scale.norm.vmax))
+    colours = movie.scale.to_rgba(np.linspace(*limits, SCALE_COLOURS), bytes=True)[:, :3]
+    label = f"{movie.shown.words} ({movie.shown.unit})"
     bodies = Scene(
         "body",
         f"The bodies cut open, coloured by {movie.shown.words}; the time is written below.",
         "",
         (0.0, movie.width, 0.0, movie.width * pixels[1] / pixels[0]),
-        _colour_scale(movie),
+        ColourScale(label, limits, ["#" + bytes(row).hex() for row in colours], movie.extend),
     )
     histories = Chart(
         "traces",
@@ -246,7 +216,17 @@ def fem_animation(movie: Movie) -> Animation:
         "time",
         "time",
         PANEL_HEIGHT,
-        [_panel(trace) for trace in movie.traces],
+        [
+            Panel(
+                trace.label,
+                trace.unit,
+                [
+                    PlayedCurve(name, colour, [PlayedHistory(instants, values)])
+                    for (name, (instants, values)), colour in zip(trace.curves.items(), COLOURS, strict=False)
+                ],
+            )
+            for trace in movie.traces
+        ],
     )
     return Animation(
         kicker="Impact of bodies, explicit finite elements",
@@ -260,60 +240,29 @@ def fem_animation(movie: Movie) -> Animation:
     )
 
 
-def _panel(trace: PanelHistories) -> Panel:
-    """Return the histories of a panel, their times in s."""
-    curves = [
-        PlayedCurve(name, colour, [PlayedHistory(time, values)])
-        for (name, (time, values)), colour in zip(trace.curves.items(), COLOURS, strict=False)
-    ]
-    return Panel(trace.label, trace.unit, curves)
-
-
-def _colour_scale(movie: Movie) -> ColourScale:
-    limits = (float(movie.scale.norm.vmin), float(movie.scale.norm.vmax))
-    colours = movie.scale.to_rgba(np.linspace(*limits, SCALE_COLOURS), bytes=True)[:, :3]
-    label = f"{movie.shown.words} ({movie.shown.unit})"
-    return ColourScale(label, limits, ["#" + bytes(row).hex() for row in colours], movie.extend)
-
-
 def _encoded(images: Sequence[Image]) -> list[str]:
-    """Return pictures as addresses that hold them, of the best quality that keeps them small enough."""
-    webp = bool(features.check("webp"))
+    """Return pictures as data addresses, of the best quality that keeps them small enough."""
+    kind = "webp" if features.check("webp") else "jpeg"
+    method = {"method": 4} if kind == "webp" else {}  # chosen: the default of Pillow
     files: list[bytes] = []
     for quality in QUALITIES:
-        files = [_bytes(image, "WEBP" if webp else "JPEG", quality) for image in images]
+        buffers = [io.BytesIO() for _ in images]
+        for image, buffer in zip(images, buffers, strict=True):
+            image.save(buffer, kind.upper(), quality=quality, **method)
+        files = [buffer.getvalue() for buffer in buffers]
         if sum(map(len, files)) <= LARGEST_PAGE:
             break
-    kind = "webp" if webp else "jpeg"
     return [f"data:image/{kind};base64," + base64.b64encode(file).decode("ascii") for file in files]
 
 
-def _bytes(image: Image, kind: str, quality: int) -> bytes:
-    buffer = io.BytesIO()
-    image.save(buffer, kind, quality=quality, **({"method": 4} if kind == "WEBP" else {}))
-    return buffer.getvalue()
-
-
 def write_fem_gif(movie: Movie, title: str, path: Path, progress: Callable[[float], None] | None = None) -> None:
-    """Write the same as a GIF, which any slide or page can show.
-
-    Parameters
-    ----------
-    movie : Movie
-        Pictures of the bodies over time.
-    title : str
-        Above it; plain text.
-    path : Path
-        Where it is written.
-    progress : callable, optional
-        Called with the share that is done, 0 to 1.
-    """
+    """Write the animation as a GIF, which any slide or page can show."""
     figure, show = _moving(movie, title)
     write_gif(path, figure, show, even_rows(len(movie.time), GIF_PICTURES).tolist(), progress)
 
 
 def _moving(movie: Movie, title: str) -> tuple[Any, Callable[[int], None]]:
-    """Return a figure of the bodies and the histories, and what brings it to a picture."""
+    """Return a figure of the bodies and the histories, and the function that sets it to a picture."""
     width, height = movie.images[0].size
     share = height / width
     size = (8.4, 3.6 + 7.2 * share) if movie.wide else (8.8, float(np.clip(4.6 * share + 0.9, 3.6, 5.6)))

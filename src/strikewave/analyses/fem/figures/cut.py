@@ -29,55 +29,44 @@ Array = NDArray[np.float64]
 Window = tuple[float, float, float, float]
 
 TILT = 0.3
-"""How far the eye stands above the normal of the cut, per distance (chosen: 17 degrees; tops are seen, and lengths on
-the cut are shortened by 4 % at most)."""
+"""Tangent of the eye's height above the normal of the cut (chosen: 17 degrees show tops, and shorten lengths 4 %)."""
 SLENDER = 2.5
-"""A picture so many times as high as wide is laid down, or set in more columns (chosen: upright it would fill a screen
-and leave most of its width empty)."""
+"""Height of a picture over its width from which on it is laid down, or set in more columns (chosen: upright it would
+fill a screen and leave most of its width empty)."""
 COVERED, LOADED = 0.99, 1e-4
-"""Share of the loaded surface whose values the scale of colours reaches, over all instants (a single element at an edge
-would else darken all others); share of the largest value from which on a face counts as loaded (what a wave has not
-reached would else fill the 99 %)."""
+"""Share of the loaded surface within the scale of colours over all instants: a single element at an edge would else
+darken all others; share of the largest value of a loaded face: faces before the wave would else fill the 99 %."""
 EDGEWISE = 0.03
-"""Cosine of the angle with the line of sight below which a face counts as seen edgewise, and makes no outline: 1.7
-degrees, less than the facets of a round body turn from one to the next."""
+"""Cosine of the angle with the line of sight below which a face makes no outline: 1.7 degrees, less than the facets of
+a round body turn from one to the next."""
 PRESSED = 0.3
 """Share of the largest pressure above which a face counts as pressed (chosen: on a Hertzian contact p = p0 (1 -
 r²/a²)^½ this is r < 0.95 a, so that the reach of the picture follows the radius a)."""
 FACES_ACROSS = 12.0
-"""Reach of a close-up over the size of the faces that are pressed, at least (chosen: 24 elements across a picture show
-a gradient)."""
+"""Smallest reach of a close-up over the size of the pressed faces (chosen: 24 elements across show a gradient)."""
 AROUND = 2.0
-"""Reach of a close-up over that of the pressed faces, at least (chosen: the largest shear stress below a contact, at
+"""Smallest reach of a close-up over that of the pressed faces (chosen: the largest shear stress below a contact, at
 about half its radius, and the free surface beside it are seen)."""
 ZONE_COARSE = 4.0
-"""How many times larger the pieces of a close-up are: its faces are large, and few behind one another."""
+"""Factor on the size of the pieces of a close-up: its faces are large, and few lie behind one another."""
 
 
 class Seen(NamedTuple):
-    """How bodies are seen.
-
-    Attributes
-    ----------
-    frame : array (3, 3)
-        Unit vectors to the right, up and toward the eye.
-    window : (left, right, low, high)
-        Limits of the view, mm.
-    lined : float
-        Share of the larger side of the window from which on a face has mesh lines.
-    coarse : float
-        How many times larger than usual the pieces are that faces are painted in.
-    """
+    """View of bodies that are cut open."""
 
     frame: Array
+    """Unit vectors to the right, up and toward the eye, (3, 3)."""
     window: Window
+    """Limits of the view, left, right, low, high, mm."""
     lined: float = SMALLEST_LINED
+    """Smallest share of the larger side of the window at which a face has mesh lines."""
     coarse: float = 1.0
+    """Factor on the usual size of the pieces that faces are painted in."""
 
 
 @dataclass(frozen=True)
 class CutQuantity(ShownQuantity):
-    """What colours say: words, colours, how it comes from a still, (elements,)."""
+    """A quantity shown in colours: its words, its colours, and its values from a still, (elements,)."""
 
     words: str
     colours: str
@@ -109,7 +98,7 @@ QUANTITIES: Mapping[str, CutQuantity] = {
 
 @dataclass(frozen=True)
 class Zone:
-    """Where bodies touch: faces of a skin that are pressed, and how far around them is shown, m."""
+    """Place of a contact: the pressed faces of a skin, and the reach of the view around them, m."""
 
     faces: NDArray[np.intp]
     reach: float
@@ -123,10 +112,11 @@ class Zone:
         return np.asarray(place)
 
     def window(self, skin: Skin, still: Snapshot, frame: Array) -> Window:
-        """Return what is shown at an instant, mm: all pressed faces, and no more void below or above than needed."""
+        """Return the window at an instant, mm: all pressed faces, and no more void below or above than needed."""
         moved = skin.moved(still.displacement) @ frame.T
         x, y = (frame @ self.middle(skin, still))[:2]
         own = moved[skin.faces[self.faces]][:, :, :2].reshape(-1, 2)
+        # a tenth of air (chosen): faces spread as the contact deepens
         reach = max(self.reach, 1.1 * float(np.abs(own - [x, y]).max()))
         beside = moved[np.abs(moved[:, 0] - x) <= reach, 1]
         y = float(
@@ -136,17 +126,7 @@ class Zone:
 
 
 def cut_figure(skin: Skin, stills: Sequence[Snapshot], quantity: str = "von_mises") -> Figure:
-    """Draw the bodies cut open at some instants, in one scale of colours.
-
-    Parameters
-    ----------
-    skin : Skin
-        Visible faces of the bodies.
-    stills : sequence of Snapshot
-        At least one.
-    quantity : str
-        One of `QUANTITIES`.
-    """
+    """Draw the bodies cut open at some instants, in one scale of colours for one of `QUANTITIES`."""
     shown = QUANTITIES[quantity]
     frame = sight(skin, stills, TILT)
     window = window_of(skin, stills, frame)
@@ -166,7 +146,7 @@ def wave_figure(skin: Skin, stills: Sequence[Snapshot], quantity: str = "axial_s
 
 
 def close_up_figure(skin: Skin, zone: Zone, pictures: Sequence[tuple[Snapshot, str]]) -> Figure:
-    """Draw where bodies touch, straight onto the cut: an instant and a quantity for each picture, each in its scale."""
+    """Draw a contact from near, straight onto the cut: an instant, a quantity and a scale for each picture."""
     frame = sight(skin, [], 0.0, lying=False)
     figure = Figure(figsize=(4.9 * len(pictures), 4.1), dpi=160, layout="constrained")
     for axes, (still, name) in zip(figure.subplots(1, len(pictures), squeeze=False).ravel(), pictures, strict=True):
@@ -209,17 +189,7 @@ def _sheet(skin: Skin, stills: Sequence[Snapshot], seen: Seen, looks: tuple[CutQ
 
 
 def draw_body(axes: Any, skin: Skin, still: Snapshot, seen: Seen, colours: Array, bar: bool = True) -> None:
-    """Draw the bodies at an instant with their outlines.
-
-    Parameters
-    ----------
-    axes : matplotlib axes
-    skin, still : Skin, Snapshot
-    seen : Seen
-    colours : array (faces, 3)
-    bar : bool
-        True to draw a scale bar with its length in mm below.
-    """
+    """Draw the bodies at an instant with their outlines, in colours by face, and a scale bar below."""
     frame, window, smallest, coarse = seen
     moved = skin.moved(still.displacement) @ frame.T
     corners = moved[skin.faces]
@@ -236,10 +206,7 @@ def draw_body(axes: Any, skin: Skin, still: Snapshot, seen: Seen, colours: Array
 
 
 def sight(skin: Skin, stills: Sequence[Snapshot], tilt: float, lying: bool = True) -> Array:
-    """Return what is right, up and toward the eye, (3, 3), for a look onto the cut, from a little above.
-
-    What is `SLENDER` times as high as wide is laid down where it may be.
-    """
+    """Return right, up and toward the eye, (3, 3), for a look onto the cut; slender bodies are laid down."""
     normal = skin.cut.plane.normal
     up = np.array([0.0, 0.0, 1.0]) if abs(normal[2]) < 0.7 else np.array([1.0, 0.0, 0.0])
     if lying:
@@ -316,21 +283,9 @@ def pressures(skin: Skin, still: Snapshot) -> Array:
 def pressed_most(
     skin: Skin, stills: Sequence[Snapshot], at: float, own: NDArray[np.bool_]
 ) -> tuple[Snapshot, Zone] | None:
-    """Return the instant nearest to that of the largest force at which bodies press each other, and where.
+    """Return the instant nearest to ``at``, s, at which ``own`` faces press, and where; None where none does.
 
-    The faces are those of the side whose face bears the largest pressure then, above `PRESSED` of that. None where
-    nothing presses.
-
-    Parameters
-    ----------
-    skin : Skin
-        Visible faces of the bodies.
-    stills : sequence of Snapshot
-        The instants that there are.
-    at : float
-        When the force of the contact is largest, s.
-    own : array (faces,) of bool
-        True for the faces on the sides of the contact.
+    The faces are those above `PRESSED` of the largest pressure, of the side that bears it.
     """
     for still in sorted(stills, key=lambda each: abs(each.time - at)):
         pressure = np.where(own, pressures(skin, still), 0.0)
@@ -340,7 +295,7 @@ def pressed_most(
 
 
 def _zone(skin: Skin, pressure: Array) -> Zone:
-    """Return where the faces are that bear a pressure, (faces,)."""
+    """Return the place of a pressure, (faces,)."""
     worst = int(np.argmax(pressure))
     faces = np.flatnonzero((skin.touching == skin.touching[worst]) & (pressure > PRESSED * pressure[worst]))
     normal = skin.cut.plane.normal
@@ -365,6 +320,7 @@ def _inside(skin: Skin, still: Snapshot, frame: Array, window: Window) -> NDArra
     """Return which faces can be seen in a window, but for those behind others."""
     corners = skin.moved(still.displacement)[skin.faces] @ frame.T
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+    # within 60 degrees of the line of sight: those that a close-up shows, not the sides of bodies
     return _within(corners, window) & (normal[:, 2] > 0.5 * np.linalg.norm(normal, axis=1))
 
 

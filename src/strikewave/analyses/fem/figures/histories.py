@@ -43,18 +43,18 @@ from strikewave.reporting.style import (
 Array = NDArray[np.float64]
 
 MOST_CURVES = 8
-"""Curves drawn in one picture, those that reach farthest (chosen: a legend of two rows; of five colours and four dashes
-no two curves share both)."""
+"""Most curves of one picture, those that reach farthest (chosen: a legend of two rows, and none alike of colour and
+dash)."""
 CUT_OFF = 3.0
-"""A part that reaches so many times as far as every group is cut off (chosen: the groups, which are what a sensor
-measures, then fill at least a third of the axis)."""
+"""Reach of a part over that of every group from which on it is cut off (chosen: the groups, which a sensor measures,
+then fill at least a third of the axis)."""
 TINY = 1e-4
-"""An energy that never reaches this share of the largest one is not drawn: on an axis of 300 pixels it is none."""
+"""Smallest share of the largest energy that is drawn: on an axis of 300 pixels a smaller one is a line at zero."""
 NEAR_LIMIT = 0.2
 """Share of its limit from which on the balance error is drawn with the limit: below, the limit would flatten it."""
 AIR = 0.08
-"""Share of the range left free above and below groups that set the scale (chosen: a little more than the 0.05 of
-matplotlib, so that a curve that is cut off is seen to go on)."""
+"""Share of the range left free above and below groups that set the scale (chosen: more than the 0.05 of matplotlib, so
+that a curve that is cut off is seen to go on)."""
 PEAK_LABEL = 0.12
 """Share of the axis left free above the forces (chosen: room for the label of the peak)."""
 _ENERGY_LOOKS = {
@@ -69,15 +69,7 @@ _ENERGY_LOOKS = {
 
 
 def summary_sheet(run: FemRun, title: str) -> Figure:
-    """Draw contact force, energy balance, rigid-body acceleration and section stress or point motion on one sheet.
-
-    Parameters
-    ----------
-    run : FemRun
-        Run that is drawn.
-    title : str
-        Stands above.
-    """
+    """Draw contact force, energy balance, rigid-body acceleration and section stress or point motion on one sheet."""
     figure = new_figure((9.8, 7.2))
     sheet_title(figure, title)
     grid = figure.add_gridspec(2, 2)
@@ -118,7 +110,7 @@ def energy_figure(run: FemRun) -> Figure:
 
 
 def draw_forces(axes: Any, run: FemRun) -> None:
-    """Draw the size of each contact force, the mean of each interval, its peak marked, and that of its impulse."""
+    """Draw the mean of each contact force over each interval, its peak marked, and its impulse."""
     scale, unit = time_unit(run.time[-1])
     sizes = {name: np.linalg.norm(mean_force(run, name), axis=1) for name in run.force}
     chosen = _largest(sizes)
@@ -237,15 +229,15 @@ def _draw_curves(
     axes: Any,
     run: FemRun,
     curves: Mapping[str, Array],
-    words: tuple[str, str],
+    labels: tuple[str, str],
     time: Array | None = None,
     chief: Sequence[str] = (),
 ) -> None:
-    """Draw named curves over the time of the run or another, those that reach farthest; a note where there is none.
+    """Draw the named curves that reach farthest over a time, or a note where there is none.
 
     ``chief`` are drawn thick and above the others, and set the scale.
     """
-    title, label = words
+    title, label = labels
     if not curves:
         empty_axes(axes, title, "none is watched")
         return
@@ -261,8 +253,8 @@ def _draw_curves(
         look = {"zorder": 3 + len(chosen) - k, **look}
         _line(axes, time / scale, curves[name], DASHES[k % len(DASHES)], **look)
     if cut:
-        whole = np.concatenate([curves[name] for name in chosen if name not in cut])
-        low, high = min(float(whole.min()), 0.0), max(float(whole.max()), 0.0)
+        values = np.concatenate([curves[name] for name in chosen if name not in cut])
+        low, high = min(float(values.min()), 0.0), max(float(values.max()), 0.0)
         axes.set_ylim(low - AIR * (high - low), high + AIR * (high - low))
     quiet(axes, title, f"time ({unit})", label)
     axes.set_xlim(run.time[0] / scale, run.time[-1] / scale)
@@ -293,10 +285,7 @@ def _reach(values: Array) -> float:
 
 
 def _legend(axes: Any, shown: int, of: int, source: Any = None) -> None:
-    """Put the legend below the axes, where it hides no curve, and say how many curves are left out.
-
-    ``source`` are other axes whose curves it names.
-    """
+    """Put a legend of the curves, or of those of ``source``, below the axes, where it hides none; count the others."""
     handles, labels = (source or axes).get_legend_handles_labels()
     if of < 2 and handles and source is None and not axes.texts:
         axes.set_title(f"{axes.get_title(loc='left')}: {labels[0]}", loc="left", fontsize=10, parse_math=False)
@@ -325,24 +314,17 @@ def _interval_words(run: FemRun) -> str:
 
 
 def _axis_words(axis: Array) -> str:
-    """Name an axis: a letter where it is one of the three, else its components.
-
-    Examples
-    --------
-    >>> _axis_words(np.array([0.0, 0.0, 1.0])), _axis_words(np.array([0.6, 0.0, 0.8]))
-    ('z', '(0.6, 0, 0.8)')
-    """
-    whole = np.flatnonzero(axis > 0.9999)
-    return "xyz"[int(whole[0])] if whole.size else "(" + ", ".join(f"{v:.2g}" for v in axis) + ")"
+    """Return the letter of an axis, x, y or z, or else its components."""
+    along = np.flatnonzero(axis > 0.9999)  # within 0.8 degrees: components are shown to two digits
+    return "xyz"[int(along[0])] if along.size else "(" + ", ".join(f"{v:.2g}" for v in axis) + ")"
 
 
 MARGIN_OF_BLOWS = 0.1
-"""Share of the contact time that is shown before and after it (chosen: start and end are seen, the pulse fills the
-picture)."""
+"""Share of the contact time shown before and after it (chosen: both ends are seen, and the pulse fills the picture)."""
 MOST_BLOW_LABELS = 5
 """Most blows that are all in the legend, else the first two and the last (chosen: it stays in the upper corner)."""
 MOST_BLOW_TICKS = 10
-"""Most blows that each have a tick (chosen: numbers of three digits stay apart in a third of the width of a page)."""
+"""Most blows that each have a tick (chosen: three-digit numbers stay apart in a third of the width of a page)."""
 
 
 def blows_figure(runs: Sequence[FemRun]) -> Figure:
@@ -358,23 +340,26 @@ def blows_figure(runs: Sequence[FemRun]) -> Figure:
 
 
 def _draw_force_of_blows(axes: Any, runs: Sequence[FemRun]) -> None:
-    names = {name: peak for name in runs[0].force if (peak := _largest_force(runs, name)) > 0.0}
-    if not names:
+    touching = {name: [t for run in runs if (t := contact_measure(run, name)) is not None] for name in runs[0].force}
+    peaks = {name: max((touch.peak for touch in touching[name]), default=0.0) for name in touching}
+    name = max(peaks, key=peaks.__getitem__, default="")
+    if not peaks.get(name, 0.0) > 0.0:
         empty_axes(axes, "", "nothing touched")
         return
-    name = max(names, key=lambda each: names[each])
     (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "kN")
     for k, run in enumerate(runs):
         force = np.linalg.norm(mean_force(run, name), axis=1) / newton
-        colour, dash = _look_of_blow(k, len(runs))
-        label = f"blow {run.blow}" if k in (0, 1, len(runs) - 1) or len(runs) <= MOST_BLOW_LABELS else None
+        last = k == len(runs) - 1
+        colour = RED if k == 0 else BLUE if last else str(round(0.75 - 0.5 * k / len(runs), 3))
+        dash = "--" if last and k > 0 else "-"
+        label = f"blow {run.blow}" if k in (0, 1) or last or len(runs) <= MOST_BLOW_LABELS else None
         axes.plot(*thin(middles(run.time) / second, force), dash, color=colour, linewidth=1.4, label=label)
     since, label = headed("time of each blow", "s", "us"), headed("mean force of intervals", "N", "kN")
     quiet(axes, "Contact force, blow after blow", since, label)
     axes.set_title(axes.get_title(loc="left") + f": {shortened(name, 34)}", loc="left", fontsize=10, parse_math=False)
-    touches = [touch for run in runs if (touch := contact_measure(run, name)) is not None]
-    first, last = min(touch.begin for touch in touches) / second, max(touch.end for touch in touches) / second
-    axes.set_xlim(max(0.0, first - MARGIN_OF_BLOWS * (last - first)), last + MARGIN_OF_BLOWS * (last - first))
+    begin = min(touch.begin for touch in touching[name]) / second
+    end = max(touch.end for touch in touching[name]) / second
+    axes.set_xlim(max(0.0, begin - MARGIN_OF_BLOWS * (end - begin)), end + MARGIN_OF_BLOWS * (end - begin))
     axes.set_ylim(bottom=0.0)
     axes.legend(frameon=False, fontsize=8, loc="upper right")
 
@@ -392,16 +377,3 @@ def _draw_yield(axes: Any, runs: Sequence[FemRun]) -> None:
     if max(shares) <= 0.0:
         axes.set_ylim(0.0, 1.0)
         axes.text(0.5, 0.5, "nothing yields", ha="center", va="center", transform=axes.transAxes, color=GREY)
-
-
-def _largest_force(runs: Sequence[FemRun], name: str) -> float:
-    return max((touch.peak for run in runs if (touch := contact_measure(run, name)) is not None), default=0.0)
-
-
-def _look_of_blow(k: int, count: int) -> tuple[str, str]:
-    """Return colour and dash of the k-th of some blows."""
-    if k == 0:
-        return RED, "-"
-    if k == count - 1:
-        return BLUE, "--"
-    return str(round(0.75 - 0.5 * k / count, 3)), "-"

@@ -37,42 +37,29 @@ Array = NDArray[np.float64]
 Vector = tuple[float, float, float]
 
 ZONE_FACES = 16.0
-"""Radius of the zone of a contact over the size of its faces, at most (chosen: about 32 elements across, each large
-enough to have mesh lines)."""
+"""Largest radius of the zone of a contact over the size of its faces (chosen: 32 elements across show mesh lines)."""
 ROUNDING = 1e-9
-"""Share by which the radius of a zone exceeds the distance of a middle that shall be in it: far beyond the rounding of
-coordinates, 1e-16, and no change of the picture."""
+"""Share by which the radius of a zone exceeds the distance of a middle in it: beyond rounding, 1e-16, and unseen."""
 
 
 @dataclass(frozen=True)
 class Camera:
-    """How parts are looked at.
-
-    Attributes
-    ----------
-    toward : vector
-        From the parts to the eye.
-    up : vector
-        Direction that is up in the picture.
-    cut : (point, normal), optional
-        Elements whose middle lies beyond this plane, on the side that the normal points to, are left out.
-    warp : float
-        By what displacements are multiplied.
-    parts : tuple of str
-        Parts to be drawn; all where empty.
-    near : (point, radius), optional
-        Elements whose middle lies farther from the point are left out: the zone of a contact.
-    limits : (float, float), optional
-        Ends of the scale of colours, SI; from the least value, or 0, to the largest if absent.
-    """
+    """View of the parts."""
 
     toward: Vector = (-0.5, -1.0, 0.6)
+    """Direction from the parts to the eye."""
     up: Vector = (0.0, 0.0, 1.0)
+    """Direction that is up in the picture."""
     cut: tuple[Vector, Vector] | None = None
+    """Point and normal of a plane; elements with their middle beyond it are left out."""
     warp: float = 1.0
+    """Factor of the displacements."""
     parts: tuple[str, ...] = ()
+    """Parts to be drawn; all where empty."""
     near: tuple[Vector, float] | None = None
+    """Point and radius; elements with their middle farther away are left out."""
     limits: tuple[float, float] | None = None
+    """Ends of the scale of colours, SI; from the least value, or 0, to the largest if absent."""
 
     def axes(self) -> Array:
         """Return what is right, up and toward the eye in the picture, unit vectors, (3, 3)."""
@@ -90,18 +77,20 @@ def view_of(model: Model) -> Camera:
     The blow goes along the greatest initial momentum, or what is driven; without either along z.
     """
     mesh = model.mesh
-    flat: list[Array] = []
+    flat: list[Array] = []  # one normal of each plane: several sides may lie in one
     for normal in (outward(mesh, b.side) for b in model.boundaries if isinstance(b, Symmetry)):
         flat += [normal] if all(abs(normal @ other) < 0.9 for other in flat) else []
     axis = blow_axis(model)
     up = next(e for e in np.eye(3)[[2, 1, 0]] if all(abs(n @ e) < 0.5 for n in flat) or e[0] == 1.0)
     if flat:
+        # straight onto the first plane, a little from the second and from above (chosen)
         toward = flat[0] + 0.5 * sum(flat[1:], np.zeros(3)) + 0.4 * up
         if len(flat) == 1:
             toward = toward + 0.35 * np.cross(up, flat[0])
         return Camera(toward=as_vector(toward), up=as_vector(up))
     normal = next(n for n in (np.array([0.0, -1.0, 0.0]), np.array([-1.0, 0.0, 0.0])) if abs(n @ axis) < 0.9)
     middle = 0.5 * (mesh.points.min(axis=0) + mesh.points.max(axis=0))
+    # 19 and 24 degrees aside and above (chosen: three sides are seen)
     toward = normal + 0.35 * np.cross(normal, up) + 0.45 * up
     whole = Camera(toward=as_vector(toward), up=as_vector(up))
     cut = dataclasses.replace(whole, cut=(as_vector(middle), as_vector(normal)))
@@ -152,7 +141,7 @@ def kept_elements(mesh: Mesh, view: Camera) -> NDArray[np.bool_]:
 
 
 def _visible(mesh: Mesh, view: Camera) -> NDArray[np.bool_]:
-    """Return which elements a view leaves, (elements,); it may be none."""
+    """Return which elements a view leaves, (elements,), perhaps none."""
     middle = _middles(mesh)
     visible = np.ones(len(middle), bool)
     if view.parts:
@@ -170,7 +159,7 @@ def _visible(mesh: Mesh, view: Camera) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class PicturedField(ShownQuantity):
-    """A field that can be shown: its words, how it comes from a frame by element."""
+    """A field that can be shown: its words, and its values by element from a frame."""
 
     words: str
     of: Callable[[FieldFrame, Mesh], Array]
@@ -204,14 +193,14 @@ def colour_scale(values: Sequence[Array], view: Camera, shown: PicturedField) ->
 
 
 def beyond_scale(values: Sequence[Array], scale: Any) -> str:
-    """Say to which side values lie beyond the scale of colours, as matplotlib calls it."""
+    """Return at which ends values lie beyond the scale of colours, in the words of matplotlib."""
     below = any(float(cells.min()) < scale.norm.vmin for cells in values)
     above = any(float(cells.max()) > scale.norm.vmax for cells in values)
     return "both" if below and above else "min" if below else "max" if above else "neither"
 
 
 WIDEST = 4.0
-"""A picture is at most so many times as high as wide (chosen: a bar of a round length fits below it)."""
+"""Largest height of a picture over its width (chosen: a bar of a round length fits below it)."""
 
 
 def window_about(hexahedra: Index, places: Sequence[Array], view: Camera) -> tuple[float, float, float, float]:
@@ -226,7 +215,7 @@ def window_about(hexahedra: Index, places: Sequence[Array], view: Camera) -> tup
 
 
 def instant_words(time: float) -> str:
-    """Write a time as the histories do."""
+    """Return a time in the unit of the histories."""
     size, unit = time_unit(time)
     return f"{time / size:.4g} {unit}"
 
@@ -236,15 +225,10 @@ def frame_window(axes: Any, window: tuple[float, float, float, float], bar: bool
     left, right, low, high = window
     axes.set(xlim=(left, right), ylim=(low, high), xticks=[], yticks=[], aspect="equal")
     axes.spines[:].set_visible(False)
-    if bar:
-        _draw_bar(axes, window)
-
-
-def _draw_bar(axes: Any, window: tuple[float, float, float, float]) -> None:
-    """Draw a bar of a round length, at most a quarter of the width, below the parts."""
-    left, right, low, high = window
+    if not bar:
+        return
     size, unit = axis_unit("m", "mm")
-    round_length = round_step(0.25 * (right - left) * 1e-3 / size)
+    round_length = round_step(0.25 * (right - left) * 1e-3 / size)  # at most a quarter of the width
     length = round_length * size * 1e3
     begin, below = left + 0.03 * (right - left), low + 0.06 * max(right - left, high - low)
     halo = [withStroke(linewidth=3.5, foreground="white")]
@@ -263,13 +247,12 @@ def _draw_bar(axes: Any, window: tuple[float, float, float, float]) -> None:
 
 
 PIECES_ACROSS = 90
-"""A face larger than this share of the picture's width is divided before it is painted (chosen: painting by distance
-then errs by about 1 % of the width)."""
+"""Pieces across a picture; a larger face is divided (chosen: painting by distance then errs by 1 % of the width)."""
 MOST_PARTS = 200
-"""A side of a face is divided at most into this many pieces: twice what a face as wide as the picture needs."""
+"""Most pieces along a side of a face: twice those of a face as wide as the picture."""
 NEARER = 0.75
-"""How much nearer to the eye lines are painted than the pieces they border, in sizes of a piece: the middle of a
-neighbouring piece lies half a size away, so that its line stays on top, while bodies in front still hide it."""
+"""Distance by which lines are painted nearer to the eye than the pieces they border, in sizes of a piece: the middle of
+a neighbour lies half a size away, so that the line stays on top while bodies in front still hide it."""
 
 
 def paint_faces(
@@ -277,23 +260,15 @@ def paint_faces(
 ) -> None:
     """Paint the faces that look toward the eye, from the farthest to the nearest, those that look aside darker.
 
-    Parameters
-    ----------
-    axes : matplotlib axes
-    corners : array (faces, 4, 3)
-        To the right, up and toward the eye, m.
-    colours : array (faces, 3)
-    across : float
-        Width of the picture, m.
-    smallest_lined : float
-        Share of it from which on a face has mesh lines.
-    lines : array (lines, 2, 3), optional
-        Ends of dark lines on the faces, such as outlines.
+    ``corners`` (faces, 4, 3) go right, up and toward the eye, m, as do ``lines`` (lines, 2, 3), dark ones such as
+    outlines. ``across`` is the width of the picture, m; a face larger than ``smallest_lined`` of it has mesh lines.
     """
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     size = np.linalg.norm(normal, axis=1)
+    # a face seen edgewise, and one without an area, has nothing to paint
     facing = normal[:, 2] > 1e-9 * np.maximum(size, 1e-300)
     corners, size, normal = corners[facing], size[facing], normal[facing]
+    # chosen: shape is seen, and colours still compare with the scale
     colour = colours[facing] * (0.78 + 0.22 * normal[:, 2] / size)[:, None]
     lined = np.sqrt(0.5 * normal[:, 2]) > smallest_lined * across
     pieces, of, meshed = _divided(corners, across / PIECES_ACROSS, lined)
@@ -304,6 +279,7 @@ def paint_faces(
         dark = np.full((len(strokes), 3), 0.13)
         pieces, fill, edge = (np.concatenate(p) for p in ((pieces, strokes), (fill, dark), (edge, dark)))
         width = np.concatenate([width, np.full(len(strokes), 0.7)])
+    # stable: equal distances keep the order of the mesh, so that files repeat
     order = np.argsort(pieces[:, :, 2].mean(axis=1), kind="stable")
     flat: Any = pieces[order][:, :, :2] * 1e3
     collection = PolyCollection(
@@ -330,10 +306,9 @@ def _outlines(lines: Array, largest: float) -> Array:
 def _divided(
     corners: Array, largest: float, lined: NDArray[np.bool_]
 ) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
-    """Divide faces (faces, 4, 3) whose sides are longer than ``largest`` into pieces of about that size.
+    """Divide faces (faces, 4, 3) into pieces (pieces, 4, 3) of about a size; return also their faces and mesh lines.
 
-    Returns the pieces (pieces, 4, 3), the face of each, and which of them are mesh lines: flat pieces along a side.
-    A face that is not divided is its own line, where it is ``lined``.
+    Mesh lines of a divided face are flat pieces along its sides; a face that is not divided is its own.
     """
     sides = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     longest = np.maximum(sides[:, :2], sides[:, 2:])
@@ -373,25 +348,13 @@ def _strokes(cells: Array) -> Array:
 
 
 SMALLEST_LINED, SMALLEST_MESHED = 0.012, 0.006
-"""Faces smaller than this share of the picture's width have no mesh lines: in pictures of fields, of the mesh."""
+"""Smallest share of the picture's width at which a face has mesh lines: in pictures of fields, and of the mesh."""
 PART_COLOURS = (BLUE, ORANGE, GREEN, RED, "#CC79A7", "#56B4E9", GREY, "#F0E442")
 """Colours of parts in their order: those of Okabe and Ito, with grey for black, which would hide mesh lines."""
 
 
 def body_picture(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quantity: str = "von_mises") -> Figure:
-    """Draw the parts at an instant, coloured by a field, with matplotlib alone.
-
-    Parameters
-    ----------
-    mesh : Mesh
-        Mesh of the run.
-    frame : FieldFrame
-        The instant.
-    view : Camera, optional
-        From where, cut where.
-    quantity : str, optional
-        One of `QUANTITIES`.
-    """
+    """Draw the parts at an instant, coloured by one of `QUANTITIES`, with matplotlib alone."""
     return frames_picture(mesh, [frame], view, quantity)
 
 
@@ -461,10 +424,7 @@ def _paint(
 
 
 def scene(mesh: Mesh, frame: FieldFrame, view: Camera | None = None, quantity: str = "von_mises") -> NDArray[np.uint8]:
-    """Render the parts at an instant with pyvista, without a screen: an image (height, width, 3).
-
-    The same view, cut and scale as `body_picture`, by VTK's own hidden surfaces.
-    """
+    """Render `body_picture` with pyvista, without a screen: an image (height, width, 3), by VTK's hidden surfaces."""
     view, shown = view or Camera(), quantity_of(quantity)
     try:
         pyvista: Any = importlib.import_module("pyvista")

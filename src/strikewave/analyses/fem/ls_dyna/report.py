@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -72,23 +73,19 @@ def ls_dyna_report(result: LsDynaResult) -> str:
 
 
 def ls_dyna_words(result: LsDynaResult) -> str:
-    """Say in words what the contact came to, and how far both runs are apart: on the screen and in the report."""
+    """Return the force of the contact, and its difference, in a sentence for the screen and the report."""
     for name, pair in result.strongest_pair.items():
         theirs, ours = (text_of(pulse, "peak") for pulse in (pair.ls_dyna, pair.strikewave))
         peak, width, impulse = (text_of(pair.differences, what) for what in ("peak", "width", "impulse"))
+        of_sector = result.found.strikewave is not None and result.found.strikewave.as_meshed
         return (
             f"Contact {name}: LS-DYNA reaches {theirs}, strikewave {ours} ({peak}); pulse width {width}, impulse "
-            f"{impulse}.{_meshed(result.found)}"
+            f"{impulse}."
+            + (" Forces and energies of both are those of the meshed sector, not of whole bodies." if of_sector else "")
         )
     for name, pulse in result.strongest_pulse.items():
         return f"Contact {name} of LS-DYNA reaches {text_of(pulse, 'peak')}; no run of strikewave to compare."
     return "Nothing touched." if result.pulses else "No contact force is in the folder."
-
-
-def _meshed(comparison: RunComparison) -> str:
-    """Say that a sector is compared, where forces of whole bodies stand elsewhere."""
-    of_sector = comparison.strikewave is not None and comparison.strikewave.as_meshed
-    return " Forces and energies of both are those of the meshed sector, not of whole bodies." if of_sector else ""
 
 
 def _read(theirs: LsDynaRun) -> Section:
@@ -107,18 +104,17 @@ def _forces(result: LsDynaResult) -> Section:
     comparison, parts = result.found, list[Part]()
     for pair in comparison.forces:
         caption = f"Magnitude of the contact force {pair.name}: strikewave solid, LS-DYNA dashed."
-        parts.append(Picture(force_figure(pair), caption))
+        parts.append(Picture(one_diagram(functools.partial(draw_force, pair=pair), WHOLE), caption))
     if not comparison.forces and comparison.ls_dyna.contacts:
-        parts.append(
-            Picture(contact_figure(comparison.ls_dyna.contacts), "Magnitudes of the contact forces of LS-DYNA.")
-        )
+        figure = one_diagram(lambda axes: draw_contacts(axes, comparison.ls_dyna.contacts), WHOLE)
+        parts.append(Picture(figure, "Magnitudes of the contact forces of LS-DYNA."))
     parts += [pair_table(pair) for pair in comparison.forces]
     parts.append(contact_table(result))
     return Section("Contact forces", _DIFFERENCES if comparison.forces else "", parts)
 
 
 def pair_table(pair: ForcePair) -> Table:
-    """Return the numbers of a contact of both."""
+    """Return the numbers of a contact in both runs."""
     both, differs = (pair.ls_dyna, pair.strikewave), declarations(PulseDifferences)
     rows: list[list[Cell]] = [
         [column.head, *column.cells(), text_of(pair.differences, name) if name in differs else NONE]
@@ -130,28 +126,29 @@ def pair_table(pair: ForcePair) -> Table:
 
 
 def contact_table(result: LsDynaResult) -> Table:
-    """Return what each contact of LS-DYNA came to, by side."""
+    """Return the numbers of each contact of LS-DYNA, by side."""
     empty = "No rcforc or binout with contact forces is there."
     return face_table(result, "sides", "contacts", "Contacts of LS-DYNA", empty)
 
 
 def _table_of_both(caption: str, heads: list[str], kind: type, rows: Sequence[tuple[Any, ...]], empty: str) -> Table:
-    """Return a table of columns of LS-DYNA and strikewave in turn; rows end with what they are of, None for nothing."""
+    """Return a table with columns of LS-DYNA and strikewave in turn; each row ends with both, or None."""
     columns = [Column(head, [row[place] for row in rows]) for place, head in enumerate(heads)]
     for pair in zip(*(columns_of(kind, [row[place] for row in rows]) for place in (-2, -1)), strict=True):
-        columns += [one._replace(name=f"{one.name}, {run}") for one, run in zip(pair, RUNS, strict=True)]
+        columns += [column._replace(name=f"{column.name}, {run}") for column, run in zip(pair, RUNS, strict=True)]
     return page_table(caption, columns, empty)
 
 
 def _energies(result: LsDynaResult) -> Section:
-    picture = Picture(energy_figure(result.found), "Energies: strikewave solid, LS-DYNA dashed.")
+    figure = one_diagram(lambda axes: _draw_balances(axes, result.found), (WHOLE[0], HALF[1] * 1.2))
+    picture = Picture(figure, "Energies: strikewave solid, LS-DYNA dashed.")
     return Section("Energies", _ENERGIES, [picture, energy_table(result)])
 
 
 def energy_table(result: LsDynaResult) -> Table:
     """Return the energies of both: the largest in size over time, and at the end."""
     theirs, ours = result.read.energy or {}, result.comparison.energy if result.comparison else {}
-    rows = [(word, theirs.get(word), ours.get(word)) for word in ENERGIES if word in theirs or word in ours]
+    rows = [(name, theirs.get(name), ours.get(name)) for name in ENERGIES if name in theirs or name in ours]
     return _table_of_both("Energies", ["energy"], EnergyExtent, rows, "No glstat or binout with energies is there.")
 
 
@@ -197,8 +194,7 @@ OUR_COLOUR, THEIR_COLOUR = BLUE, RED
 CONTACT_COLOURS = (*COLOURS, "#000000")
 """One for each contact that is drawn: those that reach farthest."""
 BESIDE_PULSE = 0.35
-"""Share of the pulse width that is shown before and after a pulse (chosen: both onsets are seen, also where one code is
-a little late)."""
+"""Share of the pulse width shown before and after a pulse (chosen: both onsets are in view though one code is late)."""
 _ENERGY_COLOURS = {
     "kinetic": BLUE,
     "internal": RED,
@@ -210,37 +206,17 @@ _ENERGY_COLOURS = {
 
 
 def comparison_sheet(comparison: RunComparison, title: str) -> Figure:
-    """Draw the forces of both above their energies, on one sheet.
-
-    Parameters
-    ----------
-    comparison : RunComparison
-        Both runs, or LS-DYNA's alone.
-    title : str
-        Stands above.
-    """
+    """Draw the forces of both runs, or of LS-DYNA alone, above their energies, on one sheet."""
     figure = new_figure((9.8, 7.6))
     sheet_title(figure, title)
     above, below = figure.subplots(2, 1)
-    pairs = _touching_pairs(comparison)
-    draw_force(above, pairs[0]) if pairs else draw_contacts(above, comparison.ls_dyna.contacts)
+    touched = [pair for pair in comparison.forces if pair.strikewave or pair.ls_dyna]
+    if touched:
+        draw_force(above, max(touched, key=lambda p: max(x.peak for x in (p.strikewave, p.ls_dyna) if x)))
+    else:
+        draw_contacts(above, comparison.ls_dyna.contacts)
     _draw_balances(below, comparison)
     return figure
-
-
-def force_figure(pair: ForcePair) -> Figure:
-    """Draw a contact force of both, as wide as a page."""
-    return one_diagram(lambda axes: draw_force(axes, pair), WHOLE)
-
-
-def contact_figure(contacts: tuple[LsDynaContact, ...]) -> Figure:
-    """Draw LS-DYNA's contact forces alone, as wide as a page."""
-    return one_diagram(lambda axes: draw_contacts(axes, contacts), WHOLE)
-
-
-def energy_figure(comparison: RunComparison) -> Figure:
-    """Draw the energies of both, as wide as a page."""
-    return one_diagram(lambda axes: _draw_balances(axes, comparison), (WHOLE[0], HALF[1] * 1.2))
 
 
 def draw_force(axes: Any, pair: ForcePair) -> None:
@@ -305,7 +281,7 @@ def draw_energies(axes: Any, histories: Mapping[str, EnergyHistory]) -> None:
 
 
 def _reach(values: NDArray[np.float64]) -> float:
-    """Return the largest size of what is known; 0 where nothing is."""
+    """Return the largest size of the known values; 0 where none is known."""
     return float(np.nan_to_num(np.abs(values)).max(initial=0.0))
 
 
@@ -319,12 +295,6 @@ def _draw_balances(axes: Any, comparison: RunComparison) -> None:
         draw_energies(axes, histories)
     else:
         empty_axes(axes, "Energy", "no glstat or binout is there")
-
-
-def _touching_pairs(comparison: RunComparison) -> list[ForcePair]:
-    """Return the pairs in which something touches, the largest force first."""
-    touched = [pair for pair in comparison.forces if pair.strikewave or pair.ls_dyna]
-    return sorted(touched, key=lambda pair: -max(pulse.peak for pulse in (pair.strikewave, pair.ls_dyna) if pulse))
 
 
 def _legend(axes: Any, title: str | None = None) -> None:

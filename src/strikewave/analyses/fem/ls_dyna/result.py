@@ -1,4 +1,4 @@
-"""What a run of LS-DYNA gave, alone or beside a run of ours."""
+"""Result of a run of LS-DYNA, alone or compared with a run of strikewave."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class LsDynaPart:
 
 @declare.dataclass
 class ReadRun:
-    """What was read of LS-DYNA."""
+    """Run of LS-DYNA as read from its files."""
 
     folder: str = declare.word("folder that was read")
     files: list[str] = declare.word("files that were read")
@@ -67,15 +67,7 @@ class StrikewaveBeside:
 
 @declare.dataclass
 class LsDynaResult(measured.AskedResult):
-    """A run of LS-DYNA, alone or beside one of ours; see `Result` for what it shares with others.
-
-    Beside what documents have:
-
-    Attributes
-    ----------
-    found : RunComparison
-        Both runs, and what they differ in.
-    """
+    """A run of LS-DYNA, alone or compared with one of strikewave; ``found`` has both runs and their differences."""
 
     command: ClassVar[str] = "ls-dyna"
 
@@ -88,14 +80,14 @@ class LsDynaResult(measured.AskedResult):
 
     @property
     def title(self) -> str:
-        """The case of ours that it is laid beside, or the name of its folder."""
+        """Case of strikewave that it is compared with, or the name of its folder."""
         theirs, ours = self.found.ls_dyna, self.found.strikewave
         return f"LS-DYNA compared with strikewave: {ours.title}" if ours else f"LS-DYNA: {folder_name(theirs.folder)}"
 
     @declare.computed(declare.named(ForcePair, "strongest contact of both", headline="first", in_document=False))
     def strongest_pair(self) -> dict[str, ForcePair]:
         """The contact of the largest force in strikewave, of those that touch in both runs; none where none does."""
-        peaks = {name: one.strikewave.peak for name, one in self.pairs.items() if one.strikewave and one.ls_dyna}
+        peaks = {name: pair.strikewave.peak for name, pair in self.pairs.items() if pair.strikewave and pair.ls_dyna}
         most = max(peaks, key=peaks.__getitem__, default="")
         return {most: self.pairs[most]} if peaks else {}
 
@@ -143,16 +135,16 @@ class LsDynaResult(measured.AskedResult):
         ours, parts = self.found.strikewave, self.found.parts
         if ours is None:
             return None
-        extremes = {name: StrikewavePart(parts.get(name), one) for name, one in ours.extremes.items()}
+        extremes = {name: StrikewavePart(parts.get(name), extreme) for name, extreme in ours.extremes.items()}
         return StrikewaveBeside(str(ours.folder), ours.title, self.pairs, _extents(ours.energies) or {}, extremes)
 
     def preview(self) -> Curve | None:
         """Return the force of the first contact in LS-DYNA."""
-        for contact in self.found.ls_dyna.contacts[:1]:
-            return history_curve(
-                contact.first.time, contact.first.size, *FORCE.units, f"force of contact {contact.name}"
-            )
-        return None
+        if not self.found.ls_dyna.contacts:
+            return None
+        contact = self.found.ls_dyna.contacts[0]
+        label = f"force of contact {contact.name}"
+        return history_curve(contact.first.time, contact.first.size, *FORCE.units, label)
 
     def texts(self) -> dict[str, str]:
         """Return the JSON document as a file."""
@@ -160,7 +152,7 @@ class LsDynaResult(measured.AskedResult):
 
 
 def folder_name(folder: Path) -> str:
-    """Return what the run of a folder is called."""
+    """Return the name of the run of a folder."""
     return folder.absolute().name or "run"
 
 

@@ -1,4 +1,4 @@
-"""A run of LS-DYNA as a command: read, lay beside a run of ours, print, draw."""
+"""Command of a run of LS-DYNA: read, compare with a run of strikewave, print, draw."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from strikewave.analyses.fem.ls_dyna.report import (
 from strikewave.analyses.fem.ls_dyna.result import LsDynaResult, folder_name
 from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.exchange.ls_dyna.comparison import RunComparison, compare_runs, read_strikewave
-from strikewave.exchange.ls_dyna.folder import LsDynaRun, read_folder
+from strikewave.exchange.ls_dyna.folder import read_folder
 from strikewave.exchange.units import UnitSystem
 from strikewave.reporting import measured_files as measured
 from strikewave.reporting.faces import amount
@@ -28,7 +28,7 @@ from strikewave.reporting.terminal import case_hash, number, report_table, tell
 
 @dataclass(frozen=True)
 class LsDynaCommand(Command[LsDynaResult]):
-    """A run of LS-DYNA, alone or beside one of ours."""
+    """A run of LS-DYNA, alone or compared with one of strikewave."""
 
     folder: Path
     system: UnitSystem
@@ -38,7 +38,7 @@ class LsDynaCommand(Command[LsDynaResult]):
     test: Mapping[str, str]
 
     def solve(self) -> LsDynaResult:
-        """Return both runs, and what they differ in."""
+        """Return both runs and their differences."""
         ours = None if self.other is None else read_strikewave(self.other)
         theirs = read_folder(self.folder, self.system)
         comparison = compare_runs(theirs, ours, self.contacts, self.parts) if ours else RunComparison(theirs)
@@ -47,12 +47,20 @@ class LsDynaCommand(Command[LsDynaResult]):
         return LsDynaResult(comparison, origin=origin, notices=comparison.warnings)
 
     def summary(self, result: LsDynaResult) -> str:
-        """Say what the contact came to, and how far both runs are apart."""
+        """Return the force of the contact, and its difference, in a sentence."""
         return ls_dyna_words(result)
 
     def show(self, result: LsDynaResult) -> None:
-        """Print contacts, energies, fields, and how far both are apart."""
-        _show(result)
+        """Print contacts, energies, fields and differences."""
+        theirs = result.found.ls_dyna
+        first, last = number(theirs.span[0], *MICROSECONDS.units), amount(MICROSECONDS, theirs.span[1])
+        solids = f"; {len(theirs.fields.mesh.hexahedra)} solids, {theirs.frames} states" if theirs.fields else ""
+        tell(f"read: {', '.join(path.name for path in theirs.files)}; from {first} to {last}{solids}")
+        for pair in result.found.forces:
+            report_table(pair_table(pair))
+        for run_table in (contact_table(result), energy_table(result), field_table(result.found)):
+            if run_table.rows:
+                report_table(run_table, keys=2)
 
     def draw(self, result: LsDynaResult, folder: Path) -> list[str]:
         """Write page and picture."""
@@ -60,25 +68,8 @@ class LsDynaCommand(Command[LsDynaResult]):
 
 
 def read_run(command: LsDynaCommand, output: Output) -> int:
-    """Read a run of LS-DYNA, write and print what it gave, and return the exit code."""
+    """Read a run of LS-DYNA, write and print its result, and return the exit code."""
     other = str(command.other.resolve() if command.other else "")
     asked = repr((str(command.folder.resolve()), command.system.name, other, [command.contacts, command.parts]))
     usual = f"ls-dyna-{folder_name(command.folder)}{case_hash(asked, [asked])}"
     return run_and_write(command, output, usual, None)
-
-
-def _show(result: LsDynaResult) -> None:
-    """Print contacts, energies, fields, and how far both are apart."""
-    _show_read(result.found.ls_dyna)
-    for pair in result.found.forces:
-        report_table(pair_table(pair))
-    for run_table in (contact_table(result), energy_table(result), field_table(result.found)):
-        if run_table.rows:
-            report_table(run_table, keys=2)
-
-
-def _show_read(theirs: LsDynaRun) -> None:
-    first, last = number(theirs.span[0], *MICROSECONDS.units), amount(MICROSECONDS, theirs.span[1])
-    fields = theirs.fields
-    solids = f"; {len(fields.mesh.hexahedra)} solids, {theirs.frames} states" if fields else ""
-    tell(f"read: {', '.join(path.name for path in theirs.files)}; from {first} to {last}{solids}")
