@@ -17,6 +17,7 @@ from strikewave.contact._integrator import (
     STOPPED,
     STUCK,
     Control,
+    TakenStep,
     _dip,
     _fill_dense,
     _first_switch,
@@ -246,13 +247,12 @@ def test_a_dip_is_looked_for_where_the_parabola_falls_to_a_quarter_of_its_sample
     rows = [np.array([9.0, 5.0 * one**2 + q]) for one in away]
     at = 2.0 + 0.5 * (3 + place) / 4
     done.system.switches = lambda t, y, mode, memory, g: np.copyto(g, [9.0, abs(t - at) - 1e-8])
-    found = done.kernels._dip(done.system, 2.0, 0.5, done.dense[0], None, None, 3, *rows, np.empty(1), np.empty(2))
+    step, scratch = TakenStep(2.0, 0.5, done.dense[0], None, None), (np.empty(1), np.empty(2))
+    found = done.kernels._dip(done.system, step, 3, *rows, *scratch)
     assert found == ((1, pytest.approx((at - 1e-8 - 2.0) / 0.5, abs=1e-14)) if looked else (-1, 1.0))
     # a hill has none, nor what is below zero at a sample
     for other in ([np.array([9.0, 20.0 - one[1]]) for one in rows], [-rows[0], *rows[1:]]):
-        assert done.kernels._dip(
-            done.system, 2.0, 0.5, done.dense[0], None, None, 3, *other, np.empty(1), np.empty(2)
-        ) == (-1, 1.0)
+        assert done.kernels._dip(done.system, step, 3, *other, *scratch) == (-1, 1.0)
 
 
 def test_no_switch_is_seen_where_a_dip_stays_above_zero(follow):

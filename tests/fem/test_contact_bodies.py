@@ -10,11 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
+from strikewave.fem._contact_kernels import add_wall, contact_force, contact_work
 from strikewave.fem.contact import (
     add_contact,
-    add_wall,
-    contact_force,
-    contact_work,
     initial_overlaps,
     prepare,
     prepare_ties,

@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
+from strikewave.fem._contact_kernels import add_wall
 from strikewave.fem.bodies import RigidBody, surface_inverse_mass
-from strikewave.fem.contact import add_contact, add_wall, note_held, prepare, prepare_all, prepare_wall, searched
+from strikewave.fem.contact import add_contact, note_held, prepare, prepare_all, prepare_wall, searched
 from strikewave.fem.engine import Engine
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import (

@@ -12,7 +12,8 @@ from scipy.sparse.linalg import splu
 from scipy.spatial.transform import Rotation
 
 from strikewave.fem import _history_kernels as history_kernels
-from strikewave.fem.contact import contact_force, contact_work, two_surfaces
+from strikewave.fem._contact_kernels import contact_force, contact_work
+from strikewave.fem.contact import two_surfaces
 from strikewave.fem.engine import build_elements
 from strikewave.fem.hexahedron import MODES, critical_steps, cut_slabs, element_masses, mode_slopes, shapes
 from strikewave.fem.hexahedron import full_critical_steps as full_critical_steps

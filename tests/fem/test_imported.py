@@ -661,7 +661,7 @@ def handed(cells, data=None, names=None, sets=None):
 
 
 def groups_of(arrays, what):
-    names = json.loads(str(arrays["words"]))[what]
+    names = json.loads(str(arrays["names"]))[what]
     return {name: arrays[what][arrays[what][:, 0] == k, 1].tolist() for k, name in enumerate(names)}
 
 
@@ -687,7 +687,7 @@ def test_groups_of_gmsh_have_the_names_of_their_dimension_and_repeated_cells_cou
     assert {name: sorted(first[rows].tolist()) for name, rows in parts.items()} == {"body": [0, 8], "part-4": [8, 16]}
     assert groups_of(arrays, "sides") == {"side": [0, 2], "side-4": [1]}
     assert arrays["quads"].tolist() == QUADS
-    assert json.loads(str(arrays["words"]))["others"] == {"tetra": 2}
+    assert json.loads(str(arrays["names"]))["others"] == {"tetra": 2}
     assert arrays["points"].dtype == float
 
 

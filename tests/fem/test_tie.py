@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from strikewave.base.errors import InputError
-from strikewave.fem.contact import gather_mass, gather_tied_forces, move_tied, prepare_ties
+from strikewave.fem._node_kernels import gather_mass, gather_tied_forces, move_tied
+from strikewave.fem.contact import prepare_ties
 from strikewave.fem.mesh import joined
 from strikewave.fem.model import Tie
 

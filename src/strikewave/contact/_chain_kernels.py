@@ -47,8 +47,6 @@ _REGAIN = 1e-9
 link does not switch back at once; far below any force that matters."""
 _AT_REST = 1e-12
 """Slip below which friction takes nodes to be at rest, m/s: above the rounding of speeds up to 1 km/s."""
-
-
 KIND, BEHIND, AHEAD = 0, 1, 2
 """Columns of `Links.joins`."""
 MASS, GRAVITY = 0, 1
@@ -58,7 +56,7 @@ PLACE, SPEED, FORCE, ACCELERATION = 0, 1, 2, 3
 MEAN, AMPLITUDE, RATE, PHASE = 0, 1, 2, 3
 """Columns of the table of shakes: mean position (m), amplitude (m), rate (rad/s), phase (rad)."""
 SLIDING_FORCE, STICKING_FORCE = STIFFNESS, DAMPING
-"""Where the row of a friction link holds its two forces, N."""
+"""Places of the two forces in the row of a friction link, N."""
 
 
 class Links(NamedTuple):
@@ -125,7 +123,7 @@ def spot_of(chain, memory, i):
 @leaf_kernel
 def contact_force(law, d, rate, mode, approach, deepest, s):
     """Return the force of a contact and what it stores per length, N."""
-    if mode == YIELDING:
+    if mode == YIELDING:  # without a damper: a law has a damper, or a cap
         force, _, storing = yielding(law, d)
         return force * hysteresis(law, rate, approach), storing
     elastic = unyielding_force(law, d, deepest, s)
@@ -140,7 +138,7 @@ def link_force(kind, value, d, rate, mode, approach, deepest, s):
 
     Spring and stop: F = preload + k d + c d'.
     """
-    if kind != SPRING and mode == OPEN:
+    if kind != SPRING and mode == OPEN:  # a spring never lets go
         return 0.0, 0.0
     if kind == CONTACT:
         return contact_force(value, d, rate, mode, approach, deepest, s)
@@ -196,6 +194,7 @@ def frictionless(chain, node, y, mode, memory):
         return chain.bases[ACCELERATION, node - bodies]
     total = 0.0
     for j in range(joins.shape[0]):
+        # a body takes one friction link, so that no other friction is left out
         if joins[j, KIND] == FRICTION or (joins[j, BEHIND] != node and joins[j, AHEAD] != node):
             continue
         force, _, _ = press(chain, j, y, mode, memory)
@@ -223,7 +222,7 @@ def friction_force(chain, i, y, mode, memory):
     if mode[i] == STICKING:
         return holding_force(chain, i, y, mode, memory)
     sliding = chain.values[i, SLIDING_FORCE]
-    return sliding if mode[i] == SLIDING else -sliding
+    return sliding if mode[i] == SLIDING else -sliding  # against the slip: the faster node behind is held back
 
 
 @leaf_kernel
@@ -254,10 +253,10 @@ def chain_rates(chain, y, mode, memory, dy, power):
         bases[FORCE, i] = 0.0
     for i in range(joins.shape[0]):
         power[i] = 0.0
-        if joins[i, KIND] in (STOP_LINK, CONTACT) and mode[i] == OPEN:
+        if joins[i, KIND] in (STOP_LINK, CONTACT) and mode[i] == OPEN:  # most links are open most of the time
             continue
         force, elastic, rate = link_push(chain, i, y, mode, memory)
-        power[i] = (force - elastic) * rate
+        power[i] = (force - elastic) * rate  # the elastic part is stored, and comes back
         a, b = joins[i, BEHIND], joins[i, AHEAD]
         if a < bodies:
             dy[bodies + a] -= force / table[a, MASS]
@@ -276,7 +275,7 @@ def contact_switches(law, d, rate, mode, approach, deepest, s, g):
     if mode == OPEN:
         g[0] = -left
     elif mode == YIELDING:
-        g[2] = rate
+        g[2] = rate  # it yields on until it turns back
     else:
         g[0] = left
         ratio = push(law, d, rate, approach)
@@ -377,6 +376,7 @@ def slip(chain, i, y, mode, memory):
         else:
             y[bodies + b] = bases[SPEED, a - bodies]
     needed = holding_force(chain, i, y, mode, memory)
+    # a link that stuck has just broken loose: it slides, though rounding may leave the force below the limit
     if mode[i] != STICKING and abs(needed) <= chain.values[i, STICKING_FORCE]:
         mode[i] = STICKING
     else:
@@ -400,7 +400,7 @@ def link_switch(chain, k, y, mode, memory):
     elif mode[i] == OPEN:
         _, rate = link_motion(chain, i, y)
         mode[i] = PUSHING
-        memory[i] = max(rate, 0.0)
+        memory[i] = max(rate, 0.0)  # one that touches while it parts, as a shaking base does, approaches with nothing
         return RESTART
     else:
         mode[i] = OPEN
@@ -408,7 +408,7 @@ def link_switch(chain, k, y, mode, memory):
 
 
 def is_a(system, kind):
-    """Tell whether a numba type is that of the NamedTuple ``kind``."""
+    """Return whether a numba type is that of the NamedTuple ``kind``."""
     return getattr(system, "instance_class", None) is kind
 
 

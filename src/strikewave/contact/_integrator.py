@@ -22,6 +22,7 @@ scipy.integrate (BSD-3). The tests check the order conditions.
 """
 
 import math
+import re
 from typing import NamedTuple
 
 import numpy as np
@@ -31,242 +32,89 @@ from strikewave.base.compiled import called_kernel, inner_kernel, kernel, leaf_k
 STAGES = 12
 """Stages of one step; the dense output takes three more."""
 
-A = np.zeros((16, 16))
+
+def _table(rows, columns, text):
+    """Return a table of which a text holds the numbers that are not zero: ``row: column number, column number, ..``."""
+    table = np.zeros((rows, columns))
+    for line in re.split(r"\s*(?=\b\d+:)", text.strip()):
+        row, _, pairs = line.partition(":")
+        for pair in filter(None, pairs.split(",")):
+            column, number = pair.split()
+            table[int(row), int(column)] = float(number)
+    return table
+
+
+A = _table(
+    16,
+    16,
+    """
+    1: 0 0.05260015195876773
+    2: 0 0.0197250569845379, 1 0.0591751709536137
+    3: 0 0.02958758547680685, 2 0.08876275643042054
+    4: 0 0.2413651341592667, 2 -0.8845494793282861, 3 0.924834003261792
+    5: 0 0.037037037037037035, 3 0.17082860872947386, 4 0.12546768756682242
+    6: 0 0.037109375, 3 0.17025221101954405, 4 0.06021653898045596, 5 -0.017578125
+    7: 0 0.03709200011850479, 3 0.17038392571223998, 4 0.10726203044637328, 5 -0.015319437748624402,
+       6 0.008273789163814023
+    8: 0 0.6241109587160757, 3 -3.3608926294469414, 4 -0.868219346841726, 5 27.59209969944671, 6 20.154067550477894,
+       7 -43.48988418106996
+    9: 0 0.47766253643826434, 3 -2.4881146199716677, 4 -0.590290826836843, 5 21.230051448181193, 6 15.279233632882423,
+       7 -33.28821096898486, 8 -0.020331201708508627
+    10: 0 -0.9371424300859873, 3 5.186372428844064, 4 1.0914373489967295, 5 -8.149787010746927, 6 -18.52006565999696,
+        7 22.739487099350505, 8 2.4936055526796523, 9 -3.0467644718982196
+    11: 0 2.273310147516538, 3 -10.53449546673725, 4 -2.0008720582248625, 5 -17.9589318631188, 6 27.94888452941996,
+        7 -2.8589982771350235, 8 -8.87285693353063, 9 12.360567175794303, 10 0.6433927460157636
+    12: 0 0.054293734116568765, 5 4.450312892752409, 6 1.8915178993145003, 7 -5.801203960010585, 8 0.3111643669578199,
+        9 -0.1521609496625161, 10 0.20136540080403034, 11 0.04471061572777259
+    13: 0 0.056167502283047954, 6 0.25350021021662483, 7 -0.2462390374708025, 8 -0.12419142326381637,
+        9 0.15329179827876568, 10 0.00820105229563469, 11 0.007567897660545699, 12 -0.008298
+    14: 0 0.03183464816350214, 5 0.028300909672366776, 6 0.053541988307438566, 7 -0.05492374857139099,
+        10 -0.00010834732869724932, 11 0.0003825710908356584, 12 -0.00034046500868740456, 13 0.1413124436746325
+    15: 0 -0.42889630158379194, 5 -4.697621415361164, 6 7.683421196062599, 7 4.06898981839711, 8 0.3567271874552811,
+        12 -0.0013990241651590145, 13 2.9475147891527724, 14 -9.15095847217987
+    """,
+)
 """Weights of the earlier stages, row s for stage s; rows 13 to 15 belong to the dense output."""
-A[1, [0]] = [0.05260015195876773]
-A[2, [0, 1]] = [0.0197250569845379, 0.0591751709536137]
-A[3, [0, 2]] = [0.02958758547680685, 0.08876275643042054]
-A[4, [0, 2, 3]] = [0.2413651341592667, -0.8845494793282861, 0.924834003261792]
-A[5, [0, 3, 4]] = [0.037037037037037035, 0.17082860872947386, 0.12546768756682242]
-A[6, [0, 3, 4, 5]] = [0.037109375, 0.17025221101954405, 0.06021653898045596, -0.017578125]
-A[7, [0, 3, 4, 5, 6]] = [
-    0.03709200011850479,
-    0.17038392571223998,
-    0.10726203044637328,
-    -0.015319437748624402,
-    0.008273789163814023,
-]
-A[8, [0, 3, 4, 5, 6, 7]] = [
-    0.6241109587160757,
-    -3.3608926294469414,
-    -0.868219346841726,
-    27.59209969944671,
-    20.154067550477894,
-    -43.48988418106996,
-]
-A[9, [0, 3, 4, 5, 6, 7, 8]] = [
-    0.47766253643826434,
-    -2.4881146199716677,
-    -0.590290826836843,
-    21.230051448181193,
-    15.279233632882423,
-    -33.28821096898486,
-    -0.020331201708508627,
-]
-A[10, [0, 3, 4, 5, 6, 7, 8, 9]] = [
-    -0.9371424300859873,
-    5.186372428844064,
-    1.0914373489967295,
-    -8.149787010746927,
-    -18.52006565999696,
-    22.739487099350505,
-    2.4936055526796523,
-    -3.0467644718982196,
-]
-A[11, [0, 3, 4, 5, 6, 7, 8, 9, 10]] = [
-    2.273310147516538,
-    -10.53449546673725,
-    -2.0008720582248625,
-    -17.9589318631188,
-    27.94888452941996,
-    -2.8589982771350235,
-    -8.87285693353063,
-    12.360567175794303,
-    0.6433927460157636,
-]
-A[12, [0, 5, 6, 7, 8, 9, 10, 11]] = [
-    0.054293734116568765,
-    4.450312892752409,
-    1.8915178993145003,
-    -5.801203960010585,
-    0.3111643669578199,
-    -0.1521609496625161,
-    0.20136540080403034,
-    0.04471061572777259,
-]
-A[13, [0, 6, 7, 8, 9, 10, 11, 12]] = [
-    0.056167502283047954,
-    0.25350021021662483,
-    -0.2462390374708025,
-    -0.12419142326381637,
-    0.15329179827876568,
-    0.00820105229563469,
-    0.007567897660545699,
-    -0.008298,
-]
-A[14, [0, 5, 6, 7, 10, 11, 12, 13]] = [
-    0.03183464816350214,
-    0.028300909672366776,
-    0.053541988307438566,
-    -0.05492374857139099,
-    -0.00010834732869724932,
-    0.0003825710908356584,
-    -0.00034046500868740456,
-    0.1413124436746325,
-]
-A[15, [0, 5, 6, 7, 8, 12, 13, 14]] = [
-    -0.42889630158379194,
-    -4.697621415361164,
-    7.683421196062599,
-    4.06898981839711,
-    0.3567271874552811,
-    -0.0013990241651590145,
-    2.9475147891527724,
-    -9.15095847217987,
-]
-
-B = np.array(
-    [
-        0.054293734116568765,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        4.450312892752409,
-        1.8915178993145003,
-        -5.801203960010585,
-        0.3111643669578199,
-        -0.1521609496625161,
-        0.20136540080403034,
-        0.04471061572777259,
-    ]
-)
+B = A[12, :STAGES].copy()  # the stage at the end of the step is the step itself
 """Weights of the step of order 8."""
-
-C = np.array(
-    [
-        0.0,
-        0.05260015195876773,
-        0.0789002279381516,
-        0.1183503419072274,
-        0.2816496580927726,
-        0.3333333333333333,
-        0.25,
-        0.3076923076923077,
-        0.6512820512820513,
-        0.6,
-        0.8571428571428571,
-        1.0,
-        1.0,
-        0.1,
-        0.2,
-        0.7777777777777778,
-    ]
+C, E3, E5 = _table(
+    3,
+    16,
+    """
+    0: 1 0.05260015195876773, 2 0.0789002279381516, 3 0.1183503419072274, 4 0.2816496580927726, 5 0.3333333333333333,
+       6 0.25, 7 0.3076923076923077, 8 0.6512820512820513, 9 0.6, 10 0.8571428571428571, 11 1.0, 12 1.0, 13 0.1,
+       14 0.2, 15 0.7777777777777778
+    1: 0 -0.18980075407240762, 5 4.450312892752409, 6 1.8915178993145003, 7 -5.801203960010585, 8 -0.4226823213237919,
+       9 -0.1521609496625161, 10 0.20136540080403034, 11 0.02265179219836082
+    2: 0 0.01312004499419488, 5 -1.2251564463762044, 6 -0.4957589496572502, 7 1.6643771824549864,
+       8 -0.35032884874997366, 9 0.3341791187130175, 10 0.08192320648511571, 11 -0.022355307863886294
+    """,
 )
-"""Times of the stages within the step."""
-
-E3 = np.array(
-    [
-        -0.18980075407240762,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        4.450312892752409,
-        1.8915178993145003,
-        -5.801203960010585,
-        -0.4226823213237919,
-        -0.1521609496625161,
-        0.20136540080403034,
-        0.02265179219836082,
-        0.0,
-    ]
+"""Times of the stages within the step; weights of the error estimates of orders 3 and 5, of 13 stages."""
+D = _table(
+    4,
+    16,
+    """
+    0: 0 -8.428938276109013, 5 0.5667149535193777, 6 -3.0689499459498917, 7 2.38466765651207, 8 2.117034582445028,
+       9 -0.871391583777973, 10 2.2404374302607883, 11 0.6315787787694688, 12 -0.08899033645133331,
+       13 18.148505520854727, 14 -9.194632392478356, 15 -4.436036387594894
+    1: 0 10.427508642579134, 5 242.28349177525817, 6 165.20045171727028, 7 -374.5467547226902, 8 -22.113666853125306,
+       9 7.733432668472264, 10 -30.674084731089398, 11 -9.332130526430229, 12 15.697238121770845,
+       13 -31.139403219565178, 14 -9.35292435884448, 15 35.81684148639408
+    2: 0 19.985053242002433, 5 -387.0373087493518, 6 -189.17813819516758, 7 527.8081592054236, 8 -11.57390253995963,
+       9 6.8812326946963, 10 -1.0006050966910838, 11 0.7777137798053443, 12 -2.778205752353508, 13 -60.19669523126412,
+       14 84.32040550667716, 15 11.99229113618279
+    3: 0 -25.69393346270375, 5 -154.18974869023643, 6 -231.5293791760455, 7 357.6391179106141, 8 93.40532418362432,
+       9 -37.45832313645163, 10 104.0996495089623, 11 29.8402934266605, 12 -43.53345659001114, 13 96.32455395918828,
+       14 -39.17726167561544, 15 -149.72683625798564
+    """,
 )
-"""Weights of the error estimate of order 3."""
-
-E5 = np.array(
-    [
-        0.01312004499419488,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-        -1.2251564463762044,
-        -0.4957589496572502,
-        1.6643771824549864,
-        -0.35032884874997366,
-        0.3341791187130175,
-        0.08192320648511571,
-        -0.022355307863886294,
-        0.0,
-    ]
-)
-"""Weights of the error estimate of order 5."""
-
-D = np.zeros((4, 16))
 """Weights of the upper coefficients of the dense output."""
-D[0, [0, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]] = [
-    -8.428938276109013,
-    0.5667149535193777,
-    -3.0689499459498917,
-    2.38466765651207,
-    2.117034582445028,
-    -0.871391583777973,
-    2.2404374302607883,
-    0.6315787787694688,
-    -0.08899033645133331,
-    18.148505520854727,
-    -9.194632392478356,
-    -4.436036387594894,
-]
-D[1, [0, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]] = [
-    10.427508642579134,
-    242.28349177525817,
-    165.20045171727028,
-    -374.5467547226902,
-    -22.113666853125306,
-    7.733432668472264,
-    -30.674084731089398,
-    -9.332130526430229,
-    15.697238121770845,
-    -31.139403219565178,
-    -9.35292435884448,
-    35.81684148639408,
-]
-D[2, [0, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]] = [
-    19.985053242002433,
-    -387.0373087493518,
-    -189.17813819516758,
-    527.8081592054236,
-    -11.57390253995963,
-    6.8812326946963,
-    -1.0006050966910838,
-    0.7777137798053443,
-    -2.778205752353508,
-    -60.19669523126412,
-    84.32040550667716,
-    11.99229113618279,
-]
-D[3, [0, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]] = [
-    -25.69393346270375,
-    -154.18974869023643,
-    -231.5293791760455,
-    357.6391179106141,
-    93.40532418362432,
-    -37.45832313645163,
-    104.0996495089623,
-    29.8402934266605,
-    -43.53345659001114,
-    96.32455395918828,
-    -39.17726167561544,
-    -149.72683625798564,
-]
-
 
 CONTINUE, RESTART, STOP = 0, 1, 2
-"""What a switch asks for: go on, begin with a small step, or stop."""
+"""Answers of a switch: go on, begin with a small step, or stop."""
 END, STOPPED, FULL, STUCK = 0, 1, 2, 3
-"""Why `advance` came back: end reached, stopped by a switch, record full, or no step small enough."""
+"""Reasons for which `advance` comes back: end, stopping switch, full record, no step small enough."""
 
 _SAMPLES = 4
 """Samples of the switch functions in a step. Each costs one evaluation of the dense output; a dip between two of them
@@ -301,13 +149,23 @@ _GAUSS_X, _GAUSS_W = (v / 2 for v in np.polynomial.legendre.leggauss(5))
 
 
 class Control(NamedTuple):
-    """How to integrate: local error at most ``tolerance * scale`` where scale > 0; times in s."""
+    """Accuracy and bounds of an integration: local error at most ``tolerance * scale`` where scale > 0; times in s."""
 
     tolerance: float
     scale: np.ndarray
     first_step: float
     largest_step: float
     end: float
+
+
+class TakenStep(NamedTuple):
+    """A step with its dense output, in which switches are looked for, and the modes and memory during it."""
+
+    t: float
+    h: float
+    dense: np.ndarray
+    mode: np.ndarray
+    memory: np.ndarray
 
 
 class StepRecord(NamedTuple):
@@ -388,7 +246,7 @@ def _weigh(weights, count, k, out):
         out[i] = 0.0
     for j in range(count):
         w = weights[j]
-        if w != 0.0:
+        if w != 0.0:  # many weights are zero
             for i in range(out.size):
                 out[i] += w * k[j, i]
 
@@ -412,7 +270,7 @@ def _take_step(system, control, t, h, y, mode, memory, work, k, new):
     derivatives(system, t + h, new, mode, memory, k[STAGES])
     fifth, third, count = 0.0, 0.0, 0
     for i in range(y.size):
-        if control.scale[i] <= 0.0:
+        if control.scale[i] <= 0.0:  # a state without a scale, such as an energy, follows the others
             continue
         e5, e3 = 0.0, 0.0
         for j in range(STAGES + 1):
@@ -424,6 +282,7 @@ def _take_step(system, control, t, h, y, mode, memory, work, k, new):
         count += 1
     if fifth == 0.0 and third == 0.0:
         return 0.0
+    # as in DOP853: the error of order 5 times its ratio to that of order 3 makes one of order 8
     return abs(h) * fifth / math.sqrt((fifth + 0.01 * third) * count)
 
 
@@ -444,16 +303,21 @@ def _fill_dense(system, t, h, y, new, mode, memory, work, k, dense):
             dense[4 + r, i] *= h
 
 
+@leaf_kernel
+def _switches_at(system, step, x, work, g):
+    """Fill g with the switch functions at the fraction x of a step."""
+    evaluate(step.dense, x, work)
+    switches(system, step.t + x * step.h, work, step.mode, step.memory, g)
+
+
 @inner_kernel
-def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
+def _root(system, step, which, low, high, work, g):
     """Return the fraction of the step at which switch ``which`` falls through zero (Illinois rule)."""
-    evaluate(dense, low, work)
-    switches(system, t + low * h, work, mode, memory, g)
+    _switches_at(system, step, low, work, g)
     g_low = g[which]
-    if g_low <= 0.0:
+    if g_low <= 0.0:  # it has fallen by the rounding of the switch before
         return low
-    evaluate(dense, high, work)
-    switches(system, t + high * h, work, mode, memory, g)
+    _switches_at(system, step, high, work, g)
     g_high = g[which]
     side = 0
     for _ in range(_ROOT_STEPS):
@@ -462,12 +326,11 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
             x = 0.5 * (low + high)
         if high - low < _ROOT_ROUNDING or x in (low, high):
             break
-        evaluate(dense, x, work)
-        switches(system, t + x * h, work, mode, memory, g)
+        _switches_at(system, step, x, work, g)
         value = g[which]
         if value > 0.0:
             low, g_low = x, value
-            if side == 1:
+            if side == 1:  # an end that stays for two steps is halved, or the secants creep towards it
                 g_high *= 0.5
             side = 1
         else:
@@ -475,14 +338,14 @@ def _root(system, which, t, h, dense, mode, memory, low, high, work, g):
             if side == -1:
                 g_low *= 0.5
             side = -1
-    return high
+    return high  # the end behind the switch, so that the step ends with it
 
 
 @inner_kernel
-def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
-    """Return a switch that falls below zero and rises again between three positive samples, and where.
+def _dip(system, step, j, earlier, previous, now, work, g):
+    """Return a switch that falls below zero and rises again between three positive samples, and its place.
 
-    Whether and where to look follows from the lowest point of the parabola through the samples.
+    The lowest point of the parabola through the samples decides where to look.
     """
     for which in range(now.size):
         a, b, c = earlier[which], previous[which], now[which]
@@ -493,16 +356,15 @@ def _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g):
         if abs(shift) >= 1.0 or b - 0.25 * (a - c) * shift > _DEEP_DIP * min(a, b, c):
             continue
         x = (j - 1 + shift) / _SAMPLES
-        evaluate(dense, x, work)
-        switches(system, t + x * h, work, mode, memory, g)
+        _switches_at(system, step, x, work, g)
         if g[which] < 0.0:
             low = (j - 2) / _SAMPLES if shift < 0.0 else (j - 1) / _SAMPLES
-            return which, _root(system, which, t, h, dense, mode, memory, low, x, work, g)
+            return which, _root(system, step, which, low, x, work, g)
     return -1, 1.0
 
 
 @inner_kernel
-def _first_switch(system, t, h, dense, mode, memory, before, rows, work, g):
+def _first_switch(system, step, before, rows, work, g):
     """Return the first switch within the step and its fraction; -1 when there is none. ``rows`` is scratch."""
     first, at = -1, 1.0
     size = before.size
@@ -511,15 +373,15 @@ def _first_switch(system, t, h, dense, mode, memory, before, rows, work, g):
         earlier[which] = previous[which] = before[which]
     for j in range(1, _SAMPLES + 1):
         x = j / _SAMPLES
-        evaluate(dense, x, work)
-        switches(system, t + x * h, work, mode, memory, now)
+        _switches_at(system, step, x, work, now)
         for which in range(now.size):
+            # at j = 1 also one that is negative at the begin already: the rounding of a switch just made
             if now[which] < 0.0 and (previous[which] >= 0.0 or j == 1):
-                root = _root(system, which, t, h, dense, mode, memory, (j - 1) / _SAMPLES, x, work, g)
+                root = _root(system, step, which, (j - 1) / _SAMPLES, x, work, g)
                 if first < 0 or root < at:
                     first, at = which, root
         if first < 0 and j > 1:
-            first, at = _dip(system, t, h, dense, mode, memory, j, earlier, previous, now, work, g)
+            first, at = _dip(system, step, j, earlier, previous, now, work, g)
         if first >= 0:
             return first, at
         for which in range(size):
@@ -551,17 +413,19 @@ def advance(system, control, t, h, y, mode, memory, record, count):
             error = _take_step(system, control, t, h, y, mode, memory, work, k, new)
             if error <= 1.0:
                 break
+            # an infinite error has no power to aim by
             h *= max(_SMALLEST, _SAFETY * error ** (-1.0 / _ORDER)) if error < math.inf else _SMALLEST
             if not h > _NO_STEP * max(abs(t), _START):
                 return STUCK, t, h, steps, events
         dense = record.dense[steps]
         _fill_dense(system, t, h, y, new, mode, memory, work, k, dense)
-        which, fraction = _first_switch(system, t, h, dense, mode, memory, before, rows, work, g)
+        # looked for on the dense output of the whole step; a step up to the switch is then taken anew, under one mode
+        which, fraction = _first_switch(system, TakenStep(t, h, dense, mode, memory), before, rows, work, g)
         growth = _LARGEST if error == 0.0 else min(_LARGEST, _SAFETY * error ** (-1.0 / _ORDER))
         taken = h
         if which >= 0:
             taken = fraction * h
-            if taken > _NO_PROGRESS * max(abs(t), _START):
+            if taken > _NO_PROGRESS * max(abs(t), _START):  # below, time would stand still: the switch acts at once
                 _take_step(system, control, t, taken, y, mode, memory, work, k, new)
                 _fill_dense(system, t, taken, y, new, mode, memory, work, k, dense)
                 idle = 0
@@ -581,7 +445,7 @@ def advance(system, control, t, h, y, mode, memory, record, count):
             t += taken
             for i in range(n):
                 y[i] = new[i]
-                k[0, i] = k[STAGES, i]
+                k[0, i] = k[STAGES, i]  # the derivative at the end of a step is that at the begin of the next
         if which < 0:
             idle = 0
             h *= max(_SMALLEST, growth)
@@ -591,7 +455,7 @@ def advance(system, control, t, h, y, mode, memory, record, count):
         record.event[events, 1] = steps
         events += 1
         code = switch(system, which, t, y, mode, memory)
-        derivatives(system, t, y, mode, memory, k[0])
+        derivatives(system, t, y, mode, memory, k[0])  # those before the switch are of another mode
         if code == STOP:
             return STOPPED, t, h, steps, events
         if code == RESTART:
@@ -607,6 +471,7 @@ def sample(system, record, times, states, out):
     for i in range(times.size):
         while row < last and times[i] >= record.time[row + 1]:
             row += 1
+        # times at the ends of a step may lie outside by rounding
         x = min(max((times[i] - record.time[row]) / record.step[row], 0.0), 1.0)
         evaluate(record.dense[row], x, states[i])
         forces(system, record.time[row] + x * record.step[row], states[i], record.mode[row], record.memory[row], out[i])

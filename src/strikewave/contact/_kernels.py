@@ -34,9 +34,8 @@ _LOG = np.array([(-1.0) ** k / k for k in range(16, 1, -1)])
 
 _ELASTIC = 1e-12
 """Factor that stands for none where histories are wanted, which divide by it: it changes them by as much."""
-_REACH = 3.8
-"""Where the double exponential rule ends on its own axis: the rest is added in closed form, to 5e-12; 3.4 leaves 1e-8,
-and 4.2 needs more nodes for a small restitution (measured, n from 1 to 2)."""
+_REACH = 3.8  # 3.4 leaves 1e-8, and 4.2 needs more nodes for a small restitution (measured, n from 1 to 2)
+"""End of the double exponential rule on its own axis; the rest is added in closed form, to 5e-12."""
 _NODES, _NODES_WIDE, _WIDE_SPAN = 40, 72, 12.0
 """Nodes of the rule, and more of them for L above 12, that is e below 0.09. With 40 a duration is good to 1e-11 at L =
 11 but only to 1e-9 at 21; with 72 it is good to 6e-12 at L = 100, e = 0.01 (measured against 400 nodes)."""
@@ -121,11 +120,11 @@ def span_of_restitution(e):
     if e >= 1.0:
         return 0.0
     lost = 1.0 - e
-    low, high = 2.0 * lost, 3.0 + 1.0 / e
+    low, high = 2.0 * lost, 3.0 + 1.0 / e  # L is 3 (1 - e) near e = 1, and 1 + 1/e for small e
     # begins at the estimate of Carvalho & Martins 2019, within 23 % for e above 0.1, and at 1 + 1/e for small e
     span = min(1.5 * lost * (11.0 - e) / (1.0 + 9.0 * e) * (1.0 + e), 1.0 + 1.0 / e)
     for _ in range(_STEPS):
-        if span > _RESTITUTION_BY_LOSS:
+        if span > _RESTITUTION_BY_LOSS:  # by e or by 1 - e, whichever is small and so has more digits
             residual = e - restitution_of_span(span)
             slope = loss_of_span(span)[1]
         else:
@@ -137,7 +136,7 @@ def span_of_restitution(e):
             high = span
         new = span - residual / slope
         if not low < new < high:
-            new = math.sqrt(low * high)
+            new = math.sqrt(low * high)  # the middle in logarithms: L spans decades
         if abs(new - span) <= _ROUNDING * span:
             return new
         span = new
@@ -173,7 +172,7 @@ def peak_rate(exponent, chi):
     """Return y = chi d'/v0 at the largest force: the positive root of a y - ln(1 + y) = Lambda."""
     a = (2.0 * exponent + 1.0) / (exponent + 1.0)
     lam = log_rest(chi)
-    y = min(lam / (a - 1.0), chi)
+    y = min(lam / (a - 1.0), chi)  # above the root of a convex function: Newton's steps need no bracket
     for _ in range(_STEPS):
         residual = (a - 1.0) * y + log_rest(y) - lam
         new = y - residual / (a - 1.0 / (1.0 + y))
@@ -266,7 +265,7 @@ def impact(stiffness, exponent, chi, mass, speed):
 @kernel
 def moments(stiffness, exponent, chi, mass, speed):
     """Return when the force is largest, when the indentation is, and when the contact ends, after first touch."""
-    n, chi = exponent, max(chi, _ELASTIC)
+    n, chi = exponent, max(chi, _ELASTIC)  # the integrals divide by chi
     span, turn = span_of_factor(chi), math.log1p(chi)
     e = restitution_of_span(span)
     unit = time_unit(stiffness, n, chi, mass, speed)
@@ -291,7 +290,7 @@ def distance_at(exponent, chi, e, integral, far, released):
     n, span = exponent, chi * (1.0 + e)
     power, steep = -n / (n + 1.0), e * chi if released else chi
     low, high = 0.0, far
-    w = min((integral * steep**-power / (n + 1.0)) ** (n + 1.0), far)
+    w = min((integral * steep**-power / (n + 1.0)) ** (n + 1.0), far)  # the leading power, exact near the end
     for _ in range(_PLACE_STEPS):
         miss = stretch_integral(n, chi, e, w, released) - integral
         if miss > 0.0:
@@ -330,12 +329,12 @@ def history(stiffness, exponent, chi, mass, speed, times, out):
     whole = ((n + 1.0) * mass * speed**2 / (chi * chi * stiffness)) ** (1.0 / (n + 1.0))
     _, turned, end = moments(stiffness, n, chi, mass, speed)
     for i in range(times.size):
-        released = times[i] > turned
+        released = times[i] > turned  # measured from the nearer end, where the integral keeps its digits
         integral = (end - times[i] if released else times[i]) / unit
         w, g = 0.0, 0.0
         if integral > 0.0:
             w = distance_at(n, chi, e, integral, span - turn if released else turn, released)
-            g = max(from_end(chi, e, span, w) if released else from_begin(chi, w), 0.0)
+            g = max(from_end(chi, e, span, w) if released else from_begin(chi, w), 0.0)  # rounding at the ends
         y, push = rate_at(chi, e, span, w, released)
         depth = whole * g ** (1.0 / (n + 1.0))
         out[0, i], out[1, i], out[2, i] = depth, speed * y / chi, stiffness * depth**n * push

@@ -42,7 +42,7 @@ COLUMNS = 14
 """Length of a row: the places above."""
 
 NO_DEPTH = 1e-30
-"""Depth that stands for none where a force is divided by one, m: far below every indentation, far above underflow."""
+"""Divisor in place of a depth of zero, m: far below every indentation, far above underflow."""
 _SAME_AS_ELASTIC = 1e-12
 """Share beyond the yield load that counts as not yielded: the rounding of the depth at yield, found by a root."""
 _LOGARITHM_STEPS, _ROUNDING = 30, 1e-15
@@ -114,7 +114,7 @@ def hardening(law, d):
             r = limit / (limit - x)
             force, slope = plateau * r / STEEPNESS, plateau * r * r / (STEEPNESS * limit)
             energy = plateau * (end - 0.5 * begin + limit * math.log(r / STEEPNESS) / STEEPNESS)
-    over = d - x
+    over = d - x  # beyond the followed part, straight on: trial steps may reach farther than any motion
     return force + slope * over, slope, energy + (force + 0.5 * slope * over) * over
 
 
@@ -166,7 +166,7 @@ def crushed(law, q):
         return 1.0, 0.0
     steepest = math.sqrt(STEEPNESS * limit)
     last = limit * (1.0 - 1.0 / steepest)
-    if q >= last:
+    if q >= last:  # as steep as it unloads: a steeper crush would give back more than it takes
         return steepest / STEEPNESS + q - last, 1.0
     r = limit / (limit - q)
     return r / STEEPNESS, r * r / (STEEPNESS * limit)
@@ -207,7 +207,7 @@ def yielding(law, d):
     The energy that comes back is W/s^2 with W that of the base.
     """
     elastic, slope = base_force(law, d), base_slope(law, d)
-    f, df = capped(law, max(elastic / law[YIELD_LOAD], 1.0))
+    f, df = capped(law, max(elastic / law[YIELD_LOAD], 1.0))  # below yield by the rounding of its depth only
     force, rise = law[YIELD_LOAD] * f, df * slope
     s = elastic / force
     ds = (slope * force - elastic * rise) / (force * force)
@@ -230,7 +230,7 @@ def unyielding_force(law, d, deepest, s):
 @called_kernel
 def stored(law, d, deepest):
     """Return the energy that a contact at the depth d gives back, after yielding to the depth D, J."""
-    reached = max(deepest, d)
+    reached = max(deepest, d)  # at a depth beyond, it is yielding on
     s = flattening(law, reached)
     return base_energy(law, s * d - reached * (s - 1.0)) / (s * s)
 
@@ -244,6 +244,7 @@ def hysteresis(law, rate, approach):
 @leaf_kernel
 def damper_force(law, d, rate):
     """Return c d^p d', or c F'(d) d' where the style is `RETARDED`, N; on approach only where it is `ON_APPROACH`."""
+    # d^p has no value below zero
     if law[DAMPER] == 0.0 or d < 0.0 or (law[STYLE] == ON_APPROACH and rate < 0.0):
         return 0.0
     if law[STYLE] == RETARDED:
@@ -256,7 +257,7 @@ def push(law, d, rate, approach):
     """Return the force over its elastic part; where it falls through zero the force is lost."""
     if law[DAMPER] == 0.0:
         return hysteresis(law, rate, approach)
-    if law[STYLE] == PULLS:
+    if law[STYLE] == PULLS:  # its force is never lost
         return 1.0
     d = max(d, NO_DEPTH)
     return 1.0 + damper_force(law, d, rate) / base_force(law, d)
@@ -266,7 +267,7 @@ def push(law, d, rate, approach):
 def depth_at_yield(law):
     """Return the indentation at the yield load, m; zero where there is none."""
     load = law[YIELD_LOAD]
-    if load == np.inf:
+    if load == np.inf:  # a law without a cap counts as yielded to 0 m
         return 0.0
     if law[FORM] == POWER:
         return (load / law[STIFFNESS]) ** (1.0 / law[EXPONENT])

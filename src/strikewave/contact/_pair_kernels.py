@@ -57,9 +57,9 @@ _HALVINGS = 60
 """Halvings of the bracket of a depth: they leave the last bits."""
 
 (RESTITUTION, INDENTATION, FORCE, DURATION, PEAK_TIME, TURN_TIME, DEEPEST) = range(7)
-"""Rows of what `impacts` fills."""
+"""Rows that `impacts` fills."""
 ANSWERS = 7
-"""How many they are."""
+"""Number of these rows."""
 BEYOND_CLOSED_FORM = [FORM, DAMPER]
 """Places of a law that are zero where the closed form covers it, if nothing yields."""
 
@@ -114,7 +114,7 @@ def _switches(system, t, y, mode, memory, g):
 @overload(_integrator.switch, jit_options=LEAF)
 def _switch(system, k, t, y, mode, memory):
     def change(system, k, t, y, mode, memory):
-        if k == 0 or (k == 1 and system.law[DAMPER] > 0.0):
+        if k == 0 or (k == 1 and system.law[DAMPER] > 0.0):  # nothing presses free bodies together again
             return STOP
         if k == 1:
             mode[0] = SLACK if mode[0] == PUSHING else PUSHING
@@ -179,7 +179,7 @@ def _top_of_step(system, record, row, y):
     low = _force_within(system, record, row, 0.0, y)
     here = _force_within(system, record, row, 0.5, y)
     high = _force_within(system, record, row, 1.0, y)
-    best, at = (low, 0.0) if low > high else (high, 1.0)
+    best, at = (low, 0.0) if low > high else (high, 1.0)  # a force that only rises or falls is largest at an end
     for _ in range(_PEAK_PARABOLAS):
         bend = low - 2.0 * here + high
         if not bend < 0.0:
@@ -209,7 +209,7 @@ def _largest_force(system, record, steps, y):
         if force > most:
             most, top = force, row
     best, when = -1.0, 0.0
-    for row in range(max(top - 1, 0), min(top + 2, steps)):
+    for row in range(max(top - 1, 0), min(top + 2, steps)):  # the peak lies before or after the largest begin
         force, at = _top_of_step(system, record, row, y)
         if force > best:
             best, when = force, record.time[row] + at * record.step[row]
@@ -221,7 +221,7 @@ def _turning(record, steps, y):
     """Return the largest indentation of a motion and its time: where the rate is zero (regula falsi)."""
     for k in range(steps):
         evaluate(record.dense[k], 1.0, y)
-        if y[1] > 0.0 and k < steps - 1:
+        if y[1] > 0.0 and k < steps - 1:  # still going in at the end of the step
             continue
         low, high, v_high = 0.0, 1.0, y[1]
         evaluate(record.dense[k], 0.0, y)
@@ -270,9 +270,10 @@ def impacts(laws, mass, speed, deepest, tolerance, record, out):
         period = depth / speed[i]
         first = FIRST_STEP if laws[i, DAMPER] == 0.0 else _DAMPER_START * FIRST_STEP
         system = PairSystem(laws[i], mass[i], FIRST_STEP * period)
+        # no longest step: `horizon` keeps it from the parting
         control = Control(tolerance, scale, first * period, _LONGEST * period, _LONGEST * period)
         why, t, _, steps, _ = advance(system, control, 0.0, control.first_step, y, mode, memory, record, SWITCHES)
-        out[:, i] = np.nan
+        out[:, i] = np.nan  # an impact that cannot be followed, or whose bodies do not part
         if why != STOPPED or -y[1] < _STUCK_TOGETHER * speed[i]:
             continue
         out[RESTITUTION, i], out[DURATION, i] = -y[1] / speed[i], t

@@ -59,7 +59,7 @@ class ImpactProblem:
 
     @property
     def closed(self) -> bool:
-        """Whether the closed form covers it: a power law with hysteresis alone."""
+        """True if the closed form covers it: a power law with hysteresis alone."""
         return not np.any(self.laws[:, _pair_kernels.BEYOND_CLOSED_FORM]) and bool(
             np.all(np.isinf(self.laws[:, YIELD_LOAD]))
         )

@@ -37,7 +37,7 @@ class Law:
 
     @declare.computed(declare.word("what its symbols mean, with their units", key="symbols"))
     def explained(self) -> dict[str, str]:
-        """What the symbols of its kind mean."""
+        """Meaning of the symbols of its kind."""
         return dict(self.symbols)
 
     limits: str = declare.word("where it holds", label="range", column=MORE + 1, tables="full", order=1)

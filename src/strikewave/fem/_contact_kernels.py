@@ -77,6 +77,7 @@ class WallState(NamedTuple):
 def free_fraction(touch, i, n):
     """Return the share of a motion along n, |n| = 1, that boundaries leave to node i."""
     held = touch.held[i]
+    # 0 by rounding may be below it
     return max(1.0 - n[0] * dot(row(held, 0), n) - n[1] * dot(row(held, 1), n) - n[2] * dot(row(held, 2), n), 0.0)
 
 
@@ -101,7 +102,7 @@ def kept_depth(touch, dt):
     """
     before = touch.step[0]
     touch.step[0] = dt
-    return dt / before if dt < before else 1.0
+    return dt / before if dt < before else 1.0  # a step that grows leaves depths alone: they then hold less, never more
 
 
 @leaf_kernel
@@ -109,7 +110,7 @@ def moved_offset(offset, gap, before, kept):
     """Return the gap from which depth is measured, for the gap at the beginning of the step and the one to come."""
     if before < offset:
         offset -= (1.0 - kept) * (offset - before)
-    return max(offset, min(gap, 0.0))
+    return max(offset, min(gap, 0.0))  # a node that comes out takes the offset along, up to the surface
 
 
 @leaf_kernel
@@ -125,7 +126,7 @@ def wall_node(i, state, x, v, f, inverse_mass, step):
     depth = state.offset[i] - gap
     normal_force, friction_force = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     inverse = inverse_mass[n] * free_fraction(touch, i, direction)
-    if depth > 0.0 and inverse > 0.0:
+    if depth > 0.0 and inverse > 0.0:  # a node that is held along the normal cannot be pressed out
         force = state.stiffness / (inverse * step.kick) * depth / step.dt
         normal_force = scaled(direction, force)
         slide = add_scaled(moving, -dot(moving, direction), direction)
@@ -193,11 +194,10 @@ STANDING = 0.0, 0.0, 0.0
 """No velocity: what offsets are taken from before the mean is known."""
 SPEEDS = 7
 """Numbers of a share of the velocities of a contact: see `speed_share`."""
-"""Keeps a division by zero out; no length of a mesh, nor its square, is as small."""
 
 
 class NodeContacts(NamedTuple):
-    """What each node meets: its face (-1: none yet), shape functions there, gap, and the force on it by parts.
+    """Contact of each node: its face (-1: none yet), shape functions there, gap, and the force on it by parts.
 
     ``clear`` is the travel before which the node is not looked at, ``offset`` the gap from which depth is measured;
     ``known`` tells whether the node was over a face, or fully felt, when last looked at.
@@ -255,7 +255,7 @@ def corners(state, face):
 
 @leaf_kernel
 def is_far(a, b, c, d, radius, x, best):
-    """Tell whether no point of a face of some radius can be closer to x than ``best``."""
+    """Return whether no point of a face of some radius can be closer to x than ``best``."""
     reach = best + radius
     return apart(middle_of(a, b, c, d), x) > reach * reach
 
@@ -283,6 +283,7 @@ def nearest_face(state, i):
         a, b, c, d = corners(state, last)
         xi, eta, square, rim = closest_point(x, a, b, c, d, *met_last(state.nodal, i))
         chosen, best = last, math.sqrt(square)
+        # the usual case, and the reason why a contact costs little
         if not rim and _CLEARLY_OVER * best < (1.0 - max(abs(xi), abs(eta))) * state.size[last]:
             return chosen, xi, eta, best, rim
     for place in range(state.start[i], state.start[i + 1]):
@@ -299,6 +300,7 @@ def nearest_face(state, i):
         if new_rim:
             new_xi, new_eta, square = on_rim(x, a, b, c, d)
         distance = math.sqrt(square)
+        # over a face goes before beside one, at the same distance
         over = rim and not new_rim and distance <= best * (1.0 + SAME)
         if chosen < 0 or over or distance < closer:
             chosen, best, xi, eta, rim = face, distance, new_xi, new_eta, new_rim
@@ -307,7 +309,7 @@ def nearest_face(state, i):
 
 @leaf_kernel
 def is_behind(state, face, off):
-    """Tell whether a vector points inward of a face; of none (-1) it does not."""
+    """Return whether a vector points inward of a face; of none (-1) it does not."""
     if face < 0:
         return False
     a, b, c, d = corners(state, face)
@@ -316,7 +318,7 @@ def is_behind(state, face, off):
 
 @leaf_kernel
 def in_valley(state, face, xi, eta, off):
-    """Tell whether a node whose closest point lies on edges of a face is behind the faces across these edges too."""
+    """Return whether a node whose closest point lies on edges of a face is behind the faces across these edges too."""
     across = state.neighbours[face]
     return (
         (eta > -1.0 or is_behind(state, across[0], off))
@@ -358,6 +360,7 @@ def relative_inverse_mass(state, i, face, shape, n):
         inverse = state.inverse_mass[k[c]] * free_fraction(state.touch, k[c], n)
         shared += shape[c] * inverse * state.touch.area[k[c]]
         alone += shape[c] * shape[c] * inverse
+    # of both bounds the larger, so that the stiffness is stable for a lone node on a face as for matching meshes
     return state.inverse_mass[i] * free_fraction(state.touch, i, n) + max(shared / state.touch.area[i], alone)
 
 
@@ -397,7 +400,7 @@ def press(state, i, step):
     shape = shape_functions(xi, eta)
     speed = approach_of(state, i, face, shape)
     before = gap - step.dt * dot(speed, normal)
-    if face != last and before < min(last_gap, 0.0) - JUMP * state.limit[face]:
+    if face != last and before < min(last_gap, 0.0) - JUMP * state.limit[face]:  # the far side of a squashed element
         nodal.known[i] = 0
     felt = share > 0.0 and gap > -state.limit[face]
     depth = depth_of(nodal, i, gap, before, share, step.kept) if felt else 0.0
@@ -406,7 +409,7 @@ def press(state, i, step):
         nodal.clear[i] = state.travel[0] + distance - step.travel if gap >= 0.0 else 0.0
         return
     inverse = relative_inverse_mass(state, i, face, shape, normal)
-    if inverse <= 0.0:
+    if inverse <= 0.0:  # both sides are held along the normal
         return
     stop = _HALF * state.stiffness * share / step.kick
     force = stop / inverse * depth / step.dt
@@ -417,6 +420,7 @@ def press(state, i, step):
         nodal.shape[i, c] = shape[c]
     if state.coefficient > 0.0:
         slide = add_scaled(speed, -dot(speed, normal), normal)
+        # the lighter of both directions: friction then never turns the sliding round
         inverse = max(inverse, relative_inverse_mass(state, i, face, shape, along(slide)))
         store(nodal.friction_force, i, coulomb_force(slide, stop / inverse, state.coefficient * force))
 
@@ -487,7 +491,7 @@ def begin_step(state, step):
     shares = state.speeds.shape[0]
     for k in range(shares):
         speed_share(k, state, STANDING)
-    middle = mean_speed(state)
+    middle = mean_speed(state)  # twice: offsets from the mean are small, and a body that flies needs no new search
     for k in range(shares):
         speed_share(k, state, middle)
     travel = travel_of(state, step.dt)
@@ -500,7 +504,7 @@ def press_node(i, state, step):
     """Find the face that a node meets and the force on the node, where it can meet one in this step."""
     nodal = state.nodal
     met = state.start[i + 1] > state.start[i] or nodal.face[i] >= 0
-    if met and not state.travel[0] + step.travel < nodal.clear[i]:
+    if met and not state.travel[0] + step.travel < nodal.clear[i]:  # a NaN is looked at, not passed over
         for c in range(3):
             nodal.friction_force[i, c] = 0.0
         press(state, i, step)

@@ -65,7 +65,7 @@ def slopes(s, rows, place, j):
 
 
 @fused_leaf_kernel
-def cross(a, b):
+def cross(a, b):  # not that of `_surface_kernels`: fused, it rounds a product and a sum once together
     """Return the cross product of two vectors."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
@@ -82,6 +82,7 @@ def cofactors(s, place, j):
     s[COFACTOR[3] + j], s[COFACTOR[4] + j], s[COFACTOR[5] + j] = b
     s[COFACTOR[6] + j], s[COFACTOR[7] + j], s[COFACTOR[8] + j] = c
     largest, _, _ = steepest(a, b, c)
+    # no step is small enough for a point turned inside out
     s[STEEPEST + j] = max(s[STEEPEST + j], 8.0 * largest / weight if weight > 0.0 else np.inf)
 
 
@@ -104,6 +105,7 @@ def point_kinematics(s, place, dt, j):
     d, e, f = gradient_row(s, V, place, r, j)
     g, h, i = gradient_row(s, T, place, r, j)
     increments(s, (a, b, c, d, e, f, g, h, i), j)
+    # the mean volume change for that of the point: with eight of their own, a flow without one would lock
     more = (s[SWELLING + j] - s[STRAIN[0] + j] - s[STRAIN[1] + j] - s[STRAIN[2] + j]) / 3.0
     s[STRAIN[0] + j] += more
     s[STRAIN[1] + j] += more
@@ -132,6 +134,7 @@ def point_force(s, place, j):
     xx, yy, zz = s[STRESS[0] + j], s[STRESS[1] + j], s[STRESS[2] + j]
     xy, yz, zx = s[STRESS[3] + j], s[STRESS[4] + j], s[STRESS[5] + j]
     mean, weight = (xx + yy + zz) / 3.0, s[WEIGHT + j]
+    # the deviator works on the gradients of the point, the mean stress on those of the element (`end_sums`)
     pull(s, FX, place, xx - mean, xy, zx, j)
     pull(s, FY, place, xy, yy - mean, yz, j)
     pull(s, FZ, place, zx, yz, zz - mean, j)
@@ -144,6 +147,7 @@ def point_force(s, place, j):
 def begin_sums(s, j):
     """Set all sums over the points to zero, and keep the mean volume change."""
     s[SWELLING + j] = s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]
+    # eight points leave no hourglass modes
     s[PRESSURE + j], s[ALL_WORK + j], s[ALL_PLASTIC + j], s[HOURGLASS + j] = 0.0, 0.0, 0.0, 0.0
 
 
@@ -161,6 +165,7 @@ def end_sums(s, j):
 def point_forces(s, state, place, dt, solid, kind):
     """Bring one point of a chunk to the end of a step and add its forces."""
     kept = state_rows(solid)
+    # a loop over the lanes for each formula: only such loops become vector loops
     for k in range(kept):
         s[HELD + k] = state[k]
     for j in range(W):
@@ -185,7 +190,7 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
     for j in range(W):
         s[FIXED + MASS + j] = blocks.constants[np.uint64(chunk) * W + j]
         mean_motion(s, dt, j)
-    for j in range(W):
+    for j in range(W):  # one bulk viscosity for the element, kept with its first point
         s[HELD + BEFORE + j] = blocks.state[first + BEFORE + j]
         viscosity(s, solid, dt, linear, quadratic, j)
         blocks.state[first + BEFORE + j] = s[HELD + BEFORE + j]
@@ -212,7 +217,7 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
 
 @fused_called_kernel
 def slab_forces(blocks, slabs, chosen, x, v, f, dt, viscous, s, sums):
-    """Treat the chosen slabs one after another, as that of the one-point elements does."""
+    """Treat the chosen slabs one after another, as `_hexahedron_kernels.slab_forces` does, by eight points each."""
     least = np.inf
     for k in chosen:
         sums[k, 3] = 0.0

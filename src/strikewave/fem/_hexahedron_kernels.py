@@ -83,6 +83,7 @@ def nodal_forces(s, rows, j):
     low2, top2 = f2 - f23, f2 + f23
     low1, top1 = f1 - f13, f1 + f13
     low12, top12 = f12 - f123, f12 + f123
+    # sums and differences in turn, as in a fast Hadamard transform: 24 additions for 56
     front, back, front1, back1 = low - low2, low + low2, low1 - low12, low1 + low12
     s[rows[0] + j], s[rows[1] + j] = front - front1, front + front1
     s[rows[3] + j], s[rows[2] + j] = back - back1, back + back1
@@ -140,7 +141,7 @@ def dot6(s, a, b, j):
 @fused_leaf_kernel
 def kinematics(s, dt, j):
     """Write volume, and the strain and rotation increment of the mean gradient."""
-    volume = (dot6(s, X, GX, j) + dot6(s, Y, GY, j) + dot6(s, Z, GZ, j)) / 3.0
+    volume = (dot6(s, X, GX, j) + dot6(s, Y, GY, j) + dot6(s, Z, GZ, j)) / 3.0  # exact: it is of third degree (Euler)
     r = dt / volume
     a, b, c = r * dot6(s, U, GX, j), r * dot6(s, U, GY, j), r * dot6(s, U, GZ, j)
     d, e, f = r * dot6(s, V, GX, j), r * dot6(s, V, GY, j), r * dot6(s, V, GZ, j)
@@ -210,6 +211,7 @@ def hourglass_force(s, n, j):
     qy = s[Y[0] + own] + weighted(s, Y[0], row, j)
     qz = s[Z[0] + own] + weighted(s, Z[0], row, j)
     square = qx * qx + qy * qy + qz * qz
+    # beyond q_y the stiffness falls as that of a yielding element does, or a bent plastic part would be too stiff
     root = math.sqrt(1.0 + s[FIXED + YIELDING + j] * square)
     both = 8.0 * s[FIXED + STIFFNESS + j] / (root * (1.0 + root))  # one quotient for two: they take long
     s[HOURGLASS + j] += both * root * square
@@ -256,7 +258,7 @@ def scatter(blocks, chunk, s, f):
     count = np.uint64(blocks.filled[chunk])
     for k in range(EIGHT):
         row = k * W
-        for j in range(count):
+        for j in range(count):  # lanes beyond repeat the last element, and must not count twice
             n = np.uint64(blocks.nodes[first + row + j])
             f[n, 0] += s[U[0] + row + j]
             f[n, 1] += s[V[0] + row + j]
@@ -275,13 +277,13 @@ def viscosity(s, solid, dt, linear, quadratic, j):
     r = s[GX[2] + j], s[GY[2] + j], s[GZ[2] + j]
     largest, longest, straight = steepest(p, q, r)
     trace = dot6(s, GX, GX, j) + dot6(s, GY, GY, j) + dot6(s, GZ, GZ, j)
-    thickness = 2.0 * volume / math.sqrt(longest)
+    thickness = 2.0 * volume / math.sqrt(longest)  # between opposite faces, by the steepest of the three gradients
     swelling = s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]
     rate = swelling / dt
-    squeezed = min(rate, 0.0)
+    squeezed = min(rate, 0.0)  # the quadratic part spreads shock fronts, which compress: it leaves expansion alone
     damping = thickness * (linear * solid[SPEED] - quadratic * thickness * squeezed)
     pressure = -(mass / volume) * damping * rate
-    s[DAMPED + j] = -0.5 * (s[HELD + BEFORE + j] + pressure) * swelling
+    s[DAMPED + j] = -0.5 * (s[HELD + BEFORE + j] + pressure) * swelling  # by the mean of both pressures, as all works
     s[VISCOUS + j], s[HELD + BEFORE + j] = pressure, pressure
     s[STEEPEST + j] = (largest + trace - straight) / volume
     s[TRACE + j] = trace / volume
@@ -297,6 +299,7 @@ def critical_step(s, solid, j):
     """
     square = (2.0 * solid[SHEAR] * s[STEEPEST + j] + solid[LAME] * s[TRACE + j]) / s[FIXED + MASS + j]
     damping = s[DAMPING + j]
+    # viscosity shortens the step of central differences
     step = 4.0 / (damping + math.sqrt(damping * damping + 4.0 * square))
     s[STEP + j] = step if s[VOLUME + j] > 0.0 and step > 0.0 else 0.0
 
@@ -328,6 +331,7 @@ def all_nodal_forces(s, j):
 @fused_leaf_kernel
 def work_share(s, j):
     """Return the volume in the middle of the step, which works per volume are multiplied by."""
+    # strain is over the shape in the middle of the step, and so must be the volume
     return s[VOLUME + j] * (1.0 - 0.5 * (s[STRAIN[0] + j] + s[STRAIN[1] + j] + s[STRAIN[2] + j]))
 
 
@@ -346,6 +350,7 @@ def chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums):
     kept, count = state_rows(solid), np.uint64(blocks.filled[chunk])
     linear, quadratic = viscous
     gather(blocks, chunk, x, v, s)
+    # Constants and state stand in the scratch with all else: the loops below run over one array.
     for k in range(np.uint64(CONSTANTS) * W):
         s[FIXED + k] = blocks.constants[fixed + k]
     for k in range(kept):
@@ -389,7 +394,7 @@ def slab_forces(blocks, slabs, chosen, x, v, f, dt, viscous, s, sums):
     """
     least = np.inf
     for k in chosen:
-        sums[k, 3] = 0.0
+        sums[k, 3] = 0.0  # an energy held now, where the others are works, which add up
         for chunk in range(slabs[k, 0], slabs[k, 1]):
             least = min(least, chunk_forces(blocks, chunk, x, v, f, dt, viscous, s, sums[k]))
     return least

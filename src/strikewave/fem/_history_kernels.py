@@ -18,11 +18,11 @@ TOUCHED = 10
 POINT = STATES * LANES
 """Numbers of the state of a point of a chunk."""
 STRESS, PLASTIC = tuple(int(row) for row in SIGMA), int(STRAIN_P)
-"""Where the stress and the plastic strain of its first element begin there."""
+"""Places of the stress and the plastic strain of its first element there."""
 
 
 def shares_of(count: int) -> int:
-    """Return in how many shares so many rows are summed."""
+    """Return the number of shares in which so many rows are summed."""
     return -(-count // ROWS)
 
 
@@ -80,7 +80,7 @@ def kinetic_share(k, v, f, mass, inverse_mass, dt_previous, dt_next, sums):
         square = 0.0
         for c in range(3):
             a = f[n, c] * inverse_mass[n]
-            now = v[n, c] + 0.5 * dt_previous * a
+            now = v[n, c] + 0.5 * dt_previous * a  # at t_n, half a step after the velocity
             square += now * now - 0.25 * dt_previous * dt_next * a * a
         total += mass[n] * square
     sums[k] = total
@@ -126,7 +126,7 @@ def peak_of_chunk(chunk, state, filled, points, peaks):
             mean_of(state, at + STRESS[5], points),
         )
         plastic = mean_of(state, at + PLASTIC, points)
-        if not square <= stress:
+        if not square <= stress:  # true of a NaN too, so that it shows
             stress = square
         if not plastic <= strain:
             strain = plastic
@@ -155,7 +155,7 @@ def touch_share(k, touch, sums):
             force = touch.normal[i, c] + touch.friction[i, c]
             if i < touch.first:
                 sums[k, c] += force
-            sums[k, 3] += force * touch.velocity[i, c]
+            sums[k, 3] += force * touch.velocity[i, c]  # at the velocity before the step, in which the force was found
             under = under or touch.normal[i, c] != 0.0
         own = 4 if i < touch.first else 7
         sums[k, own] += touch.area[i]

@@ -1,4 +1,4 @@
-"""Where the numbers of an element lie: rows of LANES elements in the scratch, the constants and the state.
+"""Places of the numbers of an element: rows of LANES elements in the scratch, the constants and the state.
 
 Row k of lane j lies at k * LANES + j. Offsets are unsigned: a signed index would be tested for wrap-around, and the
 loops over lanes would not become vector loops.
@@ -10,12 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+# A whole number of vector registers of any width (2 to 8 doubles), and so few that the scratch of a chunk, 28 KiB,
+# leaves room for its constants and state in a first-level cache. Fewer are no loops to a compiler, which writes them
+# out and makes no vectors of them.
 LANES = 24
-"""Elements of a chunk: a whole number of vector registers of any width (2 to 8 doubles), and so few that the scratch of
-a chunk, 28 KiB, leaves room for its constants and state in a first-level cache. Fewer are no loops to a compiler, which
-writes them out and makes no vectors of them."""
+"""Elements of a chunk."""
 W = np.uint64(LANES)
-"""The same as an unsigned number, as offsets are."""
+"""Elements of a chunk as an unsigned number, as offsets are."""
 ZERO, ONE, TWO, THREE, FOUR, FIVE, SIX, _, EIGHT = np.arange(9, dtype=np.uint64)
 
 
@@ -40,17 +41,17 @@ hourglass energy."""
 FIXED, HELD = rows(88, 1)[0], rows(115, 1)[0]
 """Copies of constants and state of the chunk."""
 DAMPING, STEEPEST, TRACE = rows(130, 3)
-"""Of the critical step: damping rate of the bulk viscosity; largest eigenvalue and trace of sum g g^T over volume."""
+"""Damping rate of the bulk viscosity; largest eigenvalue and trace of sum g g^T over volume: for the critical step."""
 FX, FY, FZ, COFACTOR = rows(88, 8), rows(96, 8), rows(104, 8), rows(133, 9)
-"""Of full integration: forces on the modes (in place of constants), cofactors of the Jacobian of a point by columns."""
+"""Forces on the modes (in place of constants), cofactors of a point's Jacobian by columns: in full integration."""
 WEIGHT, SWELLING, PRESSURE, ALL_WORK, ALL_PLASTIC = rows(142, 5)
-"""Of full integration: Jacobian of a point, mean volume change, and sums over the points, weighted by the Jacobian."""
+"""Jacobian of a point, mean volume change, sums over the points weighted by the Jacobian: in full integration."""
 SCRATCH = 147 * LANES
 """Numbers of scratch that a thread needs."""
 
 STIFFNESS, MASS, YIELDING = rows(24, 3)
 CONSTANTS = 27
-"""Rows of constants: how hourglass modes see the six others, hourglass stiffness (N/m), mass (kg), 1/q_y^2 (1/m^2)."""
+"""Rows of constants: couplings of the hourglass modes, hourglass stiffness (N/m), mass (kg), 1/q_y^2 (1/m^2)."""
 SIGMA, STRAIN_P, HEAT, BEFORE, BACK = rows(0, 6), *rows(6, 3), rows(9, 6)
 STATES = 15
 """Rows of state of a point: stress, equivalent plastic strain, temperature above room, pressure of the bulk viscosity
@@ -71,23 +72,19 @@ SUMS = 4
 
 
 class Blocks(NamedTuple):
-    """Elements in chunks of LANES.
-
-    Attributes
-    ----------
-    nodes : array (chunks * 8 * LANES,) of int32
-    filled : array (chunks,) of int32
-        Elements in each chunk; the lanes beyond repeat the last one.
-    part : array (chunks,) of int32
-    constants, state : array (chunks * CONSTANTS * LANES,), (chunks * STATES * LANES,)
-    solids : array (parts, SOLID)
-    kinds : array (parts,) of int32
-    """
+    """Elements in chunks of LANES."""
 
     nodes: np.ndarray
+    """Nodes of the elements, (chunks * 8 * LANES,)."""
     filled: np.ndarray
+    """Elements in each chunk; the lanes beyond repeat the last one."""
     part: np.ndarray
+    """Part of each chunk."""
     constants: np.ndarray
+    """Constants, (chunks * CONSTANTS * LANES,)."""
     state: np.ndarray
+    """State of each point, (chunks * points * STATES * LANES,)."""
     solids: np.ndarray
+    """Numbers of the solid of each part, (parts, SOLID)."""
     kinds: np.ndarray
+    """Kind of that solid."""

@@ -30,6 +30,7 @@ def advance(x, v, f, inverse_mass, kick, step, first, last):
 def sum_share(k, nodes, x, f, centre, sums):
     """Write force and moment about the centre of every n-th node from node k on into row k of n rows."""
     forces_x, forces_y, forces_z, moment_x, moment_y, moment_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    # a fixed share of nodes a row: the order of the sums is that of a device
     for i in range(k, nodes.size, sums.shape[0]):
         n = nodes[i]
         a, b, c = x[n, 0] - centre[0], x[n, 1] - centre[1], x[n, 2] - centre[2]
@@ -49,13 +50,15 @@ def sum_shares(nodes, x, f, centre, sums):
 
 
 @leaf_kernel
-def bring_node(i, nodes, arms, pose, kick, step, x, before, f, mass, force):
+def bring_node(i, nodes, arms, pose, times, x, before, f, mass, force):
     """Replace the force on a node by the one that brings it with its part within a step; write what that adds.
 
-    ``pose`` holds the rotation since the start (rows 0 to 2) and the centre (row 3) at the end of the step.
+    ``pose`` holds the rotation since the start (rows 0 to 2) and the centre (row 3) at the end of the step; ``times``
+    are the step of velocities and that of positions, s.
     """
-    n = nodes[i]
+    n, (kick, step) = nodes[i], times
     for c in range(3):
+        # a velocity (place - x)/step ends at the place, so that nodes do not drift off their part
         place = pose[3, c] + arms[i, 0] * pose[c, 0] + arms[i, 1] * pose[c, 1] + arms[i, 2] * pose[c, 2]
         whole = mass[n] * ((place - x[n, c]) / step - before[i, c]) / kick
         force[i, c] = whole - f[n, c]
@@ -63,10 +66,10 @@ def bring_node(i, nodes, arms, pose, kick, step, x, before, f, mass, force):
 
 
 @called_kernel
-def bring_nodes(nodes, arms, pose, kick, step, x, before, f, mass, force):
+def bring_nodes(nodes, arms, pose, times, x, before, f, mass, force):
     """Bring the nodes of a part with it: see `bring_node`."""
     for i in range(nodes.size):
-        bring_node(i, nodes, arms, pose, kick, step, x, before, f, mass, force)
+        bring_node(i, nodes, arms, pose, times, x, before, f, mass, force)
 
 
 class TieState(NamedTuple):
@@ -124,11 +127,11 @@ def hold_node(i, nodes, directions, speed, kick, v, f, mass, force):
         force[i, c] = 0.0
     for k in range(3):
         d = directions[i, k]
-        if d[0] == 0.0 and d[1] == 0.0 and d[2] == 0.0:
+        if d[0] == 0.0 and d[1] == 0.0 and d[2] == 0.0:  # fewer than three directions are held
             continue
         along = 0.0
         for c in range(3):
-            along += (v[n, c] + kick * f[n, c] / mass[n]) * d[c]
+            along += (v[n, c] + kick * f[n, c] / mass[n]) * d[c]  # the speed to which all other forces would bring it
         push = mass[n] * (speed - along) / kick
         for c in range(3):
             force[i, c] += push * d[c]
@@ -150,7 +153,7 @@ def hold(nodes, directions, speed, kick, v, f, mass, force):
 def absorb_node(i, nodes, matrix, kick, v, f, mass, force):
     """Write and add the force of a node's dashpots, -D (v + kick f / 2 m): see `strikewave.fem.boundary.Dashpots`."""
     n = nodes[i]
-    half = 0.5 * kick / mass[n]
+    half = 0.5 * kick / mass[n]  # at the middle of the step, so that no step is too long for a dashpot
     a, b, c = v[n, 0] + half * f[n, 0], v[n, 1] + half * f[n, 1], v[n, 2] + half * f[n, 2]
     for k in range(3):
         force[i, k] = -(matrix[i, k, 0] * a + matrix[i, k, 1] * b + matrix[i, k, 2] * c)
@@ -187,7 +190,7 @@ def face_shares(x, p, q, r, s, c):
 @called_kernel
 def press(faces, pressure, x, force):
     """Write the forces of a pressure on the nodes of faces, given by places in ``force``, as they are now."""
-    force[:] = 0.0
+    force[:] = 0.0  # by the faces as they are now: a pressure follows its surface
     for k in range(faces.shape[0]):
         p, q, r, s = faces[k, 0], faces[k, 1], faces[k, 2], faces[k, 3]
         for c in range(3):
@@ -232,6 +235,7 @@ def work_and_impulse(nodes, force, before, v, kick):
     work, x, y, z = 0.0, 0.0, 0.0, 0.0
     for i in range(nodes.size):
         for c in range(3):
+            # by the mean velocity, for which central differences balance
             work += 0.5 * force[i, c] * (before[i, c] + v[nodes[i], c])
         x, y, z = x + force[i, 0], y + force[i, 1], z + force[i, 2]
     return kick * work, kick * x, kick * y, kick * z

@@ -51,7 +51,7 @@ CLOSE = 1e-7
 
 The method squares its error, so that 1e-14 is left: the rounding of the increment."""
 ITERATIONS = 100
-"""Of Newton's method at most; chosen far above what it takes, so that a solid of odd constants cannot hang a run."""
+"""Most steps of Newton's method: chosen far above what it takes, so that a solid of odd constants cannot hang a run."""
 NEAR_LOW = 0.1
 """Share of the bracket, from its lower end, at which Newton's method begins again where it left the bracket.
 
@@ -189,8 +189,8 @@ def von_mises(s, back, solid, j):
     isotropic, kinematic, shear = solid[ISOTROPIC], solid[KINEMATIC], solid[SHEAR]
     q, n = direction(s, back, j)
     excess = q - solid[YIELD] - isotropic * s[HELD + STRAIN_P + j]
-    dp = max(excess, 0.0) / (3.0 * shear + isotropic + kinematic)
-    share = dp / max(q, TINY)
+    dp = max(excess, 0.0) / (3.0 * shear + isotropic + kinematic)  # without a branch: a vector loop
+    share = dp / max(q, TINY)  # 0/0 where there is neither stress nor flow
     flow(s, shear, n, share, j)
     s[HELD + STRAIN_P + j] += dp
     shift = kinematic * share
@@ -201,6 +201,7 @@ def von_mises(s, back, solid, j):
 def johnson_cook_still(solid, p, heat):
     """Return the flow stress at the reference rate, and the softening 1 - T*^m."""
     warm = heat / solid[JC_RANGE]
+    # no negative strength beyond melting; below room temperature the law says nothing
     softening = 1.0 - min(warm, 1.0) ** solid[JC_M] if warm > 0.0 else 1.0
     return softening * (solid[JC_A] + solid[JC_B] * p ** solid[JC_N]), softening
 
@@ -208,7 +209,7 @@ def johnson_cook_still(solid, p, heat):
 @fused_leaf_kernel
 def johnson_cook_flow(solid, p, dp, softening, dt):
     """Return softening (A + B (p + dp)^n) (1 + C ln(max(dp / dt, rate) / rate)), and its slope over dp."""
-    slowest = solid[RATE] * dt
+    slowest = solid[RATE] * dt  # below the reference rate the logarithm would fall without end
     hard = solid[JC_B] * (p + dp) ** solid[JC_N]
     fast = 1.0 + solid[JC_C] * math.log(max(dp / slowest, 1.0))
     cold, steeper = solid[JC_A] + hard, solid[JC_C] / dp if dp > slowest else 0.0
@@ -271,14 +272,15 @@ def heated_flow(still_law, law, s, solid, dt, j):
     if excess <= 0.0:
         return
     dp = q / stiff
-    if still > 0.0:
+    if still > 0.0:  # else no strength is left, and all of the deviator goes
         along = n[0] * s[STRAIN[0] + j] + n[1] * s[STRAIN[1] + j] + n[2] * s[STRAIN[2] + j]
         along += 2.0 * (n[3] * s[STRAIN[3] + j] + n[4] * s[STRAIN[4] + j] + n[5] * s[STRAIN[5] + j])
+        # the rate hardens: no more plastic strain than the step's strain along the flow is a nearer begin
         guess = min(excess / stiff, along / q) if along > 0.0 else excess / stiff
         dp = plastic_increment(law, q, p, thermal, solid, dt, guess)
     flow(s, solid[SHEAR], n, dp / q, j)
     s[HELD + STRAIN_P + j] += dp
-    s[HELD + HEAT + j] += solid[HEATING] * s[PLASTIC + j]
+    s[HELD + HEAT + j] += solid[HEATING] * s[PLASTIC + j]  # after the flow: strength of a step is that of its begin
 
 
 @fused_called_kernel
@@ -340,7 +342,7 @@ def stress_of_one(s, solid, kind, dt, j):
     """Bring the stress of one lane to the end of the step, as `update_stress` does for a chunk."""
     elastic(s, solid[LAME], solid[SHEAR], j)
     s[PLASTIC + j] = 0.0
-    if kind == JOHNSON_COOK:
+    if kind == JOHNSON_COOK:  # the kinds outside of any loop here: a thread of a device has one lane
         johnson_cook(s, solid, dt, j)
     elif kind == ZERILLI_ARMSTRONG:
         zerilli_armstrong(s, solid, dt, j)

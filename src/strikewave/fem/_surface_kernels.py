@@ -7,9 +7,8 @@ import numpy as np
 from strikewave.base.compiled import called_kernel, kernel, leaf_kernel
 
 _INSIDE = 1e-9
-"""How far beyond 1 a natural coordinate may lie, by rounding, of a point that is over the face.
-
-Far above the rounding of the coordinates (1e-16), far below anything that a force could show."""
+"""Distance beyond 1 of a natural coordinate of a point that is over the face: far above the rounding of coordinates,
+1e-16, far below anything that a force could show."""
 _NEWTON = 12
 """Most steps of Newton's method; two or three are usual, and on a folded face there may be no root."""
 _CONVERGED = 1e-11
@@ -164,7 +163,7 @@ def foot_of(x, a, b, c, d, xi, eta):
         r = add_scaled(add_scaled(add_scaled(add_scaled(m, -1.0, x), xi, e), eta, g), xi * eta, h)
         t, s = add_scaled(e, eta, h), add_scaled(g, xi, h)
         tt, ss, ts, rh = dot(t, t), dot(s, s), dot(t, s), dot(r, h)
-        full = tt * ss - (ts + rh) ** 2
+        full = tt * ss - (ts + rh) ** 2  # with the curvature of the face; not positive beyond its centre of curvature
         mixed = ts + rh if full > _CONVEX * tt * ss else ts
         per_det = 1.0 / max(tt * ss - mixed * mixed, _TINY)
         rt, rs = dot(r, t), dot(r, s)
@@ -180,7 +179,7 @@ def foot_of(x, a, b, c, d, xi, eta):
 
 @leaf_kernel
 def is_beyond(xi, eta):
-    """Tell whether a foot lies outside its face."""
+    """Return whether a foot lies outside its face."""
     return abs(xi) > 1.0 + _INSIDE or abs(eta) > 1.0 + _INSIDE
 
 
@@ -237,7 +236,7 @@ def face_box(face, place, faces, reach, boxes):
 
 @leaf_kernel
 def in_box(place, n, boxes, k):
-    """Tell whether a node lies in a box."""
+    """Return whether a node lies in a box."""
     inside = True
     for c in range(3):
         inside = inside and boxes[k, c] <= place[n, c] <= boxes[k, 3 + c]
@@ -257,7 +256,7 @@ def face_boxes(place, faces, reach):
 def cells_of(low, high, count, wanted):
     """Return the number of cells by axis and their widths: about as wide as wanted, few beside the nodes."""
     cells = np.ones(3, np.int64)
-    length = np.maximum(high - low, _TINY)
+    length = np.maximum(high - low, _TINY)  # flat surfaces have no extent across
     width = max(wanted, length.max() / _MOST_CELLS, _TINY)
     while True:
         for c in range(3):
@@ -359,10 +358,11 @@ def search(place, checked, faces, reach, split, face_split):
     """
     total, ends = place.shape[0], faces.shape[0]
     boxes = face_boxes(place, faces, reach)
+    # nodes of a surface lie in cells that the other one's faces span
     of_first = grid(place, checked, (0, split), boxes[face_split:])
     of_second = grid(place, checked, (split, total), boxes[:face_split])
     start, candidates = np.zeros(total + 1, np.int64), np.empty(0, np.int32)
-    for filling in (False, True):
+    for filling in (False, True):  # counted first, then filled in: no list grows
         place_of = start[:-1].copy()
         for face in range(ends):
             others = of_second if face < face_split else of_first
@@ -390,7 +390,7 @@ def nodes_by_corner(faces, start, candidates, last):
                     continue
                 for c in range(4):
                     corner = faces[face, c]
-                    if noted[corner] == i:
+                    if noted[corner] == i:  # neighbouring faces share corners: each node counts once
                         continue
                     noted[corner] = i
                     if filling:

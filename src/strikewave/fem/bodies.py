@@ -1,4 +1,4 @@
-"""Rigid parts; which parts make one body, which ways it may move, and how it goes back to where it began; SI.
+"""Rigid parts; bodies of joined parts, their free motions, and their way back to where they began; SI.
 
 Of a rigid part momentum p and angular momentum L about the centre of mass follow the forces on the nodes, dp/dt = sum
 f, dL/dt = sum (x - c) x f, at the half steps of central differences. The rotation over a step is that of the angular
@@ -19,25 +19,21 @@ from scipy.spatial.transform import Rotation
 
 from strikewave.base.errors import InputError
 from strikewave.fem import _node_kernels as kernels
+from strikewave.fem._node_kernels import TieState
 from strikewave.fem.boundary import Acting, Held, Now
-from strikewave.fem.contact import TieState, extents, surface_of
+from strikewave.fem.contact import extents, surface_of
 from strikewave.fem.mesh import TINY, Array, Index, Mesh
 from strikewave.fem.model import Model, Rigid
 
-SHARES = 128
-"""In how many shares the forces on a part are summed: a share is a thread of a device, and the order is the same on the
-processor. So many that threads share large parts, so few that the sums are brought here in no time."""
+SHARES = 128  # a share is a thread of a device: many enough for large parts, few enough to bring the sums here at once
+"""Shares in which the forces on a part are summed, in the same order on a device and on the processor."""
 
 
 class RigidBody(Acting):
-    """The nodes of a rigid part; its forces make them move together.
+    """Nodes of a rigid part; its forces make them move together.
 
-    Attributes
-    ----------
-    centre, velocity, spin : array (3,)
-        Centre of mass, m; its velocity, m/s, and angular momentum, kg m^2/s, half a step before.
-    turned : array (3, 3)
-        Rotation since the start.
+    ``centre`` (m), ``velocity`` (m/s) and ``spin``, the angular momentum (kg m^2/s), are of the centre of mass, the
+    last two half a step before; ``turned`` (3, 3) is the rotation since the start.
     """
 
     def __init__(self, mesh: Mesh, rigid: Rigid, mass: Array, velocity: Array) -> None:
@@ -57,7 +53,7 @@ class RigidBody(Acting):
         """Write the forces between the nodes that keep them together, and those that hold what may not move."""
         kernels.sum_shares(self.nodes, now.x, now.f, tuple(self.centre.tolist()), self.sums)
         pose = self.move(self.sums, now.kick, now.step)
-        rest = now.kick, now.step, now.x, self.before, now.f, now.mass, self.force
+        rest = (now.kick, now.step), now.x, self.before, now.f, now.mass, self.force
         kernels.bring_nodes(self.nodes, self.arms, pose, *rest)
 
     def move(self, sums: Array, kick: float, step: float) -> Array:
@@ -66,6 +62,7 @@ class RigidBody(Acting):
         self.velocity = np.where(self.moves, self.velocity + kick * force / self.mass, 0.0)
         self.spin = self.spin + kick * moment
         self.centre = self.centre + step * self.velocity
+        # The inertia turns with the body: the rate at the middle of the step makes the rotation second order.
         half = Rotation.from_rotvec(0.5 * step * self._rate(self.turned)).as_matrix() @ self.turned
         self.turned = Rotation.from_rotvec(step * self._rate(half)).as_matrix() @ self.turned
         return np.vstack([self.turned, self.centre])
@@ -106,13 +103,7 @@ def surface_inverse_mass(body: RigidBody, mesh: Mesh, part: str) -> Array:
 
 
 def rigid_bodies(model: Model, mass: Array, ties: TieState, held: Sequence[Index]) -> list[RigidBody]:
-    """Return the rigid parts; ``mass`` (nodes,) is that of the nodes, ``held`` the nodes that are held or driven.
-
-    Raises
-    ------
-    InputError
-        If a node of one is tied, held, driven or that of another, or two rigid surfaces may touch.
-    """
+    """Return the rigid parts; ``mass`` (nodes,) is that of the nodes, ``held`` the nodes that are held or driven."""
     speeds = [np.array(model.velocity.get(rigid.part, (0.0, 0.0, 0.0))) for rigid in model.rigid]
     bodies = [RigidBody(model.mesh, rigid, mass, speed) for rigid, speed in zip(model.rigid, speeds, strict=True)]
     tied = np.concatenate([ties.nodes, ties.corners.ravel()])
@@ -144,42 +135,28 @@ def _check_surfaces(model: Model, bodies: Sequence[RigidBody]) -> None:
             raise InputError(field, "rigid on rigid", "at least one surface that deforms", hint)
 
 
-HELD = 1e-12
-"""Share of the largest eigenvalue below which boundaries hold a motion not at all.
-
-Eigenvalues are squares of directions that are known to 1e-16 times some hundred nodes; a real hold is far above."""
-ROUNDS, CLOSE = 20, 1e-13
-"""Rounds of the fit of a rigid motion at most, and the share of a body's length below which a round is the last.
-
-Each round squares the angle that is left, so that three or four reach rounding."""
+HELD = 1e-12  # squares of directions that are known to 1e-16, times some hundred nodes; a real hold is far above
+"""Share of the largest eigenvalue below which boundaries do not hold a motion."""
+ROUNDS, CLOSE = 20, 1e-13  # each round squares the angle that is left: three or four reach rounding
+"""Most rounds of the fit of a rigid motion, and the share of a body's length below which a round is the last."""
 
 
 @dataclass(frozen=True)
 class Body:
-    """Parts that ties or common nodes join.
-
-    Attributes
-    ----------
-    parts : tuple of str
-        Also those of which it has only a piece.
-    nodes : array (k,)
-    weight : array (k,)
-        Weights of the nodes on the way back, kg: their mass; where the body has rigid parts, that of their nodes alone.
-    motions : array (6, n)
-        Columns span the rigid motions that boundaries and the freedoms of rigid parts leave: velocity of the centre
-        and rotation times `length`.
-    centre : array (3,)
-        Centre of mass, before the first blow, m.
-    length : float
-        Root of the mean square distance from it, m.
-    """
+    """Parts that ties or common nodes join."""
 
     parts: tuple[str, ...]
+    """Names of the parts, also of those of which it has only a piece."""
     nodes: Index
+    """Nodes of the body, (k,)."""
     weight: Array
+    """Weights of the nodes on the way back, kg, (k,): their mass, or that of its rigid parts' nodes alone."""
     motions: Array
+    """Rigid motions left free, (6, n): velocity of the centre, and rotation times `length`."""
     centre: Array
+    """Centre of mass before the first blow, m, (3,)."""
     length: float
+    """Root of the mean square distance from the centre, m."""
 
     def modes(self, points: Array, centre: Array) -> Array:
         """Return the velocities (k, 3, 6) of points in unit translations and rotations about a centre."""
@@ -206,17 +183,6 @@ def bodies_of(
     """Return the bodies of a mesh; ``mass`` (nodes,) is the nodes' own, ``holds`` what is held and does not move.
 
     Contacts do not join bodies: what touches may part.
-
-    Examples
-    --------
-    >>> from strikewave.fem.mesh import joined
-    >>> from strikewave.fem.contact import prepare_ties
-    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
-    >>> one = Mesh(cube, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("one",))
-    >>> two = Mesh(cube + 2.0, one.hexahedra, one.part, ("two",))
-    >>> mesh = joined([one, two])
-    >>> [(body.parts, body.motions.shape[1]) for body in bodies_of(mesh, np.ones(16), prepare_ties((), mesh), ())]
-    [(('one',), 6), (('two',), 6)]
     """
     label = _labels(mesh, ties)
     bodies = []
@@ -262,19 +228,8 @@ def way_back(body: Body, before: Array, now: Array) -> tuple[Array, Array]:
     """Return the rigid motion, R x + t, that brings a body back to where it began.
 
     Among the motions that boundaries leave, it is the one after which sum m |x - x_0|^2 is least: where a body is free
-    its centre of mass is then where it was, and it has not turned. With rigid parts the sum is over their nodes.
-
-    Parameters
-    ----------
-    body : Body
-    before, now : array (nodes of the mesh, 3)
-        Places of the nodes, m.
-
-    Returns
-    -------
-    rotation : array (3, 3)
-    shift : array (3,)
-        m.
+    its centre of mass is then where it was, and it has not turned. With rigid parts the sum is over their nodes. Both
+    places are of all nodes of the mesh, (nodes, 3), m; the result is R (3, 3) and t (3,), m.
     """
     start, places = before[body.nodes], now[body.nodes]
     motion = np.eye(4)

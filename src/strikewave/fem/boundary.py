@@ -1,4 +1,4 @@
-"""What holds and loads a mesh, each as a nodal force that makes it so; SI.
+"""Boundaries of a mesh, each as the nodal force that holds or loads it; SI.
 
 A boundary adds, once all other forces of an instant are known, the force by which central differences reach the
 velocity that it asks for, m (v_wanted - v)/dt - f. Work and impulse of all of them then come from one formula, and
@@ -17,16 +17,16 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
 from strikewave.fem import _node_kernels as kernels
-from strikewave.fem.contact import TieState
+from strikewave.fem._node_kernels import TieState
 from strikewave.fem.mesh import Array, Index, Mesh
 from strikewave.fem.model import Driven, Fixed, Guided, Model, NonReflecting, Pressure, Symmetry, TimeCurve, Vector
 from strikewave.fem.solids import AnySolid
 
 Flags = NDArray[np.bool_]
-FLAT = 1e-6
-"""How far the normals of a symmetry side may differ: files of meshes keep six digits or more."""
-PARALLEL = 1e-6
-"""Below this share of a unit vector, a held direction is one of those held already; as `FLAT`."""
+FLAT = 1e-6  # files of meshes keep six digits or more
+"""Largest difference between the normals of a symmetry side."""
+PARALLEL = 1e-6  # as `FLAT`
+"""Share of a unit vector below which a held direction is one of those held already."""
 
 
 @dataclass
@@ -46,14 +46,7 @@ class Now:
 
 
 class Acting(abc.ABC):
-    """Forces on some nodes (each once), and what they do.
-
-    Attributes
-    ----------
-    nodes : array (k,)
-    force, before : array (k, 3)
-        Force of this step, N; velocity before it, m/s.
-    """
+    """Forces on some nodes (each once): ``force`` of this step, N, and velocity ``before`` it, m/s, (k, 3)."""
 
     def __init__(self, nodes: Index) -> None:
         self.nodes = np.ascontiguousarray(nodes, np.int32)
@@ -69,17 +62,15 @@ class Acting(abc.ABC):
         """Write ``force`` and add it to ``now.f``."""
 
     def add_rest(self, now: Now) -> None:
-        """Add what it takes once more forces, of contact, have come."""
-        first = self.force.copy()
+        """Add the force that it takes to hold the nodes against contact too."""
+        first = self.force.copy()  # `apply` overwrites the force; the work of the step is that of both
         self.apply(now)
         self.force += first
 
     def done(self, v: Array, kick: float) -> tuple[float, float, float, float]:
         """Return work (J) and impulse (N s) of the step that led to the velocity v."""
-        work_and_impulse: tuple[float, float, float, float] = kernels.work_and_impulse(
-            self.nodes, self.force, self.before, v, kick
-        )
-        return work_and_impulse
+        done: tuple[float, float, float, float] = kernels.work_and_impulse(self.nodes, self.force, self.before, v, kick)
+        return done
 
     def now(self) -> Array:
         """Return the power of the forces on the velocities before, W, and their sum, N: (4,)."""
@@ -94,7 +85,7 @@ class Weight(Acting):
         self.force[:] = mass[:, None] * np.array(gravity)
 
     def apply(self, now: Now) -> None:
-        """Weigh."""
+        """Add the weight."""
         kernels.add_rows(self.nodes, self.force, now.f)
 
 
@@ -106,7 +97,8 @@ class Held(Acting):
         self.directions, self.speed = np.ascontiguousarray(directions, float), speed
 
     def apply(self, now: Now) -> None:
-        """Hold the nodes; a given speed is that at the middle of the step to come."""
+        """Hold the nodes at rest or at a speed."""
+        # Velocities are those at the middle of the step to come.
         speed = 0.0 if self.speed is None else value_at(self.speed, now.time + 0.5 * now.step)
         kernels.hold(self.nodes, self.directions, speed, now.kick, now.v, now.f, now.mass, self.force)
 
@@ -139,7 +131,7 @@ class Dashpots(Acting):
         self.matrix, self.kick, self.ready = matrix, 0.0, matrix
 
     def apply(self, now: Now) -> None:
-        """Absorb what arrives."""
+        """Absorb the waves that arrive."""
         if now.kick != self.kick:
             self.kick, self.ready = now.kick, self.ready_for(now.kick, now.mass)
         kernels.absorb(self.nodes, self.ready, now.kick, now.v, now.f, now.mass, self.force)
@@ -163,13 +155,7 @@ def area_vectors(points: Array, faces: Index) -> Array:
 
 
 def unit(vector: Sequence[float], field: str) -> Array:
-    """Return a vector of length one.
-
-    Raises
-    ------
-    InputError
-        If it has no length.
-    """
+    """Return a vector of length one."""
     length = float(np.linalg.norm(vector))
     if not 0.0 < length < np.inf:
         raise InputError(field, list(vector), "a vector that is not zero")
@@ -182,17 +168,11 @@ def nodes_named(mesh: Mesh, name: str) -> Index:
 
 
 def normal_of(mesh: Mesh, side: str) -> Array:
-    """Return the normal of a flat side.
-
-    Raises
-    ------
-    InputError
-        If the side is not flat.
-    """
+    """Return the normal of a flat side."""
     areas = area_vectors(mesh.points, mesh.side(side))
     mean = unit(areas.sum(axis=0), side)
     size = np.linalg.norm(areas, axis=1)
-    off = float(np.abs(areas @ mean - size).max() / size.max())
+    off = float(np.abs(areas @ mean - size).max() / size.max())  # over the largest face: slivers may be askew
     if off > FLAT:
         raise InputError("boundary.side", side, "a flat side for symmetry", "use kind = guided or fixed on a bent one")
     return mean
@@ -222,13 +202,7 @@ def _orthonormal(basis: Array, new: Array) -> Array:
 
 
 def held_nodes(mesh: Mesh, boundaries: Sequence[Fixed | Symmetry | Guided], ties: TieState) -> Held | None:
-    """Return all held nodes but tied ones with their directions.
-
-    Raises
-    ------
-    InputError
-        If a symmetry side is not flat, or a tied node is held where the face that it is tied to is not.
-    """
+    """Return all held nodes but tied ones with their directions."""
     directions: dict[bytes, Array] = {b"": np.zeros((0, 3))}
     kind = np.zeros(len(mesh.points), np.int64)
     keys = [b""]
@@ -248,7 +222,7 @@ def held_nodes(mesh: Mesh, boundaries: Sequence[Fixed | Symmetry | Guided], ties
     loose = np.abs(bases - bases @ (np.swapaxes(corners, 2, 3) @ corners)).max(axis=(2, 3), initial=0.0)
     for boundary in boundaries:
         _check_tied(boundary, nodes_named(mesh, boundary.side), ties, loose > PARALLEL)
-    kind[ties.nodes] = 0
+    kind[ties.nodes] = 0  # they follow corners that are held as they would be: checked above
     nodes = np.flatnonzero(kind).astype(np.int32)
     return Held(nodes, table[kind[nodes]]) if len(nodes) else None
 
@@ -275,6 +249,7 @@ def dashpots(
         normal = areas / size[:, None]
         shear = solid.density * float(np.sqrt(solid.shear_modulus / solid.density))
         normal_part = (solid.density * solid.wave_speed - shear) * np.einsum("fi,fj->fij", normal, normal)
+        # A quarter of the face for each of its corners.
         share = 0.25 * size[:, None, None] * (shear * np.eye(3) + normal_part)
         for corner in faces.T:
             np.add.at(matrix, corner, share)
@@ -283,13 +258,7 @@ def dashpots(
 
 
 def build_boundaries(model: Model, ties: TieState) -> tuple[list[Acting], list[Held]]:
-    """Return the loads of a model (pressures, dashpots), which contact feels, and what holds it (driven, held nodes).
-
-    Raises
-    ------
-    InputError
-        If a side is not there or tied, a symmetry side is not flat, or a node is driven twice or where it is held.
-    """
+    """Return the loads of a model (pressures, dashpots), which contact feels, and its holds (driven, held nodes)."""
     mesh = model.mesh
     free = np.ones(len(mesh.points), bool)
     free[ties.nodes] = False

@@ -72,11 +72,10 @@ import numpy as np
 
 from strikewave.base.errors import InputError
 from strikewave.fem import _contact_kernels as kernels
-from strikewave.fem import _contact_kernels as touch_kernels
 from strikewave.fem import _surface_kernels as surface_kernels
 from strikewave.fem._contact_kernels import ContactState, NodeContacts, NodeTouch, Step, WallState
 from strikewave.fem._history_kernels import shares_of
-from strikewave.fem._node_kernels import TieState, gather_mass, gather_tied_forces, move_tied
+from strikewave.fem._node_kernels import TieState
 from strikewave.fem.mesh import FACES, TINY, Array, Index, Mesh, volumes
 from strikewave.fem.model import STIFFNESS, RigidWall, SurfaceContact, Tie
 from strikewave.fem.threads import on_all, spans
@@ -84,46 +83,28 @@ from strikewave.fem.threads import on_all, spans
 
 @dataclass(frozen=True)
 class Surface:
-    """Faces of a mesh by the place of their corners in ``nodes``.
-
-    Attributes
-    ----------
-    nodes : array (nodes,) of int32
-        Nodes of the mesh, ascending.
-    faces : array (faces, 4) of int32
-    """
+    """Faces of a mesh by the place of their corners in ``nodes``."""
 
     nodes: Index
+    """Nodes of the mesh, ascending, (nodes,)."""
     faces: Index
+    """Rows of the corners in ``nodes``, (faces, 4)."""
 
 
 @dataclass(frozen=True)
 class Extents:
-    """Areas of a surface as it lies.
-
-    Attributes
-    ----------
-    area : array (nodes,)
-        The share of each node in the area of its faces, m^2.
-    size : array (faces,)
-        Root of the area of each face, m.
-    radius : array (faces,)
-        Radius of the sphere about the mean of a face's corners that holds the face, m.
-    """
+    """Areas of a surface as it lies."""
 
     area: Array
+    """Share of each node in the area of its faces, m^2, (nodes,)."""
     size: Array
+    """Root of the area of each face, m, (faces,)."""
     radius: Array
+    """Radius of the sphere about the mean of a face's corners that holds the face, m, (faces,)."""
 
 
 def surface_of(faces: Index) -> Surface:
-    """Return the surface that faces of a mesh make.
-
-    Examples
-    --------
-    >>> surface_of(np.array([[4, 5, 9, 8], [5, 6, 10, 9]])).faces.tolist()
-    [[0, 1, 4, 3], [1, 2, 5, 4]]
-    """
+    """Return the surface that faces of a mesh make."""
     nodes, places = np.unique(faces, return_inverse=True)
     return Surface(nodes.astype(np.int32), places.reshape(-1, 4).astype(np.int32))
 
@@ -133,13 +114,6 @@ def extents(points: Array, faces: Index) -> Extents:
 
     The area of a face is half the cross product of its diagonals (of a warped face, that of its projection along the
     mean normal).
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0, 0], [2, 0, 0], [2, 2, 0], [0, 2, 0]])
-    >>> sizes = extents(square, np.array([[0, 1, 2, 3]], np.int32))
-    >>> sizes.area.tolist(), sizes.size.tolist()
-    ([1.0, 1.0, 1.0, 1.0], [2.0])
     """
     area, size, radius = np.zeros(len(points)), np.zeros(len(faces)), np.zeros(len(faces))
     surface_kernels.add_areas(points, faces, area, size, radius)
@@ -147,13 +121,7 @@ def extents(points: Array, faces: Index) -> Extents:
 
 
 def have_common(some: Index, others: Index) -> bool:
-    """Tell whether two lists of faces have one in common.
-
-    Examples
-    --------
-    >>> have_common(np.array([[0, 1, 4, 3]]), np.array([[5, 8, 7, 4], [3, 4, 1, 0]]))
-    True
-    """
+    """Return whether two lists of faces have one in common."""
     rows = np.concatenate([np.unique(np.sort(faces, axis=1), axis=0) for faces in (some, others)])
     return len(np.unique(rows, axis=0)) < len(rows)
 
@@ -162,11 +130,6 @@ def neighbours(faces: Index) -> Index:
     """Return the face across each edge (corners 0-1, 1-2, 2-3, 3-0) of each face, -1 at the rim, (faces, 4).
 
     An edge of more than two faces counts as rim.
-
-    Examples
-    --------
-    >>> neighbours(np.array([[0, 1, 4, 3], [1, 2, 5, 4]])).tolist()
-    [[-1, 1, -1, -1], [-1, -1, -1, 0]]
     """
     edges = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
     order = np.lexsort((edges[:, 1], edges[:, 0]))
@@ -188,10 +151,10 @@ def thickness(mesh: Mesh, faces: Index) -> Array:
     marked[faces] = True
     behind = np.flatnonzero(marked[mesh.hexahedra].sum(axis=1) >= 4)
     sides = mesh.hexahedra[behind][:, FACES].reshape(-1, 4)
-    whole = marked[sides].all(axis=1)
-    owners = np.append(np.repeat(behind, 6)[whole], np.full(len(faces), -1))
-    rows = np.sort(np.concatenate([sides[whole], faces]), axis=1)
-    order = np.lexsort((-owners, *rows.T))
+    on_surface = marked[sides].all(axis=1)
+    owners = np.append(np.repeat(behind, 6)[on_surface], np.full(len(faces), -1))
+    rows = np.sort(np.concatenate([sides[on_surface], faces]), axis=1)
+    order = np.lexsort((-owners, *rows.T))  # an owner comes before the -1 of the face itself, which takes it over
     new = np.any(rows[order[1:]] != rows[order[:-1]], axis=1)
     group = np.append(0, np.cumsum(new))
     first = np.flatnonzero(np.append(True, new))
@@ -202,48 +165,37 @@ def thickness(mesh: Mesh, faces: Index) -> Array:
     return np.where(element >= 0, depth, size)
 
 
-SHALLOW = 0.1
-"""Share of a face's size by which surfaces may overlap before the blow: what a circle of 8 edges cuts off."""
-MARGIN = 0.1
-"""Share of a face's size by which surfaces may move before faces are searched again.
+SHALLOW = 0.1  # what a circle of 8 edges cuts off
+"""Share of a face's size by which surfaces may overlap before the blow."""
+MARGIN = 0.1  # chosen: larger gives every node more faces to look at in each step, smaller more searches
+"""Share of a face's size by which surfaces may move before faces are searched again."""
+_DEEPEST = 0.5  # beyond the middle the far side is nearer
+"""Share of an element behind a face within which a node is inside it."""
+_FIRST_REACH = 1.1  # no overlap is missed by rounding
+"""Factor on `_DEEPEST` within which faces are looked for before the first step."""
+REACH = 0.25  # a node that is deeper keeps the face it has
+"""Share of a face's size within which nodes are candidates in a run."""
 
-Chosen: a larger one gives every node more faces to look at in each step, a smaller one more searches."""
-_DEEPEST = 0.5
-"""Share of an element behind a face within which a node is inside it: beyond the middle the far side is nearer."""
-_FIRST_REACH = 1.1
-"""Times `_DEEPEST` within which faces are looked for before the first step, so that no overlap is missed by
-rounding."""
-REACH = 0.25
-"""Share of a face's size within which nodes are candidates in a run; a node that is deeper keeps the face it has."""
-
-NODES = 500
-"""Nodes whose contact a thread finds at least: fewer take less time than handing the work to a thread."""
-
-add_wall = touch_kernels.add_wall
-contact_force = touch_kernels.contact_force
-contact_work = touch_kernels.contact_work
+NODES = 500  # fewer take less time than handing the work to a thread
+"""Fewest nodes whose contact a thread finds."""
 
 
 @dataclass(frozen=True)
 class Overlap:
-    """Nodes that are inside a face before the blow.
-
-    Attributes
-    ----------
-    contact : str
-        Name of the contact or wall.
-    nodes : int
-        How many.
-    deepest : float
-        m; at ``node``, which lies at ``place``, inside a face of ``size`` (m).
-    """
+    """Nodes that are inside a face before the blow."""
 
     contact: str
+    """Name of the contact or wall."""
     nodes: int
+    """Number of nodes."""
     deepest: float
+    """Deepest overlap, m."""
     node: int
+    """Node of the deepest overlap."""
     place: tuple[float, float, float]
+    """Place of that node, m."""
     size: float
+    """Size of the face that it is inside of, m."""
 
 
 def prepare(
@@ -253,21 +205,6 @@ def prepare(
 
     Nodes that are ``unchecked`` (tied ones) are met by the other surface but not checked against it. Where a blow has
     moved the nodes to other ``points`` (nodes, 3), overlaps of any depth are let out.
-
-    Raises
-    ------
-    InputError
-        If a side is not there, the sides share nodes, they overlap too deeply, or a number is out of range.
-
-    Examples
-    --------
-    >>> from strikewave.fem.mesh import joined
-    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
-    >>> one = Mesh(cube, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("one",))
-    >>> two = Mesh(cube + [0.0, 0.0, 1.0], one.hexahedra, one.part, ("two",))
-    >>> state = prepare(SurfaceContact("one.all", "two.all"), joined([one, two]))
-    >>> state.touch.nodes.size, state.faces.shape
-    (16, (12, 4))
     """
     _check(contact)
     state = two_surfaces(contact, mesh)
@@ -279,20 +216,14 @@ def prepare(
     if points is None and overlap is not None and overlap.deepest > SHALLOW * overlap.size:
         raise _too_deep(overlap, mesh)
     state.nodal.offset[:] = gaps
-    state.touch.step[0] = 0.0
+    state.touch.step[0] = 0.0  # the trial of `_gaps_now` was no step: depths must not shrink with it
     return state
 
 
 def prepare_all(
     contacts: Sequence[SurfaceContact], mesh: Mesh, unchecked: Sequence[int] | Index = (), points: Array | None = None
 ) -> dict[str, ContactState]:
-    """Return all contacts of a run by name, as `prepare` does.
-
-    Raises
-    ------
-    InputError
-        If two contacts press the same faces on each other, or one cannot be prepared.
-    """
+    """Return all contacts of a run by name, as `prepare` does."""
     for earlier, later in itertools.combinations(contacts, 2):
         for pair in ((later.first, later.second), (later.second, later.first)):
             if all(
@@ -315,13 +246,7 @@ def note_held(touch: NodeTouch, nodes: Index, directions: Array) -> None:
 
 
 def two_surfaces(contact: SurfaceContact, mesh: Mesh) -> ContactState:
-    """Return the state of a contact that has searched nothing yet.
-
-    Raises
-    ------
-    InputError
-        If a side is not there, or the sides share nodes.
-    """
+    """Return the state of a contact that has searched nothing yet."""
     first, second = (surface_of(mesh.side(name)) for name in (contact.first, contact.second))
     shared = np.intersect1d(first.nodes, second.nodes).size
     if shared:
@@ -371,13 +296,7 @@ def two_surfaces(contact: SurfaceContact, mesh: Mesh) -> ContactState:
 def searched(state: ContactState, points: Array, reach: float = REACH) -> ContactState:
     """Return the contact with nodal areas and candidate faces for where the nodes, (nodes, 3), are now.
 
-    Parameters
-    ----------
-    state : ContactState
-    points : array (nodes, 3)
-        m.
-    reach : float
-        Share of a face's size within which nodes are candidates; the margin of `MARGIN` comes on top.
+    ``reach`` is the share of a face's size within which nodes are candidates; `MARGIN` comes on top.
     """
     place = points[state.touch.nodes]
     now = extents(place, state.faces)
@@ -411,14 +330,16 @@ def add_contact(
     on either surface are summed by one thread.
     """
     count, split = len(state.touch.nodes), state.touch.first
-    shares = spans(count, threads, NODES)
+    shares = spans(
+        count, threads, NODES
+    )  # the step's travel needs all predictions, the scatter all forces: three calls
     step = Step(dt, kick if kick > 0.0 else dt, 0.0, 1.0)
     on_all(pool, kernels.predict_positions, [(state, x, v, f, inverse_mass, step, *span) for span in shares])
     step = kernels.begin_step(state, step)
     on_all(pool, kernels.press_nodes, [(state, step, *span) for span in shares])
     sides = ((0, split), (split, count))
     on_all(pool if len(shares) > 1 else None, kernels.scatter_forces, [(state, f, *side) for side in sides])
-    return bool(state.travel[0] + 2.0 * step.travel > state.margin)
+    return bool(state.travel[0] + 2.0 * step.travel > state.margin)  # allows the next step twice this travel
 
 
 def prepare_wall(
@@ -427,11 +348,6 @@ def prepare_wall(
     """Return a wall ready for the first step of a run that starts from the points of the mesh.
 
     It is not there for nodes that are ``unchecked`` (tied ones). Other ``points`` (nodes, 3) are as for `prepare`.
-
-    Raises
-    ------
-    InputError
-        If the side is not there, lies behind the wall, or the wall has no normal.
     """
     length = float(np.linalg.norm(wall.normal))
     if not 0.0 < length < np.inf:
@@ -486,8 +402,8 @@ def _touch(nodes: Index, first: int, area: Array) -> NodeTouch:
 
 
 def _gaps_now(state: ContactState, points: Array) -> Array:
-    """Return by how far each node is inside a face as it lies, as a gap: zero or negative."""
-    state.nodal.offset[:] = -np.inf
+    """Return the gap of each node as it lies, zero or negative: minus its depth inside a face."""
+    state.nodal.offset[:] = -np.inf  # a trial step of a second without motion then writes the gap that it finds
     still, forces, fixed = np.zeros_like(points), np.zeros_like(points), np.zeros(len(points))
     add_contact(state, points, still, forces, fixed, 1.0)
     return np.where(np.isfinite(state.nodal.offset), state.nodal.offset, 0.0)
@@ -513,13 +429,10 @@ def _too_deep(overlap: Overlap, mesh: Mesh) -> InputError:
     )
 
 
-__all__ = ["TieState", "gather_mass", "gather_tied_forces", "move_tied", "prepare_ties"]
-
-NEAR = 0.1
-"""Share of a face's size by which a node may lie off the face it is tied to: what a circle of 8 edges cuts off, as
-`SHALLOW` of a contact; farther off, the moment of the forces handed on would count."""
-TIE_REACH = 2.0
-"""Times `NEAR` within which faces are looked for, so that a node just too far off is reported with its distance."""
+NEAR = 0.1  # what a circle of 8 edges cuts off, as `SHALLOW`; farther off, the moment of forces handed on would count
+"""Share of a face's size by which a node may lie off the face it is tied to."""
+TIE_REACH = 2.0  # a node just too far off is reported with its distance
+"""Factor on `NEAR` within which faces are looked for."""
 
 
 def prepare_ties(ties: Sequence[Tie], mesh: Mesh) -> TieState:
@@ -530,18 +443,6 @@ def prepare_ties(ties: Sequence[Tie], mesh: Mesh) -> TieState:
     InputError
         If a side is not there, nodes lie further off than `NEAR`, are on both sides, tied twice, or tied to faces with
         tied corners.
-
-    Examples
-    --------
-    >>> from strikewave.fem.mesh import joined
-    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
-    >>> side = {"big.top": np.array([[4, 5, 6, 7]], np.int32)}
-    >>> big = Mesh(4.0 * cube, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("big",), side)
-    >>> side = {"small.bottom": np.array([[0, 3, 2, 1]], np.int32)}
-    >>> small = Mesh(cube + [1.5, 0.0, 4.0], big.hexahedra, big.part, ("small",), side)
-    >>> state = prepare_ties([Tie("small.bottom", "big.top")], joined([big, small]))
-    >>> state.nodes.tolist(), state.shape[0].tolist()
-    ([8, 9, 10, 11], [0.625, 0.375, 0.0, 0.0])
     """
     states = [_tied(tie, mesh) for tie in ties]
     if not states:

@@ -14,17 +14,13 @@ from strikewave._version import __version__
 from strikewave.base.texts import percent
 from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem import _node_kernels as node_kernels
+from strikewave.fem._contact_kernels import add_wall, contact_force, contact_work
+from strikewave.fem._node_kernels import gather_mass, gather_tied_forces, move_tied
 from strikewave.fem.bodies import joined_parts, rigid_bodies, surface_inverse_mass
 from strikewave.fem.boundary import Acting, Now, Weight, build_boundaries
 from strikewave.fem.contact import (
     add_contact,
-    add_wall,
-    contact_force,
-    contact_work,
-    gather_mass,
-    gather_tied_forces,
     initial_overlaps,
-    move_tied,
     note_held,
     prepare_all,
     prepare_ties,
@@ -50,41 +46,24 @@ from strikewave.fem.recorder import HistoryRecorder, NodeMotion, Noted, assembly
 from strikewave.fem.run import KEPT, FemRun, FieldFrame, Rest, energy_at_rest
 from strikewave.fem.threads import on_all, spans
 
-NODES = 20_000
-"""Nodes that a thread moves at least: fewer take less time than handing the work to a thread."""
-BROKEN = 0.1
-"""Energy that is missing or too much, as a share of the largest in play, at which a run stops.
-
-Ten times what is warned of (`strikewave.fem.run.ENERGY_LIMIT`): such a run is lost and would only go on to blow
-up."""
-COLLAPSED = 1e-3
-"""Share of the first critical step below which a run stops: it would take a thousand times as long, and an element that
-is squeezed so far is about to turn inside out."""
+NODES = 20_000  # fewer take less time than handing the work to a thread
+"""Fewest nodes that a thread moves."""
+BROKEN = 0.1  # ten times the `ENERGY_LIMIT` of a warning: such a run is lost and would only go on to blow up
+"""Energy missing or too much, as a share of the largest in play, at which a run stops."""
+COLLAPSED = 1e-3  # it would take a thousand times as long; an element so squeezed is about to turn inside out
+"""Share of the first critical step below which a run stops."""
 WORKS = ("contact", "external")
 """Kinds of work summed over the steps here; the elements sum theirs."""
 
 
 class Engine:
-    """Everything that changes in a run.
+    """State of a run and its steps.
 
-    Attributes
-    ----------
-    x, v, f : array (nodes, 3)
-        Position at t_n, velocity half a step before, forces at t_n.
-    time, instant, steps : float, int, int
-        t_n; the instant of the histories that is now or comes next; steps done.
-    dt_previous, dt_next : float
-        Steps before and after t_n, s.
-    critical : float
-        Critical step of the elements at t_n, s.
-    acting : list of Acting
-        Everything but elements, contacts and walls that puts forces on nodes.
-    touching : dict of str to NodeTouch
-        Nodes of contacts and walls, by name.
-    blow : int
-        Number of this blow of the bodies, from 1.
-    rest : Rest or None
-        How they came to rest before it.
+    ``x`` and ``f`` are positions and forces at t_n (``time``), ``v`` velocities half a step before, (nodes, 3);
+    ``instant`` is the instant of the histories that is now or comes next, ``dt_previous`` and ``dt_next`` are the steps
+    before and after t_n, s, ``critical`` is the critical step there. ``acting`` puts forces on nodes besides elements,
+    contacts and walls; ``touching`` are the nodes of contacts and walls by name; ``blow`` counts from 1, and ``rest``
+    is how the bodies came to rest before it.
     """
 
     def __init__(self, model: Model, pool: ThreadPoolExecutor | None = None) -> None:
@@ -104,6 +83,7 @@ class Engine:
         self.x, self.v, self.f = mesh.points.copy(), np.zeros_like(mesh.points), np.zeros_like(mesh.points)
         for name, velocity in model.velocity.items():
             self.v[mesh.nodes_of(name)] = velocity
+        # Tied nodes give their momentum to the corners that carry them, so that the first step changes none.
         momentum = self.own_mass[:, None] * self.v
         gather_tied_forces(self.ties, momentum)
         self.v = momentum * self.inverse_mass[:, None]
@@ -156,7 +136,7 @@ class Engine:
 
     @property
     def fingerprint(self) -> str:
-        """What tells apart runs that may not go on from each other's state."""
+        """Digest of all that must be equal where a run goes on from the state of another."""
         model, digest = self.model, hashlib.sha256()
         for array in (model.mesh.points, model.mesh.hexahedra, model.mesh.part):
             digest.update(np.ascontiguousarray(array).tobytes())
@@ -177,25 +157,27 @@ class Engine:
 
     def assemble_forces(self) -> None:
         """Add to the forces of the elements at t_n all others."""
+        # v goes from t_(n-1/2) to t_(n+1/2): half of either step where the step changes.
         self.kick = 0.5 * (self.dt_previous + self.dt_next)
         now = Now(self.time, self.kick, self.dt_next, self.x, self.v, self.f, self.mass)
         for weight in self.weight:
             weight.add(now)
-        gather_tied_forces(self.ties, self.f)
+        gather_tied_forces(self.ties, self.f)  # dashpots and holds need all that pulls on their nodes
         for load in self.loads:
             load.add(now)
         for hold in self.holds:
             hold.add(now)
+        # Contact predicts where nodes go without it: all other forces stand in f by now, also those that hold.
         for name, state in self.contacts.items():
             moving = self.x, self.v, self.f, self.yielding, self.dt_next, self.kick
             if add_contact(state, *moving, self.pool, self.model.controls.threads):
                 self.contacts[name] = searched(state, self.x)
         for wall in self.walls.values():
             add_wall(wall, self.x, self.v, self.f, self.yielding, self.dt_next, self.kick)
-        gather_tied_forces(self.ties, self.f)
+        gather_tied_forces(self.ties, self.f)  # what contact pressed onto tied nodes
         for hold in self.holds:
             hold.add_rest(now)
-        for body in self.bodies:
+        for body in self.bodies:  # last: a rigid part follows the sum of everything on its nodes
             body.add(now)
 
     def step(self) -> None:
@@ -203,9 +185,9 @@ class Engine:
         moving = self.x, self.v, self.f, self.inverse_mass, self.kick, self.dt_next
         on_all(self.pool, node_kernels.advance, [(*moving, *span) for span in self.spans])
         if len(self.ties.nodes):
-            move_tied(self.ties, self.v)
+            move_tied(self.ties, self.v)  # they have no mass of their own: `advance` left them where they were
             self.x[self.ties.nodes] += self.dt_next * self.v[self.ties.nodes]
-        self._book()
+        self._book()  # works need the velocity after the step, and the forces before the elements write new ones
         self.note_step()
         self.critical = self.solid.add_forces(self.x, self.v, self.f, self.dt_next)
 
@@ -218,7 +200,7 @@ class Engine:
         """Bring a changed state to where the steps are taken: here."""
 
     def fetch(self) -> None:
-        """Bring it back from there."""
+        """Bring the state back from where the steps are taken."""
 
     def begun_anew(self) -> Engine:
         """Return an engine of the same model that has not begun."""
@@ -239,7 +221,7 @@ class Engine:
 
     @property
     def goes_on(self) -> bool:
-        """Whether the elements allow another step."""
+        """True if the elements allow another step."""
         return self.critical >= self.collapse
 
     def to_next_instant(self) -> None:
@@ -251,7 +233,7 @@ class Engine:
         while True:
             self.step()
             left = self.instant * self.interval - self.time
-            if left < 0.5 * self.dt_next:
+            if left < 0.5 * self.dt_next:  # sums of steps round: less than half a step is none
                 self.begin_interval()
                 return
             if not self.goes_on:
@@ -300,7 +282,8 @@ class Engine:
 
     @np.errstate(invalid="ignore", over="ignore")
     def record(self) -> str:
-        """Note the instant; return why the run cannot go on, or nothing."""
+        """Note the instant; return the reason why the run cannot go on, or nothing."""
+        # Works and impulses are booked up to t_(n-1/2): half a step of the forces now brings them to t_n.
         noted, half = self.noted(), 0.5 * self.dt_previous
         internal, plastic, viscous, hourglass = self.solid.work()
         kinetic = 0.5 * noted.kinetic
@@ -366,7 +349,7 @@ class Engine:
         return FieldFrame(self.time, motion.displacement, motion.velocity, stress, strain)
 
     def result(self, seconds: float, stopped: str, frames: tuple[FieldFrame, ...]) -> FemRun:
-        """Return what was noted."""
+        """Return the run with all that was noted."""
         noted, names = self.recorder, self.touching
         return FemRun(
             time=noted.column("time"),

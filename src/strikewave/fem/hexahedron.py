@@ -80,13 +80,12 @@ from strikewave.fem.model import Model
 from strikewave.fem.solids import AnySolid, Bilinear, HeatedSolid, JohnsonCook, ZerilliArmstrong
 from strikewave.fem.threads import on_all
 
-SLAB = 16
-"""Chunks of a slab at least, 384 elements: so few that threads share small meshes evenly, more than a layer of most of
-them, so that slabs share nodes with their neighbours alone."""
-SLABS = 32
-"""Slabs of a mesh at most: twice the threads of a usual machine, since slabs that share nodes take turns."""
+SLAB = 16  # 384 elements: threads share small meshes evenly, and most slabs share nodes with their neighbours alone
+"""Fewest chunks of a slab."""
+SLABS = 32  # twice the threads of a usual machine, since slabs that share nodes take turns
+"""Most slabs of a mesh."""
 COUPLINGS = 24
-"""How four hourglass modes see the six others: the first rows of constants."""
+"""Couplings of the four hourglass modes to the six other modes: the first rows of constants."""
 STIFFNESS, MASS, YIELDING = (int(row) // layout.LANES for row in (layout.STIFFNESS, layout.MASS, layout.YIELDING))
 """Columns of the other constants; see `strikewave.fem._layout`."""
 HINGE = 4.5
@@ -101,7 +100,7 @@ MODES = np.stack(
 TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 """Place in a row xx yy zz xy yz zx of each component of a symmetric tensor."""
 COMPONENTS = ((0, 1, 2, 0, 1, 2), (0, 1, 2, 1, 2, 0))
-"""And the other way."""
+"""Row and column of the tensor of each place in such a row."""
 
 
 @dataclass(frozen=True)
@@ -114,15 +113,7 @@ class Shapes:
 
 
 def shapes(points: Array, hexahedra: Index) -> Shapes:
-    """Return amplitudes, gradients and volumes of elements.
-
-    Examples
-    --------
-    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
-    >>> geometry = shapes(cube, np.arange(8, dtype=np.int32)[None])
-    >>> geometry.gradients[0, :3].diagonal().tolist(), float(geometry.volume[0])
-    ([2.0, 2.0, 2.0], 1.0)
-    """
+    """Return amplitudes, gradients and volumes of elements."""
     amplitudes = np.einsum("mk,ekd->emd", MODES, points[hexahedra]) / 8.0
     e1, e2, e3, h1, h2, h3, _ = (amplitudes[:, m] for m in range(7))
     cross = np.cross
@@ -185,7 +176,7 @@ def steps_of(first_shapes: Shapes, steepest: Array, mass: Array, solid: AnySolid
 
 
 def one_point_constants(mesh: Mesh, solids: Mapping[str, AnySolid], part: str, mass: Array, hourglass: float) -> Array:
-    """Return what each element of a part keeps (elements, CONSTANTS), for an hourglass coefficient."""
+    """Return the constants of each element of a part, (elements, CONSTANTS), for an hourglass coefficient."""
     elements = mesh.elements_of(part)
     first_shapes = shapes(mesh.points, mesh.hexahedra[elements])
     rows = np.empty((elements.stop - elements.start, layout.CONSTANTS))
@@ -207,20 +198,14 @@ def build_blocks(
 ) -> tuple[Blocks, Index]:
     """Return the elements of some parts in chunks, and the number of the element in each lane (chunks, LANES).
 
-    Parameters
-    ----------
-    mesh : Mesh
-    solids : mapping of str to solid
-    constants : mapping of str to array (elements of the part, rows)
-        Constants that each element keeps, by part.
-    points : int
-        Integration points of an element.
+    ``constants`` are those that each element keeps, (elements of the part, rows), by part; ``points`` is the number of
+    integration points of an element.
     """
     lanes, numbers, counts, owners, columns = layout.LANES, [], [], [], []
     for part, rows in constants.items():
         first, count = mesh.elements_of(part).start, len(rows)
         chunks = -(-count // lanes)
-        lane = np.minimum(np.arange(chunks * lanes), count - 1)
+        lane = np.minimum(np.arange(chunks * lanes), count - 1)  # free lanes repeat the last element: no lane is NaN
         numbers.append(first + lane.reshape(chunks, lanes))
         counts.append(np.minimum(count - lanes * np.arange(chunks), lanes))
         owners.append(np.full(chunks, mesh.names.index(part)))
@@ -247,17 +232,9 @@ def build_blocks(
 def cut_slabs(nodes: Index, part: Index) -> tuple[NDArray[np.int64], list[NDArray[np.int64]]]:
     """Cut chunks into slabs, and the slabs into groups whose members share no node.
 
-    Parameters
-    ----------
-    nodes : array (chunks, nodes of a chunk)
-    part : array (chunks,)
-
-    Returns
-    -------
-    slabs : array (slabs, 2)
-        First and last chunk (exclusive).
-    groups : list of array
-        Numbers of slabs that may be treated side by side. The number of threads changes neither, and so no sum.
+    ``nodes`` are those of each chunk, (chunks, nodes), ``part`` is its part. Return first and last chunk (exclusive) of
+    each slab, (slabs, 2), and the slabs of each group, which may be treated side by side. The number of threads changes
+    neither, and so no sum.
     """
     chunks = len(part)
     size = max(SLAB, -(-chunks // SLABS))
@@ -279,14 +256,7 @@ def cut_slabs(nodes: Index, part: Index) -> tuple[NDArray[np.int64], list[NDArra
 class Hexahedra:
     """Elements of one kind: state, forces, work.
 
-    Parameters
-    ----------
-    blocks, number
-        As of `build_blocks`.
-    viscous : tuple of float
-        Linear and quadratic coefficient of the bulk viscosity.
-    pool : ThreadPoolExecutor or None
-    threads : int
+    ``blocks`` and ``number`` are those of `build_blocks`, ``viscous`` the coefficients of the bulk viscosity.
     """
 
     points: ClassVar[int]
@@ -332,7 +302,8 @@ class Hexahedra:
         return {names[part]: float(self.sums[owner == part, 1].sum()) for part in np.unique(owner)}
 
     def begin_balance(self) -> None:
-        """Let the sums begin with the energy that is stored: no plastic work, nothing that viscosity took."""
+        """Begin the sums with the energy that is stored."""
+        # The plastic work is part of the internal: what is left is elastic. Nothing is plastic or viscous yet.
         self.sums[:, 0] -= self.sums[:, 1]
         self.sums[:, 1:3] = 0.0
 
@@ -348,9 +319,9 @@ class Hexahedra:
 
     def peaks(self) -> Array:
         """Return the largest squared von Mises stress, Pa^2, and plastic strain of each chunk, (chunks, 2)."""
-        found = np.zeros((len(self.blocks.filled), 2))
-        history_kernels.peaks_of_chunks(self.blocks.state, self.blocks.filled, self.points, found)
-        return found
+        peaks = np.zeros((len(self.blocks.filled), 2))
+        history_kernels.peaks_of_chunks(self.blocks.state, self.blocks.filled, self.points, peaks)
+        return peaks
 
     def stress_places(self, elements: Index) -> Index:
         """Return where the stress of each point begins, (own, points), of the elements that are of this kind."""
@@ -395,12 +366,7 @@ class FullyIntegrated(Hexahedra):
 
 
 class Mixed:
-    """Elements of several kinds behind the interface of one.
-
-    Attributes
-    ----------
-    kinds : sequence of Hexahedra
-    """
+    """Elements of several kinds behind the interface of one."""
 
     def __init__(self, kinds: Sequence[Hexahedra]) -> None:
         self.kinds = kinds
@@ -427,15 +393,7 @@ class Mixed:
 
 
 def full_critical_steps(points: Array, hexahedra: Index, mass: Array, solid: AnySolid, viscosity: float) -> Array:
-    """Return a time step below which each element is stable by itself, s, with a linear viscosity; see the module.
-
-    Examples
-    --------
-    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
-    >>> from strikewave.fem.solids import Elastic
-    >>> round(float(full_critical_steps(cube, np.arange(8)[None], np.ones(1), Elastic(1.0, 1.0, 0.0), 0.0)[0]), 12)
-    1.0
-    """
+    """Return a time step below which each element is stable by itself, s, with a linear viscosity; see the module."""
     first_shapes = shapes(points, hexahedra)
     steepest = np.zeros(len(hexahedra))
     for place in POINTS:
@@ -453,11 +411,10 @@ def mode_slopes(place: Array) -> Array:
     return np.array([[1, 0, 0, 0, z, y, y * z], [0, 1, 0, z, 0, x, x * z], [0, 0, 1, y, x, 0, x * y]])
 
 
-SCALINGS = 60
-"""Rounds in which mass is added. Without bulk viscosity one round does; with it the step grows more slowly than the
-root of the mass, and where it stops growing no mass suffices."""
-ROUNDING = 1e-9
-"""Share by which a step may miss what it should fit: above rounding, far below what a step is cut by."""
+SCALINGS = 60  # one does without bulk viscosity; with it the step grows more slowly than the root of the mass
+"""Rounds in which mass is added; where the step then still is too short, no mass suffices."""
+ROUNDING = 1e-9  # above rounding, far below what a step is cut by
+"""Share by which a step may miss the span it should fit."""
 
 
 def fitting(span: float, longest: float) -> float:
@@ -468,8 +425,7 @@ def fitting(span: float, longest: float) -> float:
 def part_masses(mesh: Mesh, element_mass: Array, name: str) -> Array:
     """Return the mass of a part at each of its nodes, kg."""
     chosen = mesh.elements_of(name)
-    whole = nodal_sums(mesh.hexahedra[chosen], element_mass[chosen] / 8.0, len(mesh.points))
-    return whole[mesh.nodes_of(name)]
+    return nodal_sums(mesh.hexahedra[chosen], element_mass[chosen] / 8.0, len(mesh.points))[mesh.nodes_of(name)]
 
 
 def nodal_sums(hexahedra: Index, values: Array, nodes: int) -> Array:
@@ -478,13 +434,7 @@ def nodal_sums(hexahedra: Index, values: Array, nodes: int) -> Array:
 
 
 def scaled_masses(model: Model, parts: Iterable[str]) -> tuple[Array, float, float]:
-    """Return the masses of the elements, kg; the mass that was added for the wanted step; the critical step, s.
-
-    Raises
-    ------
-    InputError
-        If no mass makes the wanted step stable.
-    """
+    """Return the masses of the elements, kg; the mass that was added for the wanted step; the critical step, s."""
     mesh, controls = model.mesh, model.controls
     mass = element_masses(mesh, model.solids)
     before, least = mass.sum(), np.inf
@@ -495,7 +445,7 @@ def scaled_masses(model: Model, parts: Iterable[str]) -> tuple[Array, float, flo
             short = wanted / steps
             if short.max() <= 1.0 + ROUNDING:
                 break
-            mass[chosen] *= np.maximum(short, 1.0) ** 2
+            mass[chosen] *= np.maximum(short, 1.0) ** 2  # the step grows as the root of the mass
         else:
             limit = f"at most about {controls.safety * float(steps.min()):.3g} s for {name}"
             raise InputError("least_step", controls.least_step, limit, "the bulk viscosity allows no longer one")

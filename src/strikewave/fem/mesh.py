@@ -23,9 +23,8 @@ from strikewave.base.errors import InputError, nearest
 Array = NDArray[np.float64]
 Index = NDArray[np.int32]
 
-TINY = 1e-300
-"""Keeps a division by zero out where nothing moves or has an extent: no length, momentum or energy in SI is as
-small."""
+TINY = 1e-300  # no length, momentum or energy in SI is as small
+"""Divisor where nothing moves or has an extent."""
 
 FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]], np.int32)
 """The six faces of a hexahedron by its nodes, normals outward: zeta-, zeta+, eta-, xi+, eta+, xi-."""
@@ -33,36 +32,21 @@ FACES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3,
 
 @dataclass(frozen=True)
 class Mesh:
-    """Nodes, hexahedra, the part of each hexahedron, and named sides.
-
-    Attributes
-    ----------
-    points : array (nodes, 3)
-        m.
-    hexahedra : array (elements, 8) of int32
-        Nodes of each element; the elements of a part stand together, in the order of ``names``.
-    part : array (elements,) of int32
-        Index of its part in ``names``.
-    names : tuple of str
-        Parts. Parts share no nodes unless they were imported so.
-    sides : mapping of str to array (faces, 4) of int32
-        Faces by ``part.side``, such as ``striker.top``, normals outward.
-    """
+    """Nodes, hexahedra, the part of each hexahedron, and named sides."""
 
     points: Array
+    """Places of the nodes, m, (nodes, 3)."""
     hexahedra: Index
+    """Nodes of each element, (elements, 8); elements of a part stand together, in the order of ``names``."""
     part: Index
+    """Index in ``names`` of the part of each element, (elements,)."""
     names: tuple[str, ...]
+    """Names of the parts, which share no nodes unless they were imported so."""
     sides: Mapping[str, Index] = field(default_factory=dict)
+    """Faces by ``part.side``, such as ``striker.top``, (faces, 4), normals outward."""
 
     def elements_of(self, name: str) -> slice:
-        """Return the elements of a part as a slice.
-
-        Raises
-        ------
-        InputError
-            If there is no such part.
-        """
+        """Return the elements of a part as a slice."""
         if name not in self.names:
             raise InputError("part", name, "a part of the mesh", nearest(name, self.names))
         index = self.names.index(name)
@@ -78,13 +62,7 @@ class Mesh:
         return int(nodes[np.argmin(np.sum((self.points[nodes] - np.array(place)) ** 2, axis=1))])
 
     def side(self, name: str) -> Index:
-        """Return the faces of a side, ``part.side``; ``part.all`` are all exterior faces of the part.
-
-        Raises
-        ------
-        InputError
-            If there is no such side.
-        """
+        """Return the faces of a side, ``part.side``; ``part.all`` are all exterior faces of the part."""
         if name in self.sides:
             return self.sides[name]
         part, _, side = name.rpartition(".")
@@ -95,13 +73,7 @@ class Mesh:
 
 
 def joined(meshes: Sequence[Mesh]) -> Mesh:
-    """Return one mesh of several, their parts side by side; nothing is merged.
-
-    Raises
-    ------
-    InputError
-        If two parts have the same name.
-    """
+    """Return one mesh of several, their parts side by side; nothing is merged."""
     names = tuple(name for mesh in meshes for name in mesh.names)
     for name in names:
         if names.count(name) > 1:
@@ -119,25 +91,12 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
 
 
 def exterior_faces(hexahedra: Index) -> Index:
-    """Return the faces that belong to one element alone, (faces, 4), normals outward.
-
-    Examples
-    --------
-    >>> len(exterior_faces(np.arange(8, dtype=np.int32)[None]))
-    6
-    """
+    """Return the faces that belong to one element alone, (faces, 4), normals outward."""
     return exterior(hexahedra)[0]
 
 
 def exterior(hexahedra: Index) -> tuple[Index, Index]:
-    """Return the faces that belong to one element alone, as `exterior_faces`, and that element, (faces,).
-
-    Examples
-    --------
-    >>> faces, elements = exterior(np.arange(16, dtype=np.int32).reshape(2, 8))
-    >>> len(faces), elements.tolist()
-    (12, [0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1])
-    """
+    """Return the faces that belong to one element alone, as `exterior_faces`, and that element, (faces,)."""
     faces = hexahedra[:, FACES].reshape(-1, 4)
     key = np.sort(faces, axis=1)
     order = np.lexsort(key.T[::-1])
@@ -152,12 +111,6 @@ def volumes(points: Array, hexahedra: Index) -> Array:
     """Return the volume of each hexahedron, m^3, exact for faces that are bilinear; negative where inverted.
 
     Each face's flux of x/3 is that of its bilinear patch (Flanagan & Belytschko 1981, eq 77, by another way).
-
-    Examples
-    --------
-    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
-    >>> float(volumes(cube, np.arange(8, dtype=np.int32)[None])[0])
-    1.0
     """
     total = np.zeros(len(hexahedra))
     for face in FACES:

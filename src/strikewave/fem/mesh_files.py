@@ -36,12 +36,11 @@ from strikewave.fem.sections import FLIPPED, renumbered
 
 Whole = NDArray[np.integer]
 
-LARGEST_FILE = 1 << 30
-"""Bytes of a mesh file: five times that of `LARGEST_COUNT` hexahedra as text, about 100 bytes for an element and its
-node."""
+LARGEST_FILE = 1 << 30  # five times `LARGEST_COUNT` hexahedra as text, about 100 bytes for an element and its node
+"""Most bytes of a mesh file."""
 
-LARGEST_COUNT = 2_000_000
-"""Hexahedra of a mesh file: two thirds of what a model may have, and minutes to read."""
+LARGEST_COUNT = 2_000_000  # two thirds of what a model may have, and minutes to read
+"""Most hexahedra of a mesh file."""
 
 SOLIDS_HINT = 'mesh it with hexahedra; in gmsh: transfinite volumes with "Recombine", or Mesh.SubdivisionAlgorithm = 2'
 """Hint for a mesh of tetrahedra: gmsh makes those unless it is asked for hexahedra."""
@@ -49,25 +48,18 @@ SOLIDS_HINT = 'mesh it with hexahedra; in gmsh: transfinite volumes with "Recomb
 
 @dataclass(frozen=True)
 class RawMesh:
-    """Nodes, hexahedra and what is named in a file.
-
-    Attributes
-    ----------
-    points : array (nodes, 3)
-    hexahedra : array (elements, 8)
-    parts : mapping of str to array of int
-        Hexahedra by part; each belongs to one part at most.
-    quads : mapping of str to array (faces, 4)
-        Faces by the name of their side.
-    node_sets : mapping of str to array of int
-        Nodes by the name of their set.
-    """
+    """Nodes, hexahedra and what is named in a file."""
 
     points: Array
+    """Places of the nodes, (nodes, 3)."""
     hexahedra: Index
+    """Nodes of each element, (elements, 8)."""
     parts: Mapping[str, Whole] = field(default_factory=dict)
+    """Hexahedra by part; each belongs to one part at most."""
     quads: Mapping[str, Whole] = field(default_factory=dict)
+    """Faces by the name of their side, (faces, 4)."""
     node_sets: Mapping[str, Whole] = field(default_factory=dict)
+    """Nodes by the name of their set."""
 
 
 def refuse_other_solids(counts: Mapping[str, int]) -> None:
@@ -87,16 +79,16 @@ SOLID = re.compile(r"C3D\d+[A-Z]*\Z")
 FLAT_HINT = "write it flat: one part, one instance (in Abaqus/CAE: noPartsInputFile=ON)"
 """Hint for numbers that mean nothing without their part."""
 
-LONGEST_LINE = 10_000
-"""Characters of a keyword with its options; Abaqus takes 256 a line, and some tens of lines are the longest in use."""
+LONGEST_LINE = 10_000  # Abaqus takes 256 a line, and some tens of lines are the longest in use
+"""Most characters of a keyword with its options."""
 
-LARGEST_SETS = 100_000_000
-"""Members of all sets and surfaces together: 800 MB. Sets of sets could multiply without end."""
+LARGEST_SETS = 100_000_000  # 800 MB: sets of sets could multiply without end
+"""Most members of all sets and surfaces together."""
 
 
 @dataclass
 class _Contents:
-    """What was read so far: numbers as the file has them, names in capitals (Abaqus knows no case)."""
+    """Contents of a file: numbers as they stand there, names in capitals (Abaqus knows no case)."""
 
     nodes: array[int] = field(default_factory=lambda: array("q"))
     places: array[float] = field(default_factory=lambda: array("d"))
@@ -123,14 +115,7 @@ Options = dict[str, str]
 
 
 def read_abaqus(path: Path) -> RawMesh:
-    """Return what an Abaqus input file holds.
-
-    Raises
-    ------
-    InputError
-        If a line is not what its keyword asks for, numbers repeat or are missing, or the file has several parts,
-        includes other files, or has solids that are not hexahedra of 8 nodes.
-    """
+    """Return nodes, elements and sets of an Abaqus input file, or refuse it by the line that is wrong."""
     contents = _Contents()
     with path.open(encoding="latin-1") as lines:
         for keyword, options, rows in _blocks(lines):
@@ -161,24 +146,24 @@ def _blocks(lines: Iterable[str]) -> Iterator[tuple[str, Options, Rows]]:
             if pending:
                 continue
             yield keyword, options, rows
-            name, *words = (word.strip() for word in line[1:].split(","))
+            name, *terms = (term.strip() for term in line[1:].split(","))
             keyword, rows = " ".join(name.upper().split()), []
-            pairs = (word.partition("=") for word in words)
+            pairs = (term.partition("=") for term in terms)
             options = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
         elif keyword in _READERS:
             rows.append(line)
     yield keyword, options, rows
 
 
-def _words(rows: Rows) -> Iterator[list[str]]:
-    """Yield the words of each line."""
+def _entries(rows: Rows) -> Iterator[list[str]]:
+    """Yield the entries of each line."""
     for row in rows:
-        words = [word.strip() for word in row.split(",")]
-        yield words if words[-1] else words[:-1]
+        entries = [entry.strip() for entry in row.split(",")]
+        yield entries if entries[-1] else entries[:-1]
 
 
 def _nodes(contents: _Contents, options: Options, rows: Rows) -> None:
-    for number, *place in _words(rows):
+    for number, *place in _entries(rows):
         contents.nodes.append(int(number))
         xyz = [float(x.upper().replace("D", "E")) if x else 0.0 for x in place[:3]]
         contents.places.extend(xyz + [0.0] * (3 - len(xyz)))
@@ -193,7 +178,7 @@ def _elements(contents: _Contents, options: Options, rows: Rows) -> None:
         if SOLID.match(kind):
             contents.others[kind] = contents.others.get(kind, 0) + len(rows)
         return
-    numbers = array("q", (int(word) for words in _words(rows) for word in words if word))
+    numbers = array("q", (int(entry) for entries in _entries(rows) for entry in entries if entry))
     if len(numbers) % size:
         raise InputError(f"mesh.file *ELEMENT, TYPE={kind}", f"{len(numbers)} numbers", f"{size} for each element")
     name = contents.known(options["ELSET"]) if options.get("ELSET") else ""
@@ -216,12 +201,12 @@ def _set(key: str) -> _Reader:
             raise InputError(f"mesh.file *{key}", "no name", f"{key}=name")
         sets = contents.node_sets if key == "NSET" else contents.element_sets
         members = sets.setdefault(contents.known(options[key]), [])
-        for words in _words(rows):
+        for entries in _entries(rows):
             if "GENERATE" in options:
-                first, last, step = (int(word) for word in [*words, "1"][:3])
+                first, last, step = (int(entry) for entry in [*entries, "1"][:3])
                 members.append(f"{first}:{last}:{step}")
             else:
-                members.extend(word for word in words if word)
+                members.extend(entry for entry in entries if entry)
 
     return read
 
@@ -272,7 +257,7 @@ class _Resolver:
     """Turns the numbers of a file into places in arrays."""
 
     def __init__(self, contents: _Contents) -> None:
-        self.found = contents
+        self.contents = contents
         self.spent = 0
         rows = (
             np.frombuffer(contents.hexahedra, np.int64).reshape(-1, 9)
@@ -285,7 +270,7 @@ class _Resolver:
 
     def mesh(self) -> RawMesh:
         """Return the mesh with its parts, sides and sets."""
-        contents = self.found
+        contents = self.contents
         sets = self._sets(contents.element_sets, self.elements)
         nodes = self._sets(contents.node_sets, self.nodes)
         spell = contents.spelled
@@ -306,10 +291,10 @@ class _Resolver:
         Chosen from are the sets named with the elements, if several; those on their own of which no surface is made;
         the one named with all elements; and all. Where none fits, sets that are only there for a surface are left out.
         """
-        if self.found.sections:
-            return list(dict.fromkeys(self.found.sections))
-        of_surfaces = {row[0].upper() for rows in self.found.surfaces.values() for row in _words(rows) if row}
-        own = list(self.found.with_elements)
+        if self.contents.sections:
+            return list(dict.fromkeys(self.contents.sections))
+        of_surfaces = {row[0].upper() for rows in self.contents.surfaces.values() for row in _entries(rows) if row}
+        own = list(self.contents.with_elements)
         some = [name for name in sets if not name.startswith("_") and len(sets[name]) < len(self.hexahedra)]
         alone = [name for name in some if name not in own and name not in of_surfaces]
         choices = (own if len(own) > 1 else [], alone, own, some)
@@ -327,17 +312,17 @@ class _Resolver:
     def _sets(self, written: dict[str, list[str]], numbers: _Numbers) -> dict[str, Whole]:
         """Return the members of each set that there are: numbers, ranges, and members of sets named before it."""
         sets: dict[str, Whole] = {}
-        for name, words in written.items():
-            single = array("q", (int(word) for word in words if word.isdecimal()))
+        for name, entries in written.items():
+            single = array("q", (int(entry) for entry in entries if entry.isdecimal()))
             members = [numbers.known(np.array(single, np.int64))]
-            for word in dict.fromkeys(word.upper() for word in words if not word.isdecimal()):
-                if ":" in word:
-                    first, last, step = (int(number) for number in word.split(":"))
+            for entry in dict.fromkeys(entry.upper() for entry in entries if not entry.isdecimal()):
+                if ":" in entry:
+                    first, last, step = (int(number) for number in entry.split(":"))
                     members.append(numbers.between(first, last, step))
-                elif word in sets:
-                    members.append(sets[word])
+                elif entry in sets:
+                    members.append(sets[entry])
                 else:
-                    raise InputError(f"mesh.file set {name}", word, "a set that comes before it", nearest(word, sets))
+                    raise InputError(f"mesh.file set {name}", entry, "a set that comes before it", nearest(entry, sets))
                 self._spend(len(members[-1]))
             sets[name] = np.unique(np.concatenate(members))
         return sets
@@ -345,24 +330,26 @@ class _Resolver:
     def _surface(self, name: str, sets: dict[str, Whole]) -> Whole:
         """Return the faces of a surface: rows of a set or an element, and S1 to S6, or all that are exposed."""
         faces: list[Whole] = [np.empty((0, 4), np.int64)]
-        whole: list[Whole] = []
-        for who, label in dict.fromkeys((row[0], (*row, "")[1]) for row in _words(self.found.surfaces[name]) if row):
-            if who.isdecimal():
-                elements = self.elements.known(np.array([int(who)], np.int64))
-            elif who.upper() in sets:
-                elements = sets[who.upper()]
+        exposed: list[Whole] = []
+        rows = _entries(self.contents.surfaces[name])
+        for member, label in dict.fromkeys((row[0], (*row, "")[1]) for row in rows if row):
+            if member.isdecimal():
+                elements = self.elements.known(np.array([int(member)], np.int64))
+            elif member.upper() in sets:
+                elements = sets[member.upper()]
             else:
-                raise InputError(f"mesh.file surface {name}", who, "an element or an element set", nearest(who, sets))
+                allowed = "an element or an element set"
+                raise InputError(f"mesh.file surface {name}", member, allowed, nearest(member, sets))
             hexahedra = self.hexahedra[elements]
             if not label:
-                whole.append(elements)
+                exposed.append(elements)
             elif re.fullmatch("S[1-6]", label.upper()):
                 faces.append(hexahedra[:, FACES[int(label[1]) - 1]])
             else:
                 raise InputError(f"mesh.file surface {name}", label, "a face from S1 to S6")
             self._spend(len(elements))
-        if whole:
-            faces.append(self._free_faces(np.unique(np.concatenate(whole))))
+        if exposed:
+            faces.append(self._free_faces(np.unique(np.concatenate(exposed))))
         return np.concatenate(faces)
 
     def _free_faces(self, elements: Whole) -> Whole:
@@ -376,7 +363,7 @@ class _Resolver:
 
     @functools.cached_property
     def outside(self) -> Whole:
-        """The exterior faces of the model."""
+        """Exterior faces of the model."""
         return exterior_faces(self.hexahedra.astype(np.int32)).astype(np.int64)
 
     def _spend(self, members: int) -> None:
@@ -387,7 +374,7 @@ class _Resolver:
 
 
 class _Numbers:
-    """The numbers that nodes or elements have in a file, each once."""
+    """Numbers of nodes or elements in a file, each once."""
 
     def __init__(self, kind: str, numbers: Whole) -> None:
         self.kind = kind
@@ -423,25 +410,23 @@ class _Numbers:
 FORMATS = {".msh": "gmsh", ".vtk": "vtk", ".vtu": "vtu"}
 """Formats that meshio reads, by the end of the file's name."""
 
-LEAST_MEMORY = 4 << 30
-"""Bytes that the process which reads a file may take, besides `MEMORY_PER_BYTE` times the file: it is a limit of
-addresses, of which libraries reserve far more than they use."""
+LEAST_MEMORY = 4 << 30  # a limit of addresses, of which libraries reserve far more than they use
+"""Bytes that the process which reads a file may take, besides `MEMORY_PER_BYTE` times the file."""
 
-MEMORY_PER_BYTE = 20
-"""Bytes of memory for each byte of a file: a text of numbers becomes Python objects before it becomes arrays."""
+MEMORY_PER_BYTE = 20  # a text of numbers becomes Python objects before it becomes arrays
+"""Bytes of memory for each byte of a file."""
 
-LEAST_TIME, BYTES_PER_SECOND = 60.0, 1e6
-"""Seconds that the process may take for any file, and what it must read a second besides: meshio reads several times as
-much on a slow machine."""
+LEAST_TIME, BYTES_PER_SECOND = 60.0, 1e6  # meshio reads several times as much on a slow machine
+"""Seconds that the process may take for any file, and the bytes that it must read in each second besides."""
 
-LONGEST_HINT = 200
-"""Last characters of what meshio reports: the error stands at the end."""
+LONGEST_HINT = 200  # the error stands at the end
+"""Last characters of a report of meshio that a refusal shows."""
 
-LONGEST_NAME = 60
-"""Characters of a name: it stands in tables, legends and names of files."""
+LONGEST_NAME = 60  # it stands in tables, legends and names of files
+"""Most characters of a name."""
 
 GMSH_HINT = "; gmsh writes what is read here with Mesh.MshFileVersion 4.1 (or 2.2), SaveAll and SaveParametric 0"
-"""Said of a .msh file that meshio refuses."""
+"""Hint for a .msh file that meshio refuses."""
 
 
 def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:
@@ -461,10 +446,7 @@ def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:
     Raises
     ------
     InputError
-        If the file is missing, too large or damaged, holds other solids than hexahedra of 8 nodes, overlapping parts,
-        or a named face that is not on the surface of a part; or if meshio is needed and missing.
-    InputErrors
-        If elements are flat or inverted, see `strikewave.fem.quality.check_mesh`.
+        If the file cannot be read, or its elements cannot be computed (`strikewave.fem.quality.check_mesh`).
     """
     file = Path(path)
     if not 0.0 < scale < math.inf:
@@ -480,7 +462,7 @@ def read_mesh(path: str | Path, scale: float = 1.0) -> Mesh:
 
 
 def ordered_mesh(raw: RawMesh, scale: float = 1.0) -> Mesh:
-    """Return the mesh of what a file holds; see `read_mesh`."""
+    """Return the mesh of the contents of a file; see `read_mesh`."""
     count = len(raw.hexahedra)
     if not 0 < count <= LARGEST_COUNT:
         raise InputError("mesh.file", f"{count} hexahedra", f"from 1 to {LARGEST_COUNT}")
@@ -531,12 +513,12 @@ def _parts(raw: RawMesh) -> tuple[tuple[str, ...], Index]:
 
 
 def _turned(points: Array, hexahedra: Index) -> Index:
-    """Return hexahedra of which those with a negative volume are turned inside out."""
+    """Return hexahedra, those with a negative volume turned inside out."""
     return np.where((volumes(points, hexahedra) < 0.0)[:, None], hexahedra[:, FLIPPED], hexahedra)
 
 
 def _close_together(points: Array, hexahedra: Index, part: Index) -> tuple[Array, Index, Index, Whole]:
-    """Return points and elements in an order of memory, elements by part, and where each point went."""
+    """Return points and elements with neighbours close in memory, elements by part, and the new place of each point."""
     numbered = np.column_stack([points, np.arange(len(points))])
     moved, _ = renumbered(numbered, hexahedra)
     place = np.empty(len(points), np.int64)
@@ -573,7 +555,7 @@ def _sides(mesh: Mesh, raw: RawMesh, new: Whole) -> dict[str, Index]:
 
 
 def _matched(outside: Index, faces: Whole) -> tuple[Index, NDArray[np.bool_]]:
-    """Return the exterior faces that have the nodes of some of the faces, and which of those were found."""
+    """Return the exterior faces that have the nodes of some of the faces, and whether each of these is there."""
     keys = np.sort(np.concatenate([outside, faces]), axis=1)
     _, number = np.unique(keys, axis=0, return_inverse=True)
     own, wanted = number.ravel()[: len(outside)], number.ravel()[len(outside) :]
@@ -581,18 +563,12 @@ def _matched(outside: Index, faces: Whole) -> tuple[Index, NDArray[np.bool_]]:
 
 
 def _clean(name: str) -> str:
-    """Return a name of letters, digits, _, + and -, at most 60 of them.
-
-    Examples
-    --------
-    >>> _clean("top face.1")
-    'top-face-1'
-    """
+    """Return a name of letters, digits, _, + and -, at most `LONGEST_NAME` of them."""
     return re.sub("[^A-Za-z0-9_+-]+", "-", name)[:LONGEST_NAME] or "unnamed"
 
 
 def _read_meshio(file: Path, kind: str) -> RawMesh:
-    """Return what meshio finds in a file, in a process with bounds; whatever ends it means that the file is damaged."""
+    """Return the mesh that meshio reads in a process with bounds; whatever ends that means that the file is damaged."""
     if importlib.util.find_spec("meshio") is None:
         raise MissingPackageError(f"mesh.file: {file.name}", "meshio", "mesh")
     size = file.stat().st_size
@@ -600,10 +576,10 @@ def _read_meshio(file: Path, kind: str) -> RawMesh:
         target = Path(folder) / "mesh.npz"
         memory = LEAST_MEMORY + MEMORY_PER_BYTE * size
         seconds = math.ceil(LEAST_TIME + size / BYTES_PER_SECOND)
-        words = (kind, str(file.resolve()), str(target), str(memory), str(seconds))
+        arguments = (kind, str(file.resolve()), str(target), str(memory), str(seconds))
         try:
             done = subprocess.run(
-                python_command(meshio_child.__file__, *words),
+                python_command(meshio_child.__file__, *arguments),
                 capture_output=True,
                 text=True,
                 timeout=seconds,
@@ -618,11 +594,11 @@ def _read_meshio(file: Path, kind: str) -> RawMesh:
             raise InputError("mesh.file", file.name, f"a {kind} file", hint)
         with np.load(target, allow_pickle=False) as archive:
             arrays = dict(archive)
-    names = json.loads(str(arrays["words"]))
+    names = json.loads(str(arrays["names"]))
     refuse_other_solids(names["others"])
     points, quads = arrays["points"], arrays["quads"]
     if points.ndim != 2 or points.shape[1] != 3 or (quads.size and not 0 <= quads.min() <= quads.max() < len(points)):
-        raise InputError("mesh.file", f"points {points.shape}", "three coordinates for each node that is used")
+        raise InputError("mesh.file", f"points {points.shape}", "three coordinates for each node of an element")
     return RawMesh(
         points,
         arrays["hexahedra"],

@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 
 NUMBERING = ("gmsh:physical", "part", "PartId", "material", "MaterialId", "CellEntityIds")
-"""Cell data that number the parts; the first there is counts."""
+"""Cell data that number the parts; the first that a file has counts."""
 
 NOT_SOLID = ("vertex", "line", "triangle", "quad", "polygon")
 """Beginnings of the names of cells that are no solids."""
 
 
 def main(kind: str, source: str, target: str, largest_memory: str, most_seconds: str) -> int:
-    """Write nodes, hexahedra, quadrilaterals and their names to an npz; return 0, or 1 with a word on stderr."""
+    """Write nodes, hexahedra, quadrilaterals and their names to an npz; return 0, or 1 with a reason on stderr."""
     _bound(int(largest_memory), int(most_seconds))
     try:
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
@@ -51,7 +51,7 @@ def contents(mesh: Any, kind: str) -> dict[str, Any]:
         "parts": _rows(parts),
         "quads": _cells(mesh, "quad", 4),
         "sides": _rows(sides),
-        "words": np.array(json.dumps({"parts": list(parts), "sides": list(sides), "others": others})),
+        "names": np.array(json.dumps({"parts": list(parts), "sides": list(sides), "others": others})),
     }
 
 
@@ -64,15 +64,15 @@ def _cells(mesh: Any, kind: str, size: int) -> Any:
 def _groups(mesh: Any, kind: str, dim: int | None) -> dict[str, Any]:
     """Return the cells of a type by group: physical groups of a dimension in gmsh's files, else numbers of cell data.
 
-    meshio tells one tag of each cell, the first; of gmsh's 4.1 also the whole of every group with a name.
+    meshio gives one tag of each cell, the first; of gmsh's 4.1 also all cells of every group with a name.
     """
     blocks = [number for number, block in enumerate(mesh.cells) if block.type == kind]
     key = next((name for name in NUMBERING if name in mesh.cell_data), None)
     tags = [np.asarray(mesh.cell_data[key][number]).ravel().astype(np.int64) for number in blocks] if key else []
     tag = np.concatenate([np.empty(0, np.int64), *tags])
     names = {int(number): str(name) for name, (number, of) in mesh.field_data.items() if of == dim} if dim else {}
-    word = "part" if kind == "hexahedron" else "side"
-    groups = {names.get(int(t), f"{word}-{t}"): np.flatnonzero(tag == t) for t in np.unique(tag) if t != 0}
+    noun = "part" if kind == "hexahedron" else "side"
+    groups = {names.get(int(t), f"{noun}-{t}"): np.flatnonzero(tag == t) for t in np.unique(tag) if t != 0}
     begin = np.cumsum([0, *(len(mesh.cells[number].data) for number in blocks)])
     for name in (name for name in names.values() if name in mesh.cell_sets):
         members = [start + mesh.cell_sets[name][number] for start, number in zip(begin, blocks, strict=False)]
@@ -95,7 +95,7 @@ def _rows(groups: dict[str, Any]) -> Any:
 
 
 def _bound(memory: int, seconds: int) -> None:
-    """Let the process take no more memory and computing time than that, where the system can bound them."""
+    """Bound memory and computing time of the process, where the system can."""
     try:
         import resource
     except ImportError:

@@ -1,4 +1,4 @@
-"""What an explicit run needs: a mesh, a solid for each part, what holds and loads it, what touches; SI.
+"""Input of an explicit run: mesh, solids, boundaries, contacts and controls; SI.
 
 A side is named ``part.side``, as in `Mesh.side`; ``part.all`` are all exterior faces of a part.
 """
@@ -19,33 +19,26 @@ from strikewave.fem.solids import AnySolid
 
 Vector = tuple[float, float, float]
 """Components along x, y and z."""
-STIFFNESS = 0.8
-"""Share s of the stiffness that closes a gap within one step: 1 is a kinematic constraint; 0.8 leaves a margin to where
-contact overshoots, see `strikewave.fem.contact`."""
-SAFETY = 0.9
-"""Share of the critical step. The bound is safe for linear elements; 10 % is left for what a step deforms, as is
-usual."""
-HOURGLASS = 0.05
-"""Coefficient of the hourglass stiffness: the usual one of the stiffness form; 0.17 would bend steel cubes exactly, and
-hold plastic flow up."""
+STIFFNESS = 0.8  # 1 is a kinematic constraint; 0.8 leaves a margin to where contact overshoots
+"""Share s of the stiffness that closes a gap within one step; see `strikewave.fem.contact`."""
+SAFETY = 0.9  # as is usual: the bound holds for linear elements, 10 % is left for what a step deforms
+"""Share of the critical step that a run takes."""
+HOURGLASS = 0.05  # usual in the stiffness form; 0.17 would bend steel cubes exactly, and hold plastic flow up
+"""Coefficient of the hourglass stiffness."""
 LINEAR_VISCOSITY, QUADRATIC_VISCOSITY = 0.06, 1.5
 """Coefficients of the bulk viscosity, the usual ones of explicit codes: a jump is spread over a few elements."""
-INTERVAL = 1e-6
-"""Step of the histories, s: a hundred for a pulse of 100 us."""
+INTERVAL = 1e-6  # a hundred instants for a pulse of 100 us
+"""Step of the histories, s."""
 
 
 @dataclass(frozen=True)
 class TimeCurve:
-    """A quantity over time, straight between its points, constant before the first and after the last.
-
-    Parameters
-    ----------
-    time, value : tuple of float
-        s and SI; times ascend.
-    """
+    """A quantity over time, straight between its points, constant before the first and after the last."""
 
     time: tuple[float, ...]
+    """Instants, s, ascending."""
     value: tuple[float, ...]
+    """Values there, SI."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +57,7 @@ class Symmetry:
 
 @dataclass(frozen=True)
 class Guided:
-    """Nodes of a side, or of a whole part named alone, move only along an axis: a single translation freedom."""
+    """Nodes of a side, or of a whole part named alone, move only along an axis."""
 
     side: str
     axis: Vector
@@ -99,26 +92,20 @@ AnyBoundary = Fixed | Symmetry | Guided | Driven | Pressure | NonReflecting
 
 @dataclass(frozen=True)
 class SurfaceContact:
-    """Two surfaces that may touch, both checked against each other.
-
-    Parameters
-    ----------
-    first, second : str
-        Sides.
-    friction : float
-        Coulomb's coefficient.
-    stiffness : float
-        Share s of the stiffness m*/dt^2 that closes a gap within one step; see `strikewave.fem.contact`.
-    """
+    """Two surfaces that may touch, both checked against each other."""
 
     first: str
+    """One side."""
     second: str
+    """The other side."""
     friction: float = 0.0
+    """Coulomb's coefficient."""
     stiffness: float = STIFFNESS
+    """Share s of the stiffness m*/dt^2 that closes a gap within one step; see `strikewave.fem.contact`."""
 
     @property
     def name(self) -> str:
-        """``first-second``."""
+        """Name of the contact, ``first-second``."""
         return f"{self.first}-{self.second}"
 
 
@@ -141,7 +128,7 @@ class RigidWall:
 
     @property
     def name(self) -> str:
-        """``side-wall``."""
+        """Name of the wall, ``side-wall``."""
         return f"{self.side}-wall"
 
 
@@ -175,39 +162,28 @@ class Point:
 
 @dataclass(frozen=True)
 class Controls:
-    """How a model is run.
-
-    Parameters
-    ----------
-    duration, interval : float
-        s: length of the run, and of the step of its histories; the run ends with the first step that is not before
-        the duration.
-    safety : float
-        Share of the critical time step.
-    hourglass : float
-        Coefficient of the hourglass stiffness; see `strikewave.fem.hexahedron`.
-    linear_viscosity, quadratic_viscosity : float
-        Coefficients of the bulk viscosity.
-    full : tuple of str
-        Parts with selectively reduced full integration instead of one point.
-    least_step : float
-        s: mass is added to elements that would need a smaller step; 0 adds none.
-    threads : int
-        Threads; the numbers do not depend on it.
-    blows : int
-        Blows one after another, each of the duration, on what the one before left; see `strikewave.fem.solve`.
-    """
+    """Controls of a run."""
 
     duration: float
+    """Length of the run, s; it ends with the first step that is not before it."""
     interval: float = INTERVAL
+    """Step of the histories, s."""
     safety: float = SAFETY
+    """Share of the critical time step."""
     hourglass: float = HOURGLASS
+    """Coefficient of the hourglass stiffness; see `strikewave.fem.hexahedron`."""
     linear_viscosity: float = LINEAR_VISCOSITY
+    """Linear coefficient of the bulk viscosity."""
     quadratic_viscosity: float = QUADRATIC_VISCOSITY
+    """Quadratic coefficient of the bulk viscosity."""
     full: tuple[str, ...] = ()
+    """Parts with selectively reduced full integration instead of one point."""
     least_step: float = 0.0
+    """Step that elements get by added mass, s; 0 adds none."""
     threads: int = 1
+    """Threads of the run; the numbers do not depend on it."""
     blows: int = 1
+    """Blows one after another, each of the duration, on the state that the one before left."""
 
     @property
     def intervals(self) -> int:
@@ -217,28 +193,18 @@ class Controls:
 
 @dataclass(frozen=True)
 class Model:
-    """Everything that `strikewave.fem.solve.solve` needs.
-
-    Attributes
-    ----------
-    mesh : Mesh
-    solids : mapping of str to solid
-        By part.
-    controls : Controls
-    velocity : mapping of str to vector
-        Initial velocity by part, m/s; parts that are not named rest.
-    gravity : vector
-        m/s^2.
-    boundaries, contacts, ties, walls, rigid, sections, points : tuple
-    groups : mapping of str to tuple of str
-        Parts whose motion is also recorded as that of one body.
-    """
+    """Input of `strikewave.fem.solve.solve`."""
 
     mesh: Mesh
+    """Mesh of all parts."""
     solids: Mapping[str, AnySolid]
+    """Solid of each part."""
     controls: Controls
+    """Controls of the run."""
     velocity: Mapping[str, Vector] = field(default_factory=dict)
+    """Initial velocity by part, m/s; parts that are not named rest."""
     gravity: Vector = (0.0, 0.0, 0.0)
+    """Acceleration of gravity, m/s^2."""
     boundaries: tuple[AnyBoundary, ...] = ()
     contacts: tuple[SurfaceContact, ...] = ()
     ties: tuple[Tie, ...] = ()
@@ -247,6 +213,7 @@ class Model:
     sections: tuple[CutSection, ...] = ()
     points: tuple[Point, ...] = ()
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    """Parts whose motion is also recorded as that of one body."""
 
     @property
     def touching(self) -> dict[str, tuple[str, ...]]:
@@ -256,38 +223,20 @@ class Model:
 
 
 def stays(model: Model, sides: Sequence[str]) -> bool:
-    """Tell whether two sides begin with the same velocity, or one, before a wall, with none.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from strikewave.fem.mesh import Mesh
-    >>> nothing = Mesh(np.zeros((0, 3)), np.zeros((0, 8), np.int32), np.zeros(0, np.int32), ())
-    >>> model = Model(nothing, {}, Controls(1e-3), velocity={"ball": (0.0, 0.0, -1.0)})
-    >>> stays(model, ("ball.round", "base.top")), stays(model, ("base.bottom",))
-    (False, True)
-    """
+    """Return whether two sides begin with the same velocity, or one, before a wall, with none."""
     still = (0.0, 0.0, 0.0)
     speeds = {tuple(model.velocity.get(side.rpartition(".")[0] or side, still)) for side in sides}
     return len(speeds | ({still} if len(sides) == 1 else set())) == 1
 
 
-MOST_BLOWS = 20
-"""Blows of a run: yield has come to an end after a few, and each takes its own files and up to 4.5 times its steps."""
-MOST_HOURGLASS = 0.5
-"""Largest coefficient of the hourglass stiffness: three times the 0.17 at which a cube bends exactly."""
+MOST_BLOWS = 20  # yield has come to an end after a few, and each takes its own files and up to 4.5 times its steps
+"""Most blows of a run."""
+MOST_HOURGLASS = 0.5  # three times the 0.17 at which a cube bends exactly
+"""Largest coefficient of the hourglass stiffness."""
 
 
 def faults(model: Model) -> Iterator[InputError]:
-    """Yield what cannot be run.
-
-    Examples
-    --------
-    >>> from strikewave.fem.mesh import Mesh
-    >>> nothing = Mesh(np.zeros((0, 3)), np.zeros((0, 8), np.int32), np.zeros(0, np.int32), ())
-    >>> [str(fault) for fault in faults(Model(nothing, {}, Controls(1e-3, safety=1.5)))]
-    ['safety: got 1.5; allowed: above 0 to 1']
-    """
+    """Yield what cannot be run."""
     yield from control_faults(model.controls)
     yield from _parts(model)
     yield from _repeated(model)
@@ -300,13 +249,7 @@ def faults(model: Model) -> Iterator[InputError]:
 
 
 def control_faults(c: Controls) -> Iterator[InputError]:
-    """Yield what is wrong with the controls alone.
-
-    Examples
-    --------
-    >>> [str(fault) for fault in control_faults(Controls(1e-3, hourglass=0.6))]
-    ['hourglass: got 0.6; allowed: from 0 to 0.5']
-    """
+    """Yield what is wrong with the controls alone."""
     rows = [
         ("duration", 0.0 < c.duration < np.inf, "above 0"),
         ("interval", 0.0 < c.interval <= c.duration, "above 0, at most the duration"),
@@ -341,7 +284,7 @@ def _parts(model: Model) -> Iterator[InputError]:
 
 
 def _repeated(model: Model) -> Iterator[InputError]:
-    """Yield names that stand for two things, of which a run would tell one."""
+    """Yield names that stand for two things: a run would keep only one of them."""
     named = [
         ("contact", [each.name for each in model.contacts], ""),
         ("wall", [each.name for each in model.walls], "stand the second wall before another side, such as part.all"),

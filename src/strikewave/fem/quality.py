@@ -1,4 +1,4 @@
-"""How good a mesh is, part by part, and what makes one unusable; SI.
+"""Quality of a mesh, part by part, and faults that make it unusable; SI.
 
 The scaled Jacobian of a corner is the triple product of the unit vectors along its three edges: 1 where they are at
 right angles, 0 or less where the corner is flat or turned inside out (Knupp 2000, Int J Numer Meth Eng 48, 1165).
@@ -23,28 +23,25 @@ CORNERS = np.array(
 )
 """Each corner of a hexahedron and the ends of its three edges, right-handed."""
 
-FLAT = 1e-6
-"""Scaled Jacobian at and below which a corner counts as flat; and shortest over longest edge of a flat element.
+FLAT = 1e-6  # files of meshes keep six digits or more: what is flatter cannot be distinguished from inverted
+"""Scaled Jacobian at and below which a corner counts as flat; and shortest over longest edge of a flat element."""
 
-Files of meshes keep six digits or more: what is flatter cannot be distinguished from inverted."""
+FARTHEST = 1e6  # what lies farther has the wrong unit, or is no number
+"""Largest coordinate, m."""
 
-FARTHEST = 1e6
-"""Largest coordinate, m: what lies farther has the wrong unit, or is no number."""
+AT_ONCE = 50_000  # 24 numbers each of some tens of arrays: together below 1 GB
+"""Elements looked at in one go."""
 
-AT_ONCE = 50_000
-"""Elements looked at in one go: 24 numbers each of some tens of arrays, together below 1 GB."""
-
-UNWARPED = 1e-9
-"""Warpage below which a face counts as flat, rad (chosen: flat faces of built-in meshes have 0, warped ones 0.1;
-numbers of rounding would only distract)."""
+UNWARPED = 1e-9  # chosen: flat faces of built-in meshes have 0, warped ones 0.1; rounding would only distract
+"""Warpage below which a face counts as flat, rad."""
 SHAPE = Quantity(NO_UNIT, NO_UNIT, decimals=3, digits=0)
-NAMED = 5
-"""Elements named of each kind of fault: enough to see where, few enough for a screen."""
+NAMED = 5  # enough to see where, few enough for a screen
+"""Elements named of each kind of fault."""
 
 
 @declare.dataclass
 class PartQuality:
-    """How good the mesh of a part is."""
+    """Quality of the mesh of a part."""
 
     part: str = declare.word("name of the part", column=KEY, in_document=False)
     elements: int = declare.count("how many elements", column=MAIN)
@@ -86,29 +83,13 @@ class PartQuality:
 
 
 def quality_report(mesh: Mesh, wave_speeds: Mapping[str, float] | None = None) -> tuple[PartQuality, ...]:
-    """Return how good the mesh of each part is; wave speeds by part in m/s.
-
-    Examples
-    --------
-    >>> from strikewave.fem.shapes import block
-    >>> row, = quality_report(block("bar", (0.01, 0.01, 0.1), 0.005, 0.005, 0.01), {"bar": 5000.0})
-    >>> row.elements, round(row.aspect_ratio, 9), round(row.scaled_jacobian, 9), row.step
-    (40, 2.0, 1.0, 1e-06)
-    """
+    """Return the quality of the mesh of each part; wave speeds by part in m/s."""
     speeds = wave_speeds or {}
     return tuple(_part_quality(mesh, name, speeds.get(name)) for name in mesh.names)
 
 
 def scaled_jacobians(points: Array, hexahedra: Index) -> Array:
-    """Return the scaled Jacobian of each corner, (elements, 8); 0 where an edge has no length.
-
-    Examples
-    --------
-    >>> from strikewave.fem.shapes import block
-    >>> bar = block("bar", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0)
-    >>> scaled_jacobians(bar.points, bar.hexahedra).tolist()
-    [[1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]]
-    """
+    """Return the scaled Jacobian of each corner, (elements, 8); 0 where an edge has no length."""
     scaled = np.empty((len(hexahedra), 8))
     for corner, ends in enumerate(CORNERS):
         origin, *tips = (points[hexahedra[:, node]] for node in ends)
@@ -120,16 +101,7 @@ def scaled_jacobians(points: Array, hexahedra: Index) -> Array:
 
 
 def warpages(points: Array, hexahedra: Index) -> Array:
-    """Return the warpage of each face, (elements, 6), rad: the angle between its triangles, over both diagonals.
-
-    Examples
-    --------
-    >>> from strikewave.fem.shapes import block
-    >>> bar = block("bar", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0)
-    >>> bar.points[:, 2] += bar.points[:, 0] * bar.points[:, 1]
-    >>> float(warpages(bar.points, bar.hexahedra).max().round(3))
-    1.231
-    """
+    """Return the warpage of each face, (elements, 6), rad: the angle between its triangles, over both diagonals."""
     angles = np.empty((len(hexahedra), 6))
     for number, face in enumerate(FACES):
         a, b, c, d = (points[hexahedra[:, node]] for node in face)
@@ -141,20 +113,7 @@ def warpages(points: Array, hexahedra: Index) -> Array:
 
 
 def check_mesh(mesh: Mesh) -> None:
-    """Refuse a mesh that cannot be computed.
-
-    Raises
-    ------
-    InputErrors
-        One line for each fault: node numbers that do not exist, points that are not finite or too far, parts
-        without elements, elements with a node twice, elements that are flat or inverted (part, number within the part
-        and centre), and nodes that belong to no element. Of each kind the first five are named.
-
-    Examples
-    --------
-    >>> from strikewave.fem.shapes import block
-    >>> check_mesh(block("bar", (0.01, 0.01, 0.1), 0.005, 0.005, 0.01))
-    """
+    """Refuse a mesh that cannot be computed, with one line for each fault, the first five of each kind."""
     count = len(mesh.points)
     if mesh.hexahedra.size and not 0 <= mesh.hexahedra.min() <= mesh.hexahedra.max() < count:
         got = f"{mesh.hexahedra.min()} to {mesh.hexahedra.max()}"
@@ -167,7 +126,7 @@ def check_mesh(mesh: Mesh) -> None:
         span = mesh.elements_of(name)
         if span.start == span.stop:
             lines.append(str(InputError(f"mesh.{name}", "no elements", "a part with elements", "remove the part")))
-    if not lines:
+    if not lines:  # shapes of elements mean nothing where nodes are nowhere or twice in an element
         lines = _repeated(mesh) or _inverted(mesh)
     loose = np.flatnonzero(np.bincount(mesh.hexahedra.ravel(), minlength=count) == 0)
     if len(loose):

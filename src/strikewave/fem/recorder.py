@@ -1,4 +1,4 @@
-"""Histories of a run while it goes on; SI."""
+"""Histories of a run, recorded as it goes on; SI."""
 
 from __future__ import annotations
 
@@ -28,40 +28,26 @@ class NodeMotion(NamedTuple):
 
 
 class Noted(NamedTuple):
-    """What is summed of an instant where the steps are taken; `strikewave.fem._history_kernels` says how.
-
-    Attributes
-    ----------
-    moved : array (shares, 6)
-        Weighted sums of displacement, m, and velocity, m/s, of the nodes that are watched.
-    kinetic : float
-        Twice the kinetic energy, J.
-    peaks : sequence of array (chunks, 2)
-        Largest squared von Mises stress, Pa^2, and plastic strain of chunks, for each kind of elements.
-    stress : mapping of str to array (6,)
-        Mean stress of each section but those of rigid parts, Pa.
-    acting : array (4,)
-        Power of all forces but those of contact on the velocities before, W, and their sum, N.
-    touching : mapping of str to array (shares, TOUCHED)
-        Forces, powers and areas of each contact and wall; see `strikewave.fem._history_kernels.touch_share`.
-    """
+    """Sums of an instant, made where the steps are taken; see `strikewave.fem._history_kernels`."""
 
     moved: Array
+    """Weighted sums of displacement, m, and velocity, m/s, of the nodes that are watched, (shares, 6)."""
     kinetic: float
+    """Twice the kinetic energy, J."""
     peaks: Sequence[Array]
+    """Largest squared von Mises stress, Pa^2, and plastic strain of chunks, (chunks, 2), for each kind of elements."""
     stress: Mapping[str, Array]
+    """Mean stress of each section but those of rigid parts, Pa, (6,)."""
     acting: Array
+    """Power of all forces but those of contact on the velocities before, W, and their sum, N, (4,)."""
     touching: Mapping[str, Array]
+    """Forces, powers and areas of each contact and wall, (shares, TOUCHED); see `touch_share`."""
 
 
 class HistoryRecorder:
-    """What is noted at each instant: rows of named columns.
+    """Record of each instant: rows of named columns.
 
-    Parameters
-    ----------
-    model : Model
-    shares : mapping of str to array (nodes of the part,)
-        The mass of each part at its nodes, before ties hand any on, kg.
+    ``shares`` are the masses of each part at its nodes, kg, before ties hand any on.
     """
 
     def __init__(self, model: Model, shares: Mapping[str, Array]) -> None:
@@ -144,13 +130,6 @@ def average_acceleration(time: Array, displacement: Array, velocity: Array) -> A
     velocities of the two intervals beside it over half their sum, and of that of one interval and the velocity at the
     first and last instant. Its integral by the trapezoidal rule is the change of velocity, whatever happens within a
     step: where flat faces meet, the acceleration of a step is a velocity over that step.
-
-    Examples
-    --------
-    A velocity that jumps by 4 m/s in the middle of the second of three intervals:
-
-    >>> average_acceleration(np.arange(4.0), np.array([0.0, 0.0, 2.0, 6.0]), np.array([0.0, 0.0, 4.0, 4.0])).tolist()
-    [0.0, 2.0, 2.0, 0.0]
     """
     if len(time) < 2:
         return np.zeros_like(velocity)
@@ -172,7 +151,7 @@ def assembly(parts: Mapping[str, PartHistory], names: Sequence[str]) -> PartHist
 
 
 def pressed(felt: Array, surfaces: int) -> Array:
-    """Return how much of each surface is pressed: its share by area, and the area over that of a face, (surfaces, 2).
+    """Return the pressed part of each surface: its share by area, and the area over that of a face, (surfaces, 2).
 
     ``felt`` (shares, TOUCHED) is what the shares of the nodes feel. A wall has one surface, a contact two.
     """
@@ -182,14 +161,7 @@ def pressed(felt: Array, surfaces: int) -> Array:
 
 
 def watched(groups: Sequence[tuple[Index, Array]]) -> tuple[Index, WatchedNodes]:
-    """Return the first share of each group of nodes, and all shares; groups are nodes and weights.
-
-    Examples
-    --------
-    >>> first, shares = watched([(np.arange(70), np.ones(70)), (np.array([3]), np.ones(1))])
-    >>> first.tolist(), shares.begin.tolist()
-    ([0, 2], [0, 64, 70, 71])
-    """
+    """Return the first share of each group of nodes, and all shares; groups are nodes and weights."""
     sizes = np.array([len(nodes) for nodes, _ in groups])
     ends = np.cumsum(sizes)
     begins = [np.arange(end - size, end, ROWS) for size, end in zip(sizes, ends, strict=True)]
@@ -202,13 +174,7 @@ def watched(groups: Sequence[tuple[Index, Array]]) -> tuple[Index, WatchedNodes]
 
 
 def section_elements(mesh: Mesh, section: CutSection) -> tuple[Index, Array]:
-    """Return the elements that a section cuts, and their shares of its volume.
-
-    Raises
-    ------
-    InputError
-        If the plane cuts none.
-    """
+    """Return the elements that a section cuts, and their shares of its volume."""
     chosen = mesh.elements_of(section.part)
     corners = mesh.points[mesh.hexahedra[chosen]]
     height = (corners - np.array(section.point)) @ unit(section.normal, f"section.{section.name}.normal")
@@ -228,14 +194,14 @@ def section_elements(mesh: Mesh, section: CutSection) -> tuple[Index, Array]:
 
 
 def felt_by(touch: NodeTouch) -> Array:
-    """Return what the shares of the nodes of a contact or wall feel, (shares, TOUCHED): see `touch_share`."""
+    """Return forces, powers and areas of the shares of a contact or wall, (shares, TOUCHED): see `touch_share`."""
     felt = np.zeros((shares_of(len(touch.nodes)), history_kernels.TOUCHED))
     history_kernels.touches(touch, felt)
     return felt
 
 
 class SectionStress(NamedTuple):
-    """Where the stress of a section stands: rows (points, 6) of the state of a kind of elements, and their weights."""
+    """Places of the stress of a section: rows (points, 6) of the state of a kind of elements, and their weights."""
 
     name: str
     kind: int
@@ -248,11 +214,12 @@ class SectionStress(NamedTuple):
 
 
 def section_stresses(kinds: Sequence[Hexahedra], sections: Mapping[str, tuple[Index, Array]]) -> list[SectionStress]:
-    """Return where the stress of each section stands, but of those of rigid parts, which have none."""
-    found = []
+    """Return the places of the stress of each section but those of rigid parts, which have none."""
+    stresses = []
     for (name, (elements, volume)), kind in itertools.product(sections.items(), range(len(kinds))):
         places = kinds[kind].stress_places(elements)
         if len(places):
             rows = places.reshape(-1, 1) + np.array(history_kernels.STRESS)
-            found.append(SectionStress(name, kind, rows, np.repeat(volume / kinds[kind].points, kinds[kind].points)))
-    return found
+            shares = np.repeat(volume / kinds[kind].points, kinds[kind].points)
+            stresses.append(SectionStress(name, kind, rows, shares))
+    return stresses

@@ -1,7 +1,7 @@
-"""The state of a run on disk, to go on from: HDF5, written beside the old one and renamed.
+"""State of a run on disk, to go on from: HDF5, written beside the old file and renamed.
 
-What the model itself fixes is never kept. A file is read as one by a stranger: names, shapes and types are compared
-with those of the model before anything is read, and what numbers point to has to be there.
+Numbers that the model itself fixes are never kept. A file is read as one by a stranger: names, shapes and types are
+compared with those of the model before anything is read, and what numbers point to has to be there.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from strikewave.fem._contact_kernels import ContactState, NodeContacts
 from strikewave.fem.engine import COLLAPSED, Engine
 from strikewave.fem.run import Rest
 
-LARGEST = 40_000_000_000
-"""Bytes of a restart file at most: several times that of the largest mesh that is run; a larger one is none of ours."""
+LARGEST = 40_000_000_000  # several times that of the largest mesh that is run: a larger one is none of ours
+"""Most bytes of a restart file."""
 ALLOWED = "a restart file of this model"
 """Allowed value in every refusal of a file."""
 NUMBERS = ("instant", "steps", "dt_previous", "critical", "smallest", "initial_energy", "blow")
@@ -29,17 +29,15 @@ NUMBERS = ("instant", "steps", "dt_previous", "critical", "smallest", "initial_e
 ARRAYS = ("x", "v", "f", "impulse_given")
 """Arrays of the engine that a step begins with."""
 FINITE = ("body/", "done/", "elements/", "impulse/", "row/")
-"""Names, or how they begin, of numbers that end."""
-SHORTEST = 0.4
-"""Share of the safe step that a step is at least: one is cut to fit what is left of an interval, by half at most.
-
-A file with less was not written by a run, and would take for ever."""
-LARGEST_OF_REST = 1e15
-"""Largest number of how bodies came to rest: energies, lengths and steps stay far below."""
+"""Beginnings of the names of numbers that must be finite."""
+SHORTEST = 0.4  # a step is cut to fit what is left of an interval, by half at most; less would take for ever
+"""Least share of the safe step that a step of a file may be."""
+LARGEST_OF_REST = 1e15  # energies, lengths and steps stay far below
+"""Largest number in the record of how bodies came to rest."""
 SEEN = "seen/"
-"""How the names of what an observer has seen begin."""
-ROUNDING = 1e-9
-"""Share by which the steps of a file may exceed what its smallest step allows: they were summed in floating point."""
+"""Beginning of the names of what an observer has seen."""
+ROUNDING = 1e-9  # times are summed in floating point
+"""Share by which the steps of a file may exceed what its smallest step allows."""
 BODY = ("centre", "velocity", "spin", "turned")
 """State of a rigid part."""
 TOUCH = ("area", "velocity", "normal", "friction", "step")
@@ -54,7 +52,7 @@ Restore = Callable[[Mapping[str, np.ndarray]], None]
 
 
 def state_of(engine: Engine) -> dict[str, np.ndarray]:
-    """Return everything that changes in a run, by name, as it is before the forces of an instant are found."""
+    """Return the whole changing state of a run, by name, before the forces of an instant are found."""
     engine.fetch()
     state: dict[str, Any] = {name: getattr(engine, name) for name in NUMBERS} | dict(_arrays(engine))
     state["rest"] = np.array(astuple(engine.rest) if engine.rest else np.zeros(len(fields(Rest))), float)
@@ -103,18 +101,12 @@ def put_back(engine: Engine, state: Mapping[str, np.ndarray]) -> None:
 
 
 def _rest(row: np.ndarray) -> Rest:
-    """Return how bodies came to rest, as `state_of` keeps it."""
+    """Return the record of how bodies came to rest, from its row in the state."""
     return Rest(int(row[0]), int(row[1]), *(float(value) for value in row[2:]))
 
 
 def write_restart(path: Path, engine: Engine, seen: Mapping[str, np.ndarray] | None = None) -> None:
-    """Write the state of a run, and what an observer has seen of it; the file of before stays whole until this one is.
-
-    Raises
-    ------
-    OSError
-        If the disk refuses it.
-    """
+    """Write the state of a run and of its observer; the file of before stays whole until this one is."""
     import h5py
 
     beside = path.with_name(path.name + ".new")
@@ -130,24 +122,12 @@ def write_restart(path: Path, engine: Engine, seen: Mapping[str, np.ndarray] | N
 
 
 def path_of_blow(path: Path, blow: int) -> Path:
-    """Return where the end of a blow is kept beside the state of a run.
-
-    Examples
-    --------
-    >>> path_of_blow(Path("state.h5"), 2).name
-    'state-2.h5'
-    """
+    """Return the path of the end of a blow, beside the state of the run."""
     return path.with_name(f"{path.stem}-{blow}{path.suffix}")
 
 
 def kept_blows(path: Path) -> dict[int, Path]:
-    """Return the file of each blow that a run goes on from: the ends of those before, and the one that was under way.
-
-    Raises
-    ------
-    InputError
-        If the state of the run cannot be read.
-    """
+    """Return the file of each blow that a run goes on from: the ends of those before, and the one under way."""
     files: dict[int, Path] = {}
     while (end := path_of_blow(path, len(files) + 1)).is_file():
         files[len(files) + 1] = end
@@ -184,13 +164,7 @@ def _damaged(path: Path, error: Exception) -> InputError:
 
 
 def read_restart(path: Path, engine: Engine, blow: int = 1, restore: Restore | None = None) -> None:
-    """Bring an engine that has not begun to the state that a file keeps of a blow, and hand on what was seen of it.
-
-    Raises
-    ------
-    InputError
-        If the file is not there, not a restart file, that of another model, or not as it was written.
-    """
+    """Bring an engine that has not begun to the state that a file keeps of a blow, and hand on what was seen of it."""
     import h5py
 
     _check_file(path)

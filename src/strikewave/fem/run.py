@@ -1,4 +1,4 @@
-"""What an explicit run gives: histories, energy balance, last state, and the few numbers that it is judged by; SI.
+"""Results of an explicit run: histories, energy balance, and the few numbers that it is judged by; SI.
 
 Where flat faces meet, contact is a velocity taken within one time step: the force of that step is the impulse over dt,
 and grows without bound as dt gets shorter. Forces and rigid-body accelerations are therefore judged by their means over
@@ -27,46 +27,31 @@ ENERGIES = ("kinetic", "internal", "plastic", "hourglass", "contact", "viscous",
 """Columns of the energy balance; ``internal`` is elastic energy and plastic work, ``plastic`` the plastic work in
 it."""
 KEPT = ("kinetic", "internal", "hourglass", "contact", "viscous")
-"""Those that together are what was there at the start and what came from outside."""
+"""Energies whose sum is the energy at the start and the work from outside."""
 
 
-AT_REST = 1e-8
-"""Speed below which bodies are at rest, m/s: what a strain of 1e-12 makes where waves run at 5 km/s, and coordinates
-that are rounded by 1e-16 of a model strain an element of a thousandth of its size by 1e-13."""
+AT_REST = 1e-8  # a strain of 1e-12 at 5 km/s; coordinates rounded to 1e-16 strain an element of 1/1000 by 1e-13
+"""Speed below which bodies are at rest, m/s."""
 
 
 def energy_at_rest(mass: float) -> float:
-    """Return the energy of a mass, kg, at the speed `AT_REST`, J: less is rounding.
-
-    Examples
-    --------
-    >>> round(energy_at_rest(2.0), 20)
-    1e-16
-    """
+    """Return the energy of a mass, kg, at the speed `AT_REST`, J: less is rounding."""
     return 0.5 * mass * AT_REST**2
 
 
 @dataclass(frozen=True)
 class PartHistory:
-    """Motion of a part at the instants of the run, each (instants, 3).
-
-    Attributes
-    ----------
-    mass : float
-        kg.
-    velocity : array
-        Momentum over mass, m/s.
-    acceleration : array
-        Rate of momentum over mass (the rigid-body acceleration), m/s^2, average about each instant: its integral by
-        the trapezoidal rule is the change of velocity.
-    displacement : array
-        Mean displacement by mass, m.
-    """
+    """Motion of a part at the instants of the run, each (instants, 3)."""
 
     mass: float
+    """kg."""
     velocity: Array
+    """Momentum over mass, m/s."""
     acceleration: Array
+    """Rate of momentum over mass, m/s^2, average about each instant: its trapezoidal integral is the velocity's
+    change."""
     displacement: Array
+    """Mean displacement by mass, m."""
 
 
 @dataclass(frozen=True)
@@ -91,30 +76,23 @@ class SectionHistory:
 
 @dataclass(frozen=True)
 class FieldFrame:
-    """The whole field at an instant.
-
-    Attributes
-    ----------
-    time : float
-        s.
-    displacement, velocity : array (nodes, 3)
-        m, m/s.
-    stress : array (elements, 6)
-        Cauchy stress, Pa: xx yy zz xy yz zx, tension positive.
-    plastic_strain : array (elements,)
-        Equivalent plastic strain.
-    """
+    """Fields of the whole model at an instant."""
 
     time: float
+    """s."""
     displacement: Array
+    """Displacement of the nodes, m, (nodes, 3)."""
     velocity: Array
+    """Velocity of the nodes, m/s, (nodes, 3)."""
     stress: Array
+    """Cauchy stress of the elements, Pa, (elements, 6): xx yy zz xy yz zx, tension positive."""
     plastic_strain: Array
+    """Equivalent plastic strain of the elements, (elements,)."""
 
 
 @declare.dataclass
 class Rest:
-    """How bodies came to rest between the blow before and this one."""
+    """Record of how bodies came to rest between the blow before and this one."""
 
     maxima: int = declare.count(
         "maxima of the kinetic energy at which velocities were set to zero, of all bodies",
@@ -270,21 +248,18 @@ class FemRun:
         return self.elements * self.steps / self.seconds
 
 
-ENERGY_LIMIT = 0.01
-"""Share of the energy in play that may be missing or too much: runs at the default step keep theirs to 1e-4 and better,
-so that 1 % tells a contact or an element that makes energy."""
-HOURGLASS_LIMIT = 0.05
-"""Share of the largest internal energy that may stand in hourglass modes: the usual limit of explicit codes is 5 to 10
-%."""
-ALIGNED = math.cos(math.radians(5.0))
-"""Cosine of the angle to x, y or z below which a direction is taken as that one: 1 - cos 5 degrees is 0.4 % of a
-force."""
-TOP = 0.75
-"""Share of the peak above which a force is at its top: a half-sine is for 0.46 of its duration, a rectangle for all."""
-UNLOADED = 1e-9
-"""Internal energy of less than this share of the energy in play is rounding: nothing was touched."""
-STILL = 1e-12
-"""A part whose velocity changes by less than this share of the largest in play does not move: rounding of its sums."""
+ENERGY_LIMIT = 0.01  # runs at the default step keep 1e-4 and better: 1 % shows a contact or element that makes energy
+"""Share of the energy in play that may be missing or too much."""
+HOURGLASS_LIMIT = 0.05  # the usual limit of explicit codes is 5 to 10 %
+"""Share of the largest internal energy that may stand in hourglass modes."""
+ALIGNED = math.cos(math.radians(5.0))  # 1 - cos 5 degrees is 0.4 % of a force
+"""Cosine of the angle to x, y or z below which a direction is taken as that one."""
+TOP = 0.75  # a half-sine is above it for 0.46 of its duration, a rectangle for all
+"""Share of the peak above which a force is at its top."""
+UNLOADED = 1e-9  # rounding: nothing was touched
+"""Share of the energy in play below which internal energy is none."""
+STILL = 1e-12  # rounding of its sums
+"""Share of the largest velocity in play; a part whose velocity changes by less does not move."""
 
 
 CONTACT_FORCE = Quantity("N", "kN", digits=5)
@@ -336,34 +311,27 @@ class ContactMeasure:
 
 @declare.dataclass
 class EnergyExtent:
-    """How large an energy was."""
+    """Extent of an energy over a run."""
 
     largest: float = declare.number(ENERGY, "largest in size over the run", column=MAIN)
     last: float = declare.number(ENERGY, "at the end of the run", label="at the end", column=MAIN)
 
     @classmethod
     def of(cls, history: Array) -> EnergyExtent:
-        """Return that of an energy over time."""
+        """Return the extent of an energy over time."""
         return cls(float(history[np.abs(history).argmax()]), float(history[-1]))
 
 
 @dataclass(frozen=True)
 class BalanceMeasure:
-    """How well the energy and momentum balances of a run close.
-
-    Attributes
-    ----------
-    energy : float
-        Largest energy error in size, with its sign: below 0 energy is missing; a share of the energy in play.
-    hourglass : float
-        Largest hourglass energy over the largest internal energy, with the plastic work of blows before.
-    momentum : float
-        As `FemRun.momentum_error`.
-    """
+    """Errors of the energy and momentum balances of a run."""
 
     energy: float
+    """Largest energy error in size, with its sign: below 0 energy is missing; a share of the energy in play."""
     hourglass: float
+    """Largest hourglass energy over the largest internal energy, with the plastic work of blows before."""
     momentum: float
+    """Momentum error, as `FemRun.momentum_error`."""
 
 
 @declare.dataclass
@@ -418,25 +386,7 @@ class PartMeasure:
 
 
 def interval_means(gathered: Array, time: Array) -> Array:
-    """Return the mean rate of a quantity over each interval: its change over the time that it took.
-
-    Parameters
-    ----------
-    gathered : array (instants, ...)
-        Such as impulse, N s, or velocity, m/s.
-    time : array (instants,)
-        s.
-
-    Returns
-    -------
-    array (instants - 1, ...)
-        At the middles of the intervals, `middles`.
-
-    Examples
-    --------
-    >>> interval_means(np.array([[0.0], [1.0], [1.0]]), np.array([0.0, 0.5, 1.0])).tolist()
-    [[2.0], [0.0]]
-    """
+    """Return the mean rate of a quantity (instants, ...) over each interval: its change over the time that it took."""
     spans = np.diff(time)
     return np.asarray(np.diff(gathered, axis=0) / spans.reshape(-1, *[1] * (gathered.ndim - 1)))
 
@@ -458,17 +408,7 @@ def mean_acceleration(run: FemRun, name: str) -> Array:
 
 
 def contact_measure(run: FemRun, name: str) -> ContactMeasure | None:
-    """Measure a contact or wall by the size of its mean force; None where nothing touched.
-
-    Examples
-    --------
-    >>> from types import SimpleNamespace
-    >>> t = np.linspace(0.0, 1e-3, 1001)
-    >>> given = 1e3 * 6e-4 / np.pi * (1.0 - np.cos(np.pi * np.clip((t - 2e-4) / 6e-4, 0.0, 1.0)))
-    >>> measure = contact_measure(SimpleNamespace(time=t, impulse={"a-b": np.outer(given, [0, 0, 1])}), "a-b")
-    >>> round(measure.peak, 2), round(measure.at * 1e6, 1), round(measure.duration * 1e6), round(measure.impulse, 4)
-    (1000.0, 499.5, 562, 0.382)
-    """
+    """Measure a contact or wall by the size of its mean force; None where nothing touched."""
     size = np.linalg.norm(mean_force(run, name), axis=1)
     peak = float(size.max(initial=0.0))
     if not peak > 0.0:
@@ -485,7 +425,7 @@ def contact_measure(run: FemRun, name: str) -> ContactMeasure | None:
 
 
 def top_duration(run: FemRun, name: str) -> float:
-    """Return how long the mean force of a contact stays above `TOP` of its peak about it, s, in whole intervals."""
+    """Return the time that the mean force of a contact stays above `TOP` of its peak, s, in whole intervals."""
     size = np.linalg.norm(mean_force(run, name), axis=1)
     at = int(np.argmax(size))
     below = np.flatnonzero(~(size > TOP * size[at]))
@@ -495,7 +435,7 @@ def top_duration(run: FemRun, name: str) -> float:
 
 
 def _ends(values: Array, time: Array, first: int, last: int) -> tuple[float, float]:
-    """Return when means reach a tenth of their largest before one interval and after another, s.
+    """Return the times at which means reach a tenth of their largest, before one interval and after another, s.
 
     What is above from the start begins with it; NaN where the end is not reached.
     """
@@ -533,13 +473,7 @@ def balance_measure(run: FemRun) -> BalanceMeasure:
 
 
 def near_axis(vector: Array) -> Array:
-    """Return the unit vector along a vector that is not 0; within 5 degrees of x, y or z, that one, with its sign.
-
-    Examples
-    --------
-    >>> near_axis(np.array([0.1, 0.0, -2.0])).tolist(), near_axis(np.array([3.0, 0.0, -4.0])).tolist()
-    ([0.0, 0.0, -1.0], [0.6, 0.0, -0.8])
-    """
+    """Return the unit vector along a vector that is not 0; within 5 degrees of x, y or z, that one, with its sign."""
     way = vector / np.linalg.norm(vector)
     largest = int(np.argmax(np.abs(way)))
     if abs(way[largest]) > ALIGNED:
@@ -561,33 +495,24 @@ def blow_axis(run: FemRun) -> Array:
     return np.asarray(axis * np.sign(axis[int(np.argmax(np.abs(axis)))]) + 0.0)
 
 
-PRESSES = 0.01
-"""Share of the peak above which a contact still presses at the end of a run: the last 1 % of a pulse gives no speed."""
+PRESSES = 0.01  # the last 1 % of a pulse gives no speed
+"""Share of the peak above which a contact still presses at the end of a run."""
 
 
 @dataclass(frozen=True)
 class BlowMeasure:
-    """A blow among several.
-
-    Attributes
-    ----------
-    blow : int
-        From 1.
-    restitution : mapping of str to float or None
-        By contact or wall; see `restitution`.
-    plastic_strain : mapping of str to float
-        Largest at the end, of each part that deforms: of all blows so far.
-    plastic_energy : mapping of str to float
-        Plastic work of this blow in each part that deforms, J.
-    rest : Rest or None
-        How the bodies came to rest before it.
-    """
+    """A blow among several."""
 
     blow: int
+    """Number of the blow, from 1."""
     restitution: Mapping[str, float | None]
+    """Coefficient by contact or wall; see `restitution`."""
     plastic_strain: Mapping[str, float]
+    """Largest at the end, of each part that deforms: of all blows so far."""
     plastic_energy: Mapping[str, float]
+    """Plastic work of this blow in each part that deforms, J."""
     rest: Rest | None
+    """Record of how the bodies came to rest before it."""
 
 
 def blow_measure(run: FemRun, touching: Mapping[str, Sequence[str]]) -> BlowMeasure:
@@ -642,6 +567,6 @@ def pressing_at_end(run: FemRun, name: str) -> float:
 
 
 def still_presses(run: FemRun, name: str) -> bool:
-    """Tell whether a contact presses at the end of a run, by the mean force of the last interval."""
+    """Return whether a contact presses at the end of a run, by the mean force of the last interval."""
     measure = contact_measure(run, name)
     return measure is not None and pressing_at_end(run, name) > PRESSES * measure.peak

@@ -24,44 +24,30 @@ from numpy.typing import NDArray
 from strikewave.base.errors import InputError, nearest
 from strikewave.fem.mesh import Array, Index, Mesh, exterior_faces
 
-LARGEST_COUNT = 20_000
-"""Elements along one line: a mesh of 3 million elements with so long a line has 12 by 12 across."""
-GROWTH = 1.2
-"""Ratio of neighbours where none is stated, as is usual: jumps in size send short waves back."""
-LARGEST_GROWTH = 2.0
-"""Ratio of neighbours at most. Chosen: the next octave of sizes, far beyond usual meshes."""
-ROUNDING = 1e-9
-"""Tolerance of a count of elements above a whole number, and slope below which sizes are the same: above rounding."""
+LARGEST_COUNT = 20_000  # a mesh of 3 million elements with so long a line has 12 by 12 across
+"""Most elements along one line."""
+GROWTH = 1.2  # as is usual: jumps in size send short waves back
+"""Ratio of the sizes of neighbours where none is stated."""
+LARGEST_GROWTH = 2.0  # chosen: the next octave of sizes, far beyond usual meshes
+"""Largest ratio of the sizes of neighbours."""
+ROUNDING = 1e-9  # above rounding
+"""Tolerance of a count of elements above a whole number, and slope below which sizes are the same."""
 
 
 @dataclass(frozen=True)
 class Grading:
-    """Sizes of the elements along a line.
-
-    Parameters
-    ----------
-    coarse : float
-        Largest size, m.
-    fine : float, optional
-        Size in and next to the fine zones, m; ``coarse`` everywhere when left out.
-    at : tuple of float
-        Where the fine zones lie, m from the line's beginning.
-    extent : float
-        Half the length of a fine zone, m.
-    growth : float
-        Largest ratio of neighbours, above 1 to 2.
-
-    Raises
-    ------
-    InputError
-        If a size is not above 0, ``fine`` is above ``coarse``, or the growth is out of its range.
-    """
+    """Sizes of the elements along a line."""
 
     coarse: float
+    """Largest size, m."""
     fine: float | None = None
+    """Size in and next to the fine zones, m; ``coarse`` everywhere when left out."""
     at: tuple[float, ...] = (0.0,)
+    """Places of the fine zones, m from the line's beginning."""
     extent: float = 0.0
+    """Half the length of a fine zone, m."""
     growth: float = GROWTH
+    """Largest ratio of neighbours, above 1 to 2."""
 
     def __post_init__(self) -> None:
         if not 0.0 < self.coarse < math.inf:
@@ -113,13 +99,7 @@ Sizes = float | Grading
 
 
 def as_grading(sizes: Sizes) -> Grading:
-    """Return a grading of one size or as it is.
-
-    Examples
-    --------
-    >>> as_grading(1e-3).finest
-    0.001
-    """
+    """Return a grading of one size or as it is."""
     return sizes if isinstance(sizes, Grading) else Grading(float(sizes))
 
 
@@ -128,18 +108,6 @@ def nodes_between(start: float, end: float, sizes: Sizes) -> Array:
 
     On a piece where h goes from h0 with the slope b, the count of elements is ln(1 + b s / h0) / b; its inverse places
     the nodes.
-
-    Raises
-    ------
-    InputError
-        If the line has no length or needs more than 20 000 elements.
-
-    Examples
-    --------
-    >>> nodes_between(0.0, 1.0, 0.3).tolist()
-    [0.0, 0.25, 0.5, 0.75, 1.0]
-    >>> nodes_between(0.0, 7.0, Grading(8.0, fine=1.0, growth=2.0)).round(9).tolist()
-    [0.0, 1.0, 3.0, 7.0]
     """
     if not start < end:
         raise InputError("length", end - start, "above 0")
@@ -157,7 +125,7 @@ def nodes_between(start: float, end: float, sizes: Sizes) -> Array:
     piece = np.clip(np.searchsorted(reached, wanted, side="right") - 1, 0, len(length) - 1)
     left = wanted - reached[piece]
     places = kinks[piece] + [_length(n, h, b) for n, h, b in zip(left, size[piece], slope[piece], strict=True)]
-    places[0], places[-1] = start, end
+    places[0], places[-1] = start, end  # exact: parts meet there
     return places
 
 
@@ -165,11 +133,6 @@ def nodes_through(breaks: Sequence[float], sizes: Sizes) -> Array:
     """Return nodes along a line that has a node at each of several ascending places, m.
 
     Next to a break the ratio of neighbours may exceed the growth by how the rounding of the two counts differs.
-
-    Examples
-    --------
-    >>> nodes_through([0.0, 0.5, 2.0], 0.5).tolist()
-    [0.0, 0.5, 1.0, 1.5, 2.0]
     """
     pieces = [nodes_between(a, b, sizes) for a, b in pairwise(breaks)]
     return np.concatenate([pieces[0][:1], *(piece[1:] for piece in pieces)])
@@ -190,40 +153,39 @@ Sector = Literal["whole", "half", "quarter"]
 """Whole; y >= 0; x >= 0 and y >= 0."""
 
 SECTORS: tuple[Sector, ...] = ("whole", "half", "quarter")
-"""All of them, for checks and messages."""
+"""All sectors."""
 Surface = Callable[[Array], NDArray[np.bool_]]
-"""Tells which points lie on a surface."""
+"""Function that marks the points which lie on a surface."""
 
 BULGE = 2.0 * math.tan(math.pi / 12.0) / (1.0 + math.tan(math.pi / 12.0))
 """b of the core x = u sqrt(1 - b v^2 / 2): the corner's angle is 90 degrees + 2 atan(b / (2 - b)), 120 degrees here."""
 
-CORE = 0.5
-"""Half-width of the core over the disc's radius where nothing is graded; of 0.4 to 0.55 the one with the
-longest shortest edge in discs and balls of 5 to 20 elements over the radius."""
+CORE = 0.5  # of 0.4 to 0.55 the one with the longest shortest edge, in bodies of 5 to 20 elements over the radius
+"""Half-width of the core over the disc's radius where nothing is graded."""
 
-RIM = 1.2
-"""Largest size around the rim over the coarse size: counts are whole, and one element less is worth so much there."""
+RIM = 1.2  # counts are whole, and one element less is worth so much there
+"""Largest size around the rim over the coarse size."""
 
-FINE_CORE = 0.7
-"""Share of a fine zone that the core takes: its corners, sqrt(2) farther out, then end with the zone."""
+FINE_CORE = 0.7  # its corners, sqrt(2) farther out, then end with the zone
+"""Share of a fine zone that the core takes."""
 
-FEWEST_IN_CORE = 2.0
-"""Elements along the half-width of a core at least: one alone has no node of its own between axis and ring."""
+FEWEST_IN_CORE = 2.0  # one alone has no node of its own between axis and ring
+"""Fewest elements along the half-width of a core."""
 
-COINCIDENT = 1e-6
-"""Share of the shortest edge within which nodes are the same: pieces of a part are computed to 1e-15 of its size."""
+COINCIDENT = 1e-6  # pieces of a part are computed to 1e-15 of its size
+"""Share of the shortest edge within which nodes are the same."""
 
-ON_SURFACE = 1e-9
-"""Share of the size of a body within which a node lies on its surface, by rounding."""
+ON_SURFACE = 1e-9  # rounding
+"""Share of the size of a body within which a node lies on its surface."""
 
 FLIPPED = [0, 3, 2, 1, 4, 7, 6, 5]
 """The nodes of a mirrored hexahedron, right-handed again."""
-LARGEST_MESH = 20_000_000
-"""Elements of one part: about 10 GB while it is made, what a workstation has to spare."""
+LARGEST_MESH = 20_000_000  # about 10 GB while it is made: what a workstation has to spare
+"""Most elements of one part."""
 QUAD_EDGES = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
 """Ends of the edges of a quadrilateral by its corners."""
 HEXAHEDRON_EDGES = np.concatenate([QUAD_EDGES, QUAD_EDGES + 4, np.arange(4)[:, None] + [0, 4]])
-"""Those of a hexahedron: lower face, upper face, between them."""
+"""Ends of the edges of a hexahedron: lower face, upper face, between them."""
 
 
 @dataclass(frozen=True)
@@ -235,13 +197,7 @@ class PlaneMesh:
 
 
 def grid_section(x: Array, y: Array) -> PlaneMesh:
-    """Return the rectangular section of nodes at each x and y.
-
-    Examples
-    --------
-    >>> grid_section(np.arange(3.0), np.arange(2.0)).quads.tolist()
-    [[0, 2, 3, 1], [2, 4, 5, 3]]
-    """
+    """Return the rectangular section of nodes at each x and y."""
     refuse_too_many((len(x) - 1) * (len(y) - 1))
     return _quads(np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1))
 
@@ -302,14 +258,8 @@ def refuse_too_many(elements: float) -> None:
 def disc_section(radii: Array, count: int, sector: Sector = "whole") -> PlaneMesh:
     """Return the O-grid of a disc about the origin.
 
-    Parameters
-    ----------
-    radii : array
-        Half-width of the core, radii of the ring's nodes on the axes, radius of the disc, ascending, m.
-    count : int
-        Elements along the half-width; twice as many along a quarter of the rim.
-    sector : str
-        "whole", "half" or "quarter".
+    ``radii`` are the half-width of the core, the radii of the ring's nodes on the axes and that of the disc, ascending,
+    m; ``count`` elements lie along the half-width, twice as many along a quarter of the rim.
     """
     u, v = np.meshgrid(*2 * [np.linspace(0.0, 1.0, count + 1)], indexing="ij")
     core = radii[0] * np.stack([u * np.sqrt(1.0 - BULGE * v**2 / 2.0), v * np.sqrt(1.0 - BULGE * u**2 / 2.0)], axis=-1)
@@ -363,13 +313,6 @@ def extruded(section: PlaneMesh, heights: Array, keep: NDArray[np.bool_] | None 
     """Return points and hexahedra of a section along z, layer by layer.
 
     ``keep`` (layers, quads) leaves out elements, and the nodes that only they use.
-
-    Examples
-    --------
-    >>> square = grid_section(np.arange(2.0), np.arange(2.0))
-    >>> points, hexahedra = extruded(square, np.array([0.0, 1.0, 2.0]))
-    >>> points.shape, hexahedra.tolist()
-    ((12, 3), [[0, 2, 3, 1, 4, 6, 7, 5], [4, 6, 7, 5, 8, 10, 11, 9]])
     """
     count = len(section.points)
     refuse_too_many(len(section.quads) * (len(heights) - 1.0))

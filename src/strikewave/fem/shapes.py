@@ -57,30 +57,8 @@ Vector = tuple[float, float, float]
 def block(name: str, size: Vector, x: Sizes, y: Sizes, z: Sizes) -> Mesh:
     """Return a block, centred on the z axis, that stands on z = 0.
 
-    Parameters
-    ----------
-    name : str
-        Name of the part.
-    size : tuple of float
-        Width along x, depth along y, height along z, m.
-    x, y, z : float or Grading
-        Sizes of elements, m; a position of a grading counts from the lower end.
-
-    Returns
-    -------
-    Mesh
-        With the sides ``x-``, ``x+``, ``y-``, ``y+``, ``z-``, ``z+``.
-
-    Raises
-    ------
-    InputError
-        If a size is not above 0.
-
-    Examples
-    --------
-    >>> bar = block("bar", (0.01, 0.01, 0.1), 0.005, 0.005, 0.01)
-    >>> len(bar.hexahedra), len(bar.side("bar.z+")), len(bar.side("bar.x-"))
-    (40, 4, 20)
+    ``size`` is its width along x, depth along y and height along z, m; a position of a grading counts from the lower
+    end. Sides are ``x-``, ``x+``, ``y-``, ``y+``, ``z-``, ``z+``.
     """
     width, depth, height = (positive(f"{name}.size", value) for value in size)
     across, deep, up = nodes_between(0.0, width, x), nodes_between(0.0, depth, y), nodes_between(0.0, height, z)
@@ -96,23 +74,22 @@ def block(name: str, size: Vector, x: Sizes, y: Sizes, z: Sizes) -> Mesh:
 
 @dataclass(frozen=True)
 class FrameSize:
-    """Sizes of a frame, m: outside along x, y, z, and the thickness of its four walls.
-
-    Parameters
-    ----------
-    width, depth, height : float
-        Along x, y and z.
-    left, right, bottom, top : float
-        Thickness of the walls around the opening.
-    """
+    """Sizes of a frame, m: outside along x, y, z, and the thickness of its four walls."""
 
     width: float
+    """Size along x."""
     depth: float
+    """Size along y."""
     height: float
+    """Size along z."""
     left: float
+    """Thickness of the wall on the left."""
     right: float
+    """Thickness of the wall on the right."""
     bottom: float
+    """Thickness of the wall below."""
     top: float
+    """Thickness of the wall above."""
 
     def __post_init__(self) -> None:
         for name in ("width", "depth", "height", "left", "right", "bottom", "top"):
@@ -125,34 +102,10 @@ class FrameSize:
 def frame(name: str, size: FrameSize, x: Sizes, y: Sizes, z: Sizes, sector: Sector = "whole") -> Mesh:
     """Return a rectangular frame around an opening along y, centred on the z axis, that stands on z = 0.
 
-    Parameters
-    ----------
-    name : str
-        Name of the part.
-    size : FrameSize
-        m.
-    x, y, z : float or Grading
-        Sizes of elements, m; a position of a grading counts from the lower end. Nodes lie on the opening's edges.
-    sector : str
-        "whole"; "half", y >= 0; or "quarter", x >= 0 too.
-
-    Returns
-    -------
-    Mesh
-        With the sides ``left``, ``right``, ``bottom``, ``top``, ``front`` (y-), ``back`` (y+), and around the opening
-        ``inner_left``, ``inner_right``, ``inner_bottom``, ``inner_top``; where it is cut, ``y-`` instead of ``front``
-        and ``x-`` instead of ``left`` and ``inner_left``.
-
-    Raises
-    ------
-    InputError
-        If the sector is not known, or a quarter is asked for of a frame whose walls left and right differ.
-
-    Examples
-    --------
-    >>> part = frame("frame", FrameSize(0.06, 0.02, 0.08, 0.01, 0.01, 0.01, 0.01), 0.005, 0.005, 0.005)
-    >>> len(part.hexahedra), len(part.side("frame.inner_top"))
-    (384, 32)
+    A position of a grading counts from the lower end; nodes lie on the opening's edges. Sides are ``left``, ``right``,
+    ``bottom``, ``top``, ``front`` (y-), ``back`` (y+), and around the opening ``inner_left``, ``inner_right``,
+    ``inner_bottom``, ``inner_top``; where it is cut, ``y-`` instead of ``front`` and ``x-`` instead of ``left`` and
+    ``inner_left``. A quarter needs walls left and right that are alike.
     """
     mirror_axes(sector)
     if sector == "quarter" and size.left != size.right:
@@ -187,30 +140,12 @@ def frame(name: str, size: FrameSize, x: Sizes, y: Sizes, z: Sizes, sector: Sect
 
 
 def moved(mesh: Mesh, way: Vector) -> Mesh:
-    """Return a mesh moved by a vector, m.
-
-    Examples
-    --------
-    >>> float(moved(block("b", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0), (0.0, 0.0, 2.0)).points[:, 2].min())
-    2.0
-    """
+    """Return a mesh moved by a vector, m."""
     return replace(mesh, points=mesh.points + np.asarray(way, float))
 
 
 def turned(mesh: Mesh, axis: Vector, angle: float, about: Vector = (0.0, 0.0, 0.0)) -> Mesh:
-    """Return a mesh turned by an angle, rad, right-handed about an axis through a point (Rodrigues' formula).
-
-    Raises
-    ------
-    InputError
-        If the axis has no length.
-
-    Examples
-    --------
-    >>> quarter_turn = turned(block("b", (2.0, 1.0, 1.0), 1.0, 1.0, 1.0), (0.0, 0.0, 1.0), np.pi / 2)
-    >>> quarter_turn.points.max(axis=0).round(12).tolist()
-    [0.5, 1.0, 1.0]
-    """
+    """Return a mesh turned by an angle, rad, right-handed about an axis through a point (Rodrigues' formula)."""
     along = np.asarray(axis, float)
     length = float(np.linalg.norm(along))
     if not 0.0 < length < math.inf:
@@ -222,13 +157,7 @@ def turned(mesh: Mesh, axis: Vector, angle: float, about: Vector = (0.0, 0.0, 0.
 
 
 def renamed(mesh: Mesh, names: Mapping[str, str]) -> Mesh:
-    """Return a mesh whose parts have new names, with their sides; parts that are not named keep theirs.
-
-    Examples
-    --------
-    >>> renamed(block("b", (1.0, 1.0, 1.0), 1.0, 1.0, 1.0), {"b": "anvil"}).names
-    ('anvil',)
-    """
+    """Return a mesh whose parts have new names, with their sides; parts that are not named keep theirs."""
     for name in names:
         mesh.elements_of(name)
 
@@ -243,42 +172,15 @@ def renamed(mesh: Mesh, names: Mapping[str, str]) -> Mesh:
 Body = tuple[Array, Index]
 """Points and hexahedra."""
 
-CORNER = (7.0 * BULGE - 2.0) / 12.0
-"""c of a core in a ball, x = u sqrt(1 - b (v^2 + w^2) / 2 + c v^2 w^2): its corner, where four elements meet, has the
-tetrahedron's angles of arccos(-1/3) between its edges."""
+CORNER = (7.0 * BULGE - 2.0) / 12.0  # its corner, where four elements meet, has the tetrahedron's arccos(-1/3)
+"""Coefficient c of a core in a ball, x = u sqrt(1 - b (v^2 + w^2) / 2 + c v^2 w^2)."""
 
 
 def cylinder(name: str, diameter: float, length: float, across: Sizes, along: Sizes, sector: Sector = "whole") -> Mesh:
     """Return a solid cylinder that stands on z = 0.
 
-    Parameters
-    ----------
-    name : str
-        Name of the part.
-    diameter, length : float
-        m.
-    across : float or Grading
-        Sizes over the distance from the axis, m; only the fine zone at the axis is used.
-    along : float or Grading
-        Sizes along z, m; positions count from the bottom.
-    sector : str
-        "whole", "half" or "quarter".
-
-    Returns
-    -------
-    Mesh
-        With the sides ``bottom``, ``top``, ``round``, and ``y-`` and ``x-`` where it is cut.
-
-    Raises
-    ------
-    InputError
-        If a length is not above 0 or the sector is not known.
-
-    Examples
-    --------
-    >>> bar = cylinder("bar", 0.02, 0.1, 0.002, 0.005)
-    >>> sorted(bar.sides), len(bar.side("bar.top"))
-    (['bar.bottom', 'bar.round', 'bar.top'], 160)
+    Sizes ``across`` are over the distance from the axis, where only a fine zone at the axis is used; positions
+    ``along`` z count from the bottom. Sides are ``bottom``, ``top``, ``round``, and ``y-`` and ``x-`` where it is cut.
     """
     grading = as_grading(across)
     radius = 0.5 * positive(f"{name}.diameter", diameter)
@@ -297,23 +199,18 @@ def cylinder(name: str, diameter: float, length: float, across: Sizes, along: Si
 
 @dataclass(frozen=True)
 class TubeSize:
-    """Sizes of a tube, m; an end is closed where its thickness is not 0.
-
-    Parameters
-    ----------
-    inner, outer : float
-        Diameters.
-    length : float
-        With the closed ends.
-    bottom, top : float
-        Thickness of the ends.
-    """
+    """Sizes of a tube, m; an end is closed where its thickness is not 0."""
 
     inner: float
+    """Inner diameter."""
     outer: float
+    """Outer diameter."""
     length: float
+    """Length with the closed ends."""
     bottom: float = 0.0
+    """Thickness of the lower end."""
     top: float = 0.0
+    """Thickness of the upper end."""
 
     def __post_init__(self) -> None:
         if not 0.0 < self.inner < self.outer < math.inf:
@@ -325,22 +222,8 @@ class TubeSize:
 def tube(name: str, size: TubeSize, across: Sizes, along: Sizes, sector: Sector = "whole") -> Mesh:
     """Return a tube that stands on z = 0, with closed ends where they have a thickness: a cup, or a closed shell.
 
-    Returns
-    -------
-    Mesh
-        With the sides ``bottom``, ``top``, ``round``, ``inner_round``; ``inner_bottom`` and ``inner_top`` of closed
-        ends; and ``y-`` and ``x-`` where it is cut.
-
-    Raises
-    ------
-    InputError
-        If the sizes do not fit each other or the sector is not known.
-
-    Examples
-    --------
-    >>> cup = tube("cup", TubeSize(0.02, 0.024, 0.03, bottom=0.004), 0.001, 0.002, "quarter")
-    >>> sorted(cup.sides)[:3]
-    ['cup.bottom', 'cup.inner_bottom', 'cup.inner_round']
+    Sides are ``bottom``, ``top``, ``round``, ``inner_round``; ``inner_bottom`` and ``inner_top`` of closed ends; and
+    ``y-`` and ``x-`` where it is cut.
     """
     grading = as_grading(across)
     bore = 0.5 * size.inner
@@ -373,35 +256,10 @@ def half_cylinder(
 ) -> Mesh:
     """Return a half cylinder with its axis along y, its round side down and its flat side at z = 0.
 
-    Parameters
-    ----------
-    name : str
-        Name of the part.
-    radius, length : float
-        m; y goes from minus to plus half the length.
-    sizes : float or Grading
-        Sizes over the distance along the round side from its lowest line, m; only the fine zone there is used.
-    along : float or Grading
-        Sizes along the axis, m; positions count from the front, or from the middle where it is cut there.
-    sector : str
-        "whole"; "half", y >= 0; or "quarter", x >= 0 too.
-
-    Returns
-    -------
-    Mesh
-        With the sides ``round``, ``top``, ``front`` (y-), ``back`` (y+); where it is cut, ``y-`` instead of ``front``,
-        and ``x-``.
-
-    Raises
-    ------
-    InputError
-        If a length is not above 0 or the sector is not known.
-
-    Examples
-    --------
-    >>> roller = half_cylinder("roller", 0.01, 0.02, Grading(1e-3, fine=2e-4), 1e-3, "quarter")
-    >>> sorted(roller.sides)
-    ['roller.back', 'roller.round', 'roller.top', 'roller.x-', 'roller.y-']
+    y goes from minus to plus half the length. ``sizes`` are over the distance along the round side from its lowest
+    line, where only a fine zone is used; positions ``along`` the axis count from the front, or from the middle where it
+    is cut there. Sides are ``round``, ``top``, ``front`` (y-), ``back`` (y+); where it is cut, ``y-`` instead of
+    ``front``, and ``x-``.
     """
     grading = as_grading(sizes)
     positive(f"{name}.length", length)
@@ -428,16 +286,7 @@ def half_cylinder(
 def half_space(name: str, radius: float, sizes: Sizes, sector: Sector = "whole") -> Mesh:
     """Return a half-ball below its flat face at z = 0, fine at the centre of that face: a half-space cut off.
 
-    Returns
-    -------
-    Mesh
-        With the sides ``top``, ``round``, and ``y-`` and ``x-`` where it is cut.
-
-    Examples
-    --------
-    >>> ground = half_space("ground", 0.02, Grading(2e-3, fine=5e-4), "quarter")
-    >>> sorted(ground.sides)
-    ['ground.round', 'ground.top', 'ground.x-', 'ground.y-']
+    Sides are ``top``, ``round``, and ``y-`` and ``x-`` where it is cut.
     """
     grading = as_grading(sizes)
     half_width, count = core_half_width(positive(f"{name}.radius", radius), grading)
@@ -448,37 +297,11 @@ def half_space(name: str, radius: float, sizes: Sizes, sector: Sector = "whole")
 
 
 def ball(name: str, radius: float, sizes: Sizes, sector: Sector = "whole", lower_half: bool = False) -> Mesh:
-    """Return a ball about the origin, graded from its lowest point.
+    """Return a ball about the origin, graded from its lowest point, or what lies below its equator alone.
 
-    Parameters
-    ----------
-    name : str
-        Name of the part.
-    radius : float
-        m.
-    sizes : float or Grading
-        Sizes over the distance from the lowest point along the surface, m; only the fine zone there is used.
-        One size gives a ball with a cube at its centre instead of one at its lowest point.
-    sector : str
-        "whole", "half" or "quarter".
-    lower_half : bool
-        Only what lies below the equator, with the flat side ``top``.
-
-    Returns
-    -------
-    Mesh
-        With the sides ``round``, ``top`` of a lower half, and ``y-`` and ``x-`` where it is cut.
-
-    Raises
-    ------
-    InputError
-        If the radius is not above 0 or the sector is not known.
-
-    Examples
-    --------
-    >>> striker = ball("striker", 0.01, Grading(1e-3, fine=1e-4, extent=5e-4), "quarter")
-    >>> bool(abs(striker.points[:, 2].min() + 0.01) < 1e-15)
-    True
+    ``sizes`` are over the distance from the lowest point along the surface, where only a fine zone is used; one size
+    gives a ball with a cube at its centre instead of one at its lowest point. Sides are ``round``, ``top`` of a lower
+    half, and ``y-`` and ``x-`` where it is cut.
     """
     grading = as_grading(sizes)
     half_width, count = core_half_width(positive(f"{name}.radius", radius), grading)

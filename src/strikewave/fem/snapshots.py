@@ -1,9 +1,9 @@
-"""Snapshots of a run for its pictures, chosen while it goes on, of what can be seen alone; SI.
+"""Snapshots of a run for its pictures, chosen while it goes on, on the visible skin of the model; SI.
 
-Kept are instants evenly over the run and, more densely, while the bodies of the blow touch; some that follow the first
-wave; and that of the largest stress. Their number is bounded: where too many come, every other one goes.
+Snapshots are kept evenly over the run and, more densely, while the bodies of the blow touch; some follow the first
+wave; one is that of the largest stress. Their number is bounded: where too many come, every other one goes.
 
-What of a model can be seen: its bodies cut open along a plane, sectors mirrored to halves; SI.
+The skin shows the bodies cut open along a plane, sectors mirrored to halves.
 
 A quarter is mirrored at one of its planes of symmetry and looked at through the other; a half shows its cut as it is;
 of bodies that are there as a whole, the elements before a plane along the blow are left out. Planes of symmetry that
@@ -30,17 +30,14 @@ if TYPE_CHECKING:
 
 Mask = NDArray[np.bool_]
 
-ALONG = 0.1
-"""Cosine of the angle of a normal with the axis of the blow below which its plane holds that axis: within 6 degrees."""
-ON_PLANE = 1e-6
-"""Share of the extent of a model within which a node lies on a plane: files of meshes keep six digits or more."""
-SHARP = float(np.cos(np.radians(40.0)))
-"""Cosine of the angle between neighbouring faces above which their edge is none of the body's outline.
-
-A circle of 12 edges bends by 30 degrees at each and shall look round; edges of a block bend by 90."""
-ALONG_Y = 0.9
-"""Cosine of the angle of a blow with y from which on bodies are cut across x instead: a plane across y would cut across
-it."""
+ALONG = 0.1  # within 6 degrees
+"""Cosine of the angle of a normal with the axis of the blow below which its plane holds that axis."""
+ON_PLANE = 1e-6  # files of meshes keep six digits or more
+"""Share of the extent of a model within which a node lies on a plane."""
+SHARP = float(np.cos(np.radians(40.0)))  # a circle of 12 edges bends by 30 degrees and looks round; a block by 90
+"""Cosine of the angle between neighbouring faces above which their edge is no outline."""
+ALONG_Y = 0.9  # a plane across y would cut across the blow
+"""Cosine of the angle of a blow with y from which on bodies are cut across x."""
 
 
 class Plane(NamedTuple):
@@ -50,7 +47,7 @@ class Plane(NamedTuple):
     normal: Array
 
     def height(self, places: Array) -> Array:
-        """Return how far places (..., 3) lie before the plane, m."""
+        """Return the height of places (..., 3) before the plane, m."""
         return np.asarray((places - self.point) @ self.normal)
 
     def mirrored(self, vectors: Array) -> Array:
@@ -59,7 +56,7 @@ class Plane(NamedTuple):
 
 
 class Cut(NamedTuple):
-    """Where a model is cut open, where it is mirrored before, or not, and whether its plane is one of symmetry."""
+    """Plane along which a model is cut open, plane that mirrors it before, and whether the first is a symmetry."""
 
     plane: Plane
     mirror: Plane | None = None
@@ -76,47 +73,35 @@ class Edges(NamedTuple):
 
 @dataclass(frozen=True)
 class Skin:
-    """The faces of a model that is cut open and mirrored.
-
-    Attributes
-    ----------
-    points : array (points, 3)
-        Before the blow, m; images behind the others.
-    node : array (points,)
-        Row of each point in ``nodes``.
-    image : array (points,) of bool
-        True for points that are images.
-    faces : array (faces, 4)
-        Points of each face, normals outward.
-    element : array (faces,)
-        Row of the element of each face in ``elements``.
-    part : array (faces,)
-        Index of its part.
-    touching : array (faces,)
-        Index of its side among those of all contacts and walls; -1 for none, and for images.
-    nodes, elements : array
-        Nodes and elements of the mesh that the points and faces are of.
-    cut : Cut
-    axis : array (3,)
-        Unit vector along the blow.
-    edges : Edges
-    """
+    """Faces of a model that is cut open and mirrored."""
 
     points: Array
+    """Points before the blow, m, (points, 3), images behind the others."""
     node: Index
+    """Row of each point in ``nodes``."""
     image: Mask
+    """Mask of the points that are images."""
     faces: Index
+    """Points of each face, (faces, 4), normals outward."""
     element: Index
+    """Row of the element of each face in ``elements``."""
     part: Index
+    """Index of the part of each face."""
     touching: Index
+    """Index of the side of each face among those of all contacts and walls; -1 for none, and for images."""
     nodes: Index
+    """Nodes of the mesh at the points."""
     elements: Index
+    """Elements of the mesh behind the faces."""
     cut: Cut
+    """Cut of the model."""
     axis: Array
+    """Unit vector along the blow, (3,)."""
     edges: Edges
+    """Edges between the faces."""
 
     def moved(self, displacement: NDArray[np.floating]) -> Array:
-        """Return where the points are, (points, 3), by the displacement of ``nodes``, m."""
+        """Return the places of the points, (points, 3), by the displacement of ``nodes``, m."""
         by = np.asarray(displacement, float)[self.node]
         if self.cut.mirror is not None:
             by[self.image] = self.cut.mirror.mirrored(by[self.image])
@@ -124,16 +109,7 @@ class Skin:
 
 
 def skin_of(model: Model, cut: Cut | None = None) -> Skin:
-    """Return what can be seen of a model, cut open where it shows most; see `cut_of`.
-
-    Examples
-    --------
-    >>> from strikewave import load_case
-    >>> from strikewave.analyses.fem.build import build_model
-    >>> skin = skin_of(build_model(load_case("two-bars-fem")))
-    >>> skin.cut.plane.normal.round(9).tolist(), skin.cut.mirror.normal.round(9).tolist()
-    ([0.0, -1.0, 0.0], [-1.0, 0.0, 0.0])
-    """
+    """Return the visible faces of a model, cut open where it shows most; see `cut_of`."""
     mesh, cut = model.mesh, cut or cut_of(model)
     behind_plane = np.flatnonzero(cut.plane.height(mesh.points[mesh.hexahedra].mean(axis=1)) <= 0.0)
     faces, element = exterior(mesh.hexahedra[behind_plane])
@@ -176,7 +152,7 @@ def skin_of(model: Model, cut: Cut | None = None) -> Skin:
 
 
 def cut_of(model: Model) -> Cut:
-    """Return where a model is cut open: at its plane of symmetry of the largest face, mirrored at the one across it.
+    """Return the cut of a model: at its plane of symmetry of the largest face, mirrored at the one across it.
 
     Without a plane of symmetry it is cut through the middle of its first contact, or of all, by a plane along the
     blow across y, or x where the blow goes along y.
@@ -247,7 +223,7 @@ def blow_contact(model: Model) -> SurfaceContact | RigidWall | None:
 
 
 def meeting_place(model: Model) -> Array | None:
-    """Return where the bodies of the blow are nearest before it, (3,), m; None without a contact or wall."""
+    """Return the place where the bodies of the blow are nearest before it, (3,), m; None without contact or wall."""
     from scipy.spatial import cKDTree
 
     mesh, meeting = model.mesh, blow_contact(model)
@@ -277,7 +253,7 @@ def _extent(mesh: Mesh) -> float:
 
 
 def _sides(model: Model, faces: Index) -> Index:
-    """Return of each face the index of its side among those of all contacts and walls, or -1."""
+    """Return the index of each face's side among those of all contacts and walls, or -1."""
     numbers = np.full(len(faces), -1, np.int32)
     own = _keys(faces)
     for k, side in enumerate(side for sides in model.touching.values() for side in sides):
@@ -286,7 +262,7 @@ def _sides(model: Model, faces: Index) -> Index:
 
 
 def faces_on(skin: Skin, mesh: Mesh, sides: Sequence[str]) -> Mask:
-    """Return which faces of a skin lie on sides of a mesh, (faces,); images do not."""
+    """Return the mask of the faces of a skin that lie on sides of a mesh, (faces,); images do not."""
     own = _keys(skin.nodes[skin.node[skin.faces]])
     on = np.isin(own, np.concatenate([_keys(mesh.side(side)) for side in sides]))
     return np.asarray(on & ~skin.image[skin.faces].any(axis=1))
@@ -313,21 +289,18 @@ def _edges(points: Array, faces: Index, part: Index) -> Edges:
 
 Single = NDArray[np.float32]
 
-LARGEST = 256_000_000
-"""Bytes that snapshots take at most, about: little beside the elements of a mesh that has so many faces."""
-SNAPSHOTS = 24
-"""Snapshots over the run, and as many again while bodies touch: an instant within 2 % of any that a picture asks
-for."""
-FEWEST = 8
-"""Snapshots over the run at least, whatever the memory: below, the peak of a blow falls between them."""
-WAVE_INSTANTS, PER_TRANSIT = 8, 6
-"""Snapshots after first touch that follow the wave, and how many of them a transit takes: the rest show its return."""
-LARGER = 1.02
-"""A snapshot counts as that of the largest stress where this is so many times that of the one before.
-
-Stress that grows throughout a run would have a snapshot at every instant; 2 % is not seen in a picture."""
-EARLY = 1e-6
-"""Share of the time between snapshots of the wave by which one may come early, so that rounding does not skip it."""
+LARGEST = 256_000_000  # little beside the elements of a mesh that has so many faces
+"""Most bytes that snapshots take, about."""
+SNAPSHOTS = 24  # an instant within 2 % of any that a picture asks for
+"""Snapshots over the run, and as many again while bodies touch."""
+FEWEST = 8  # below, the peak of a blow falls between them
+"""Fewest snapshots over the run, whatever the memory."""
+WAVE_INSTANTS, PER_TRANSIT = 8, 6  # those after the first transit show the wave's return
+"""Snapshots after first touch that follow the wave, and their number in a transit."""
+LARGER = 1.02  # stress that grows throughout would have a snapshot at every instant; 2 % is not seen in a picture
+"""Ratio of the largest stress to that of the snapshot before from which on there is a new one."""
+EARLY = 1e-6  # rounding does not skip one
+"""Share of the time between snapshots of the wave by which one may come early."""
 
 
 FIELDS = ("von_mises", "plastic_strain")
@@ -359,7 +332,7 @@ class Thinned:
         self.kept: list[Snapshot] = []
 
     def wants(self) -> bool:
-        """Count an item that is offered, and tell whether it is to be kept."""
+        """Count an item that is offered, and return whether it is to be kept."""
         self.offered += 1
         return (self.offered - 1) % self.every == 0
 
@@ -372,45 +345,28 @@ class Thinned:
 
 @dataclass
 class SnapshotRecorder:
-    """Keeps snapshots of a run for its pictures.
-
-    Parameters
-    ----------
-    skin : Skin
-        Faces that are shown.
-    transit : float
-        How long the first wave takes through the bodies, s; see `transit_time`.
-    contact_name : str
-        The contact or wall of the blow; empty without one.
-    wanted : int
-        Instants over the whole run, and as many again while the bodies of the blow touch.
-
-    Attributes
-    ----------
-    whole, contact : Thinned
-        Snapshots over the run, and while the bodies touch.
-    wave : list of Snapshot
-        Snapshots of the first wave.
-    worst, last : Snapshot or None
-        The instants of the largest stress and of the end.
-    touched : float or None
-        First touch, s.
-    missed : bool
-        True if first touch was before the first instant seen, as where an interrupted run goes on.
-    largest : dict of str to FieldPeak
-        "von_mises", Pa, and "plastic_strain" of all elements, seen or not, at the instants that were kept.
-    """
+    """Recorder of snapshots for the pictures of a run: ``whole`` over the run, ``contact`` while the bodies touch."""
 
     skin: Skin
+    """Faces that are shown."""
     transit: float
+    """Time that the first wave takes through the bodies, s; see `transit_time`."""
     contact_name: str = ""
+    """Contact or wall of the blow; empty without one."""
     wanted: int = SNAPSHOTS
+    """Instants over the whole run, and as many again while the bodies of the blow touch."""
     worst: Snapshot | None = field(default=None, init=False)
+    """Instant of the largest stress."""
     last: Snapshot | None = field(default=None, init=False)
+    """Instant of the end."""
     touched: float | None = field(default=None, init=False)
+    """Time of first touch, s."""
     wave: list[Snapshot] = field(default_factory=list, init=False)
+    """Snapshots of the first wave."""
     missed: bool = field(default=False, init=False)
+    """True if first touch was before the first instant seen, as where an interrupted run goes on."""
     largest: dict[str, FieldPeak] = field(default_factory=dict, init=False)
+    """Peak of each of `FIELDS` in all elements, seen or not, at the instants that were kept."""
     _largest: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
@@ -419,7 +375,7 @@ class SnapshotRecorder:
         self.whole, self.contact = Thinned(self.wanted), Thinned(self.wanted)
 
     def observe(self, engine: Engine, last: bool) -> None:
-        """Look at a run at an instant of its histories, the last one or not."""
+        """Offer an instant of the histories of a run, the last one or not."""
         rows = engine.recorder.rows
         forces = rows[f"force/{self.contact_name}"] if self.contact_name else [np.zeros(3)]
         if not self.whole.offered:  # of a run that went on later, what came before is not known
@@ -430,7 +386,7 @@ class SnapshotRecorder:
             self.last = self._still(engine.frame())
 
     def offer(self, time: float, touching: bool, largest: float, frame: Callable[[], FieldFrame]) -> None:
-        """Take an instant where it is wanted: whether bodies touch, the largest stress, and how to get the rest."""
+        """Keep an instant where it is wanted, by touch and the largest stress; ``frame`` gives its fields."""
         keepers = [
             rows for rows in (self.whole, self.contact if touching else None) if rows is not None and rows.wants()
         ]
@@ -450,31 +406,25 @@ class SnapshotRecorder:
             self._largest, self.worst = largest, still
 
     def state(self) -> dict[str, np.ndarray]:
-        """Return all that it has seen, as arrays; each snapshot once."""
+        """Return all snapshots and counts as arrays, each snapshot once."""
         rows = self.snapshots
         place = {snapshot.time: k for k, snapshot in enumerate(rows)}
         lists = {"whole": self.whole.kept, "contact": self.contact.kept, "wave": self.wave}
-        ends = {name: [one] if one is not None else [] for name, one in (("worst", self.worst), ("last", self.last))}
+        ends = {name: [end] if end is not None else [] for name, end in (("worst", self.worst), ("last", self.last))}
         state: dict[str, np.ndarray] = {
-            name: np.array([place[one.time] for one in kept], np.int64) for name, kept in (lists | ends).items()
+            name: np.array([place[still.time] for still in stills], np.int64) for name, stills in (lists | ends).items()
         }
-        state["thinned"] = np.array([(one.every, one.offered) for one in (self.whole, self.contact)], np.int64)
+        state["thinned"] = np.array([(row.every, row.offered) for row in (self.whole, self.contact)], np.int64)
         state["touch"] = np.array([np.nan if self.touched is None else self.touched, self.missed, self._largest])
         peaks = [self.largest.get(name, FieldPeak(0.0, 0.0, -1)) for name in FIELDS]
         state["largest"] = np.array(peaks, float)
-        state["time"] = np.array([one.time for one in rows], float)
+        state["time"] = np.array([still.time for still in rows], float)
         for k, (name, columns) in enumerate(self._columns().items(), start=1):
-            state[name] = np.array([one[k] for one in rows], np.float32).reshape(len(rows), *columns)
+            state[name] = np.array([still[k] for still in rows], np.float32).reshape(len(rows), *columns)
         return state
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        """Take what it had seen of a run that goes on.
-
-        Raises
-        ------
-        ValueError
-            If that is not what `state` gives of the same skin.
-        """
+        """Take up the `state` of a run that goes on; raise ValueError for that of another skin."""
         rows = len(state["time"])
         for name, columns in self._columns().items():
             if state[name].shape != (rows, *columns):
@@ -484,7 +434,7 @@ class SnapshotRecorder:
         self.whole.kept, self.contact.kept, self.wave, worst, last = (
             [stills[k] for k in state[name]] for name in ("whole", "contact", "wave", "worst", "last")
         )
-        self.worst, self.last = (one[0] if one else None for one in (worst, last))
+        self.worst, self.last = (end[0] if end else None for end in (worst, last))
         for thinned, (every, offered) in zip((self.whole, self.contact), state["thinned"].tolist(), strict=True):
             thinned.every, thinned.offered = every, offered
         touched, missed, self._largest = state["touch"].tolist()
@@ -498,7 +448,7 @@ class SnapshotRecorder:
         return {"displacement": (nodes, 3), "stress": (elements, 6), "plastic_strain": (elements,)}
 
     def _next_wave(self) -> float:
-        """Return when the next instant that follows the wave is due, s."""
+        """Return the time at which the next snapshot of the wave is due, s."""
         return (self.touched or 0.0) + (len(self.wave) + 1 - EARLY) * self.transit / PER_TRANSIT
 
     def _still(self, frame: FieldFrame) -> Snapshot:
@@ -535,7 +485,7 @@ def recorder_from_frames(model: Model, frames: Sequence[FieldFrame]) -> Snapshot
 
 
 def transit_time(model: Model) -> float:
-    """Return how long a wave takes from where bodies meet to the far end along the blow, s.
+    """Return the time that a wave takes from where bodies meet to the far end along the blow, s.
 
     The way is the longest along the axis of the blow from where the bodies of the blow are nearest to any node, or
     the length of everything where nothing meets; the speed sqrt(E/rho) is that of the part of the far node.

@@ -16,35 +16,22 @@ from numpy.typing import NDArray
 
 from strikewave.base.errors import InputError
 
-TAYLOR_QUINNEY = 0.9
-"""Share of the plastic work that becomes heat, the usual one of metals."""
-ROOM = 293.0
-"""Room temperature, K: 20 degrees Celsius."""
+TAYLOR_QUINNEY = 0.9  # usual for metals
+"""Share of the plastic work that becomes heat."""
+ROOM = 293.0  # 20 degrees Celsius
+"""Room temperature, K."""
 
 
 @dataclass(frozen=True)
 class Elastic:
-    """A linear elastic solid: the Jaumann-like rate of stress is C : D.
-
-    Parameters
-    ----------
-    density : float
-        kg/m^3.
-    youngs_modulus : float
-        Pa.
-    poissons_ratio : float
-        From 0 to below 0.5.
-
-    Examples
-    --------
-    >>> steel = Elastic(7820.0, 211e9, 0.288)
-    >>> round(steel.wave_speed, 1), round(steel.shear_modulus / 1e9, 2)
-    (5931.1, 81.91)
-    """
+    """A linear elastic solid: the Jaumann-like rate of stress is C : D."""
 
     density: float
+    """kg/m^3."""
     youngs_modulus: float
+    """E, Pa."""
     poissons_ratio: float
+    """nu, from 0 to below 0.5."""
 
     def __post_init__(self) -> None:
         for name, value in (("density", self.density), ("youngs_modulus", self.youngs_modulus)):
@@ -81,21 +68,14 @@ class Elastic:
 
 @dataclass(frozen=True)
 class Bilinear(Elastic):
-    """An elastic solid with von Mises yield and linear hardening, rate independent.
-
-    Parameters
-    ----------
-    yield_strength : float
-        sigma_y, Pa.
-    tangent_modulus : float
-        E_t, slope of the uniaxial curve beyond yield, Pa: from 0 to below E.
-    kinematic : float
-        Share of the hardening that moves the yield surface (1: kinematic) instead of widening it (0: isotropic).
-    """
+    """An elastic solid with von Mises yield and linear hardening, rate independent."""
 
     yield_strength: float = math.inf
+    """sigma_y, Pa."""
     tangent_modulus: float = 0.0
+    """E_t, slope of the uniaxial curve beyond yield, Pa: from 0 to below E."""
     kinematic: float = 0.0
+    """Share of the hardening that moves the yield surface (1: kinematic) instead of widening it (0: isotropic)."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -119,30 +99,22 @@ class Bilinear(Elastic):
 
 @dataclass(frozen=True, kw_only=True)
 class HeatedSolid(Elastic):
-    """What solids share whose flow stress depends on rate and temperature.
+    """A solid whose flow stress depends on rate and temperature.
 
     ``heat_fraction`` of the plastic work heats the solid, which loses nothing. A rate below the reference rate counts
     as the reference rate.
-
-    Parameters
-    ----------
-    reference_rate : float
-        1/s.
-    room_temperature : float
-        K.
-    preheat : float
-        Temperature above room at which the solid begins, K.
-    specific_heat : float
-        J/(kg K); infinite: plastic work heats nothing.
-    heat_fraction : float
-        Share of the plastic work that becomes heat (Taylor-Quinney).
     """
 
     reference_rate: float = 1.0
+    """1/s."""
     room_temperature: float = ROOM
+    """K."""
     preheat: float = 0.0
+    """Temperature above room at which the solid begins, K."""
     specific_heat: float = math.inf
+    """J/(kg K); infinite: plastic work heats nothing."""
     heat_fraction: float = TAYLOR_QUINNEY
+    """Share of the plastic work that becomes heat (Taylor-Quinney)."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -158,18 +130,9 @@ class HeatedSolid(Elastic):
 class JohnsonCook(HeatedSolid):
     """Flow stress (A + B p^n) (1 + C ln(rate / reference_rate)) (1 - T*^m), T* = (T - T_room) / (T_melt - T_room).
 
-    p is the equivalent plastic strain.
+    p is the equivalent plastic strain; A and B are in Pa, the melting temperature in K.
 
     Source: Johnson & Cook 1983, 7th International Symposium on Ballistics, The Hague.
-
-    Parameters
-    ----------
-    A, B : float
-        Pa.
-    n, C, m : float
-        Exponents and rate coefficient.
-    melting_temperature : float
-        K.
     """
 
     A: float = math.inf
@@ -200,28 +163,12 @@ class JohnsonCook(HeatedSolid):
 class ZerilliArmstrong(HeatedSolid):
     """Flow stress C0 + (C1 + C2 sqrt(p)) exp(T (C4 ln(rate / reference_rate) - C3)) + C5 p^n.
 
-    p is the equivalent plastic strain, T the temperature in kelvin. Metals whose atoms stand in face-centred cubes
-    (copper, aluminium, nickel) have C1 = C5 = 0: strain shares the thermal activation. Those in body-centred cubes
-    (iron, steel, tantalum) have C2 = 0: yield depends on rate and temperature, hardening does not.
+    p is the equivalent plastic strain, T the temperature in K; C0, C1, C2, C5 are in Pa, C3 and C4 in 1/K. Metals whose
+    atoms stand in face-centred cubes (copper, aluminium, nickel) have C1 = C5 = 0: strain shares the thermal
+    activation. Those in body-centred cubes (iron, steel, tantalum) have C2 = 0: yield depends on rate and temperature,
+    hardening does not.
 
     Source: Zerilli & Armstrong 1987, J. Appl. Phys. 61, 1816.
-
-    Parameters
-    ----------
-    C0, C1, C2, C5 : float
-        Pa.
-    C3, C4 : float
-        1/K.
-    n : float
-        Exponent of C5.
-
-    Examples
-    --------
-    Copper of 73 um grains, as Zerilli & Armstrong have it, at a strain of 1:
-
-    >>> copper = ZerilliArmstrong(8960.0, 124e9, 0.34, C0=65e6, C2=890e6, C3=0.0028, C4=0.000115)
-    >>> round(copper.strength / 1e6, 1)
-    456.8
     """
 
     C0: float = math.inf
@@ -255,30 +202,12 @@ Array = NDArray[np.float64]
 
 
 def von_mises(stress: Array) -> Array:
-    """Return the von Mises stress sqrt(3/2 s : s), s the deviator, Pa, (...).
-
-    Parameters
-    ----------
-    stress : array (..., 6)
-        Pa.
-
-    Examples
-    --------
-    >>> uniaxial, shear = [250.0, 0, 0, 0, 0, 0], [0, 0, 0, 100.0, 0, 0]
-    >>> von_mises(np.array([uniaxial, shear])).round(3).tolist()
-    [250.0, 173.205]
-    """
+    """Return the von Mises stress sqrt(3/2 s : s), s the deviator, Pa, (...)."""
     xx, yy, zz, xy, yz, zx = np.moveaxis(np.asarray(stress, float), -1, 0)
     direct = 0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2)
     return np.asarray(np.sqrt(direct + 3.0 * (xy**2 + yz**2 + zx**2)))
 
 
 def pressure(stress: Array) -> Array:
-    """Return the pressure -(xx + yy + zz) / 3, Pa, (...); compression is positive.
-
-    Examples
-    --------
-    >>> float(pressure(np.array([-3.0, -3.0, -3.0, 1.0, 0.0, 0.0])))
-    3.0
-    """
+    """Return the pressure -(xx + yy + zz) / 3, Pa, (...); compression is positive."""
     return np.asarray(-np.asarray(stress, float)[..., :3].mean(axis=-1))

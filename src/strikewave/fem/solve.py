@@ -58,13 +58,12 @@ from strikewave.fem.quality import check_mesh
 from strikewave.fem.restart import kept_blows, path_of_blow, put_back, read_restart, state_of, write_restart
 from strikewave.fem.run import FemRun, FieldFrame, Rest
 
-MOST_MAXIMA = 300
-"""Maxima of a body after which it is taken as it is: each takes a share of the vibration, and bodies that come to rest
-at all have done so after some tens."""
+MOST_MAXIMA = 300  # each takes a share of the vibration; bodies that come to rest at all do so within some tens
+"""Maxima of a body after which it is taken as it is."""
 
 
 class Settled(NamedTuple):
-    """How bodies came to rest: maxima of all bodies, steps, largest kinetic energy that was left, J."""
+    """Record of bodies that came to rest: maxima of all bodies, steps, largest kinetic energy that was left, J."""
 
     maxima: int
     steps: int
@@ -84,8 +83,8 @@ class _Watch:
         self.longest = np.array([_crossing_steps(engine, body) for body in bodies])
 
     def passed(self, now: Array) -> NDArray[np.bool_]:
-        """Take the energies after a step, J; tell which bodies are at a maximum that is not small."""
-        large = now > self.wanted
+        """Take the energies after a step, J; return the mask of the bodies at a maximum that is not small."""
+        large = now > self.wanted  # maxima of what is left when a body rests are no maxima of its vibration
         passed = large & (now < self.energy)
         self.maxima += passed
         self.rise += 1
@@ -93,27 +92,19 @@ class _Watch:
         self.rise[passed] = 0
         self.small = np.where(large, 0, self.small + 1)
         self.left = np.where(self.small > 1, np.maximum(self.left, now), now)
-        self.energy = np.where(passed, 0.0, now)
+        self.energy = np.where(passed, 0.0, now)  # the next energy rises from rest: it is no maximum at once
         return passed
 
     @property
     def over(self) -> bool:
-        """Whether every body rests, or has passed as many maxima as it may."""
+        """True if every body rests, or has passed as many maxima as it may."""
         return bool(np.all((self.small > self.longest) | (self.maxima >= MOST_MAXIMA)))
 
 
 def settle(engine: Engine, bodies: Sequence[Body], wanted: float, most: int) -> Settled:
-    """Bring bodies that begin without velocity to rest.
+    """Bring bodies that begin without velocity to rest, to a kinetic energy ``wanted``, J, in ``most`` steps.
 
-    Parameters
-    ----------
-    engine : Engine
-        Engine of a model without velocities and loads; `Engine.initialize` has been called.
-    bodies : sequence of Body
-    wanted : float
-        Kinetic energy to which they come to rest, J.
-    most : int
-        Steps after which they are taken as they are.
+    The engine, of a model without velocities and loads, has been initialized.
     """
     watch, rigid = _Watch(engine, bodies, wanted), [body.nodes for body in engine.bodies]
     first = engine.steps
@@ -140,37 +131,25 @@ def _crossing_steps(engine: Engine, body: Body) -> int:
     return int(np.ceil(reach / (slowest * engine.dt_next)))
 
 
-REST = 1e-10
-"""Share of the energy in play of a blow that may be left as kinetic energy before the next.
-
-Bodies that stay elastic then give the same peak and impulse within 1e-6; the difference falls as the root of the share.
-It takes one to three times the steps of a blow."""
-LONGEST = 20
-"""Times the steps of a blow that its bodies may take to rest: several times the usual one to three."""
-STEPS_BACK = 30
-"""Steps back of what strikes at most; what is left then is let out without a force, and reported as an overlap.
-
-Few do on surfaces that are convex; each step of a round one in a dent finds another nearest face."""
-CLEAR = 1.01
-"""Times the overlap by which it steps back: 1 would leave what rounding and the slope of a surface leave."""
+REST = 1e-10  # elastic bodies then repeat peak and impulse within 1e-6, in one to three times the steps of a blow
+"""Share of the energy in play of a blow that may be left as kinetic energy before the next."""
+LONGEST = 20  # several times the usual one to three
+"""Factor on the steps of a blow: the most that its bodies may take to rest."""
+STEPS_BACK = 30  # few do on convex surfaces; each step of a round one in a dent finds another nearest face
+"""Most steps back of what strikes; what is left then is let out without a force, and reported as an overlap."""
+CLEAR = 1.01  # 1 would leave what rounding and the slope of a surface leave
+"""Factor on the overlap by which it steps back."""
 ROUNDING = 1e-9
 """Share of the size of a mesh below which an overlap is rounding."""
-LOADS = Driven | Pressure | NonReflecting
-"""Boundaries that hold nothing at rest; dashpots would push a vibrating body away."""
+LOADS = Driven | Pressure | NonReflecting  # dashpots would push a vibrating body away
+"""Boundaries that hold nothing at rest."""
 State = Mapping[str, np.ndarray]
 
 
 def next_blow(engine: Engine, energy: float, share: float = REST) -> Engine:
-    """Return an engine that begins the next blow on what one that has ended left.
+    """Return an engine that begins the next blow on the state at the end of one.
 
-    Parameters
-    ----------
-    engine : Engine
-        At the end of its run.
-    energy : float
-        In play in that run, J.
-    share : float
-        Share of that energy that may be left as kinetic energy.
+    ``energy``, J, was in play in that run; ``share`` of it may be left as kinetic energy.
     """
     model, bodies = engine.model, bodies_of_engine(engine)
     quiet_model, wanted, ended = quiet(model), share * energy, state_of(engine)
@@ -228,7 +207,7 @@ def quiet(model: Model) -> Model:
 
 
 def _left_of(ended: State, engine: Engine) -> dict[str, np.ndarray]:
-    """Return what the state at the end of a run leaves to bodies that come to rest in place."""
+    """Return the state that bodies which come to rest in place keep of the end of a run."""
     places = {name for name in ended if name.startswith(("elements/", "contact/", "wall/"))}
     known = state_of(engine)
     left = {name: ended[name] for name in (places | set(_placed(ended)) | {"x"}) if name in known}
@@ -236,7 +215,7 @@ def _left_of(ended: State, engine: Engine) -> dict[str, np.ndarray]:
 
 
 def _placed(state: State) -> State:
-    """Return where the rigid parts of a state stand."""
+    """Return centres and rotations of the rigid parts of a state."""
     return {n: value for n, value in state.items() if n.startswith("body/") and n.endswith(("/centre", "/turned"))}
 
 
@@ -312,15 +291,15 @@ def _plastic(engine: Engine) -> float:
     return float(engine.solid.work()[1])
 
 
-REPORT = 0.2
-"""Seconds between two reports of progress: as often as a bar on a screen is seen to move, at no cost."""
+REPORT = 0.2  # as often as a bar on a screen is seen to move, at no cost
+"""Seconds between two reports of progress."""
 
-EVERY = 10
-"""Instants of the histories after which a run keeps its state: a tenth of a usual run is lost at most."""
+EVERY = 10  # a tenth of a usual run is lost at most
+"""Instants of the histories after which a run keeps its state."""
 
 
 class Progress(NamedTuple):
-    """How far a run is: time and duration (s), steps done, time step (s), seconds since the start, element-steps/s."""
+    """Progress of a run: time and duration (s), steps done, time step (s), seconds since the start, element-steps/s."""
 
     time: float
     duration: float
@@ -349,49 +328,38 @@ class Observer(Protocol):
         """Look; ``last`` where the run ends here."""
 
     def state(self) -> Mapping[str, np.ndarray]:
-        """Return what it has seen, to be kept with the state of the run."""
+        """Return its state, to be kept with that of the run."""
 
     def restore(self, state: Mapping[str, np.ndarray]) -> None:
-        """Take what it had seen of a run that goes on; raise ValueError for what it never wrote."""
+        """Take up the state of a run that goes on; raise ValueError for one that it never wrote."""
 
 
 class Checkpoint(NamedTuple):
-    """Where a run keeps its state to go on from, and every how many instants of its histories."""
+    """File in which a run keeps its state to go on from, and the instants of its histories between two."""
 
     path: Path
     every: int = EVERY
 
 
 class RunOptions(NamedTuple):
-    """What is asked of a run besides its histories.
-
-    Attributes
-    ----------
-    frames : int
-        Whole fields, equally spaced over the run, its end included; 0: none.
-    writer : Writer or None
-        Takes the frames; they stay in memory where there is none.
-    later : callable or None
-        Gives what takes the frames of a later blow, by its number.
-    checkpoint : Checkpoint or None
-    resume : Path or None
-        File of a run that was interrupted.
-    report : callable or None
-        Called with a `Progress` now and then.
-    observer : Observer or None
-        Such as `strikewave.fem.snapshots.SnapshotRecorder`.
-    device : Device or None
-        Takes the steps, such as `strikewave.fem.device.devices.Cuda`; None: the processor.
-    """
+    """Options of a run besides its histories."""
 
     frames: int = 0
+    """Whole fields, equally spaced over the run, its end included; 0: none."""
     writer: Writer | None = None
+    """Writer of the frames; they stay in memory where there is none."""
     later: Callable[[int], Writer | None] | None = None
+    """Function that gives the writer of a later blow, by its number."""
     checkpoint: Checkpoint | None = None
+    """File that keeps the state; None: none."""
     resume: Path | None = None
+    """File of a run that was interrupted."""
     report: Callable[[Progress], None] | None = None
+    """Function called with a `Progress` now and then."""
     observer: Observer | None = None
+    """Such as `strikewave.fem.snapshots.SnapshotRecorder`."""
     device: Device | None = None
+    """Device that takes the steps, such as `strikewave.fem.device.devices.Cuda`; None: the processor."""
 
 
 def solve(model: Model, options: RunOptions | None = None) -> FemRun:
@@ -399,23 +367,6 @@ def solve(model: Model, options: RunOptions | None = None) -> FemRun:
 
     A run whose energy breaks, whose step collapses or whose numbers overflow stops early; ``stopped`` has the
     reason. Where all parts are rigid a step is as long as the interval of the histories.
-
-    Raises
-    ------
-    InputError
-        If the model cannot be run, with all reasons that are known before the first step.
-
-    Examples
-    --------
-    >>> from strikewave.fem.model import Controls
-    >>> from strikewave.fem.mesh import TINY, Mesh
-    >>> from strikewave.fem.solids import Elastic
-    >>> cube = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
-    >>> mesh = Mesh(1e-3 * cube, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("cube",))
-    >>> model = Model(mesh, {"cube": Elastic(7820.0, 211e9, 0.3)}, Controls(2e-6), velocity={"cube": (1.0, 0.0, 0.0)})
-    >>> run = solve(model)
-    >>> len(run.time), round(float(run.parts["cube"].displacement[-1, 0] * 1e6), 9)
-    (3, 2.0)
     """
     return solve_blows(replace(model, controls=replace(model.controls, blows=1)), options)[0]
 
@@ -424,11 +375,6 @@ def solve_blows(model: Model, options: RunOptions | None = None) -> tuple[FemRun
     """Run all blows of a model, each on the state that the one before left; none after one that stopped.
 
     See `strikewave.fem.solve`.
-
-    Raises
-    ------
-    InputError
-        As `solve`.
     """
     options = options or RunOptions()
     check_controls(model)
@@ -468,18 +414,12 @@ def _one_blow(engine: Engine, options: RunOptions) -> FemRun:
 
 
 def frame_instants(controls: Controls, frames: int) -> list[int]:
-    """Return the instants of the histories at which whole fields are kept.
-
-    Examples
-    --------
-    >>> frame_instants(Controls(4e-6, 0.5e-6), 3)
-    [0, 4, 8]
-    """
+    """Return the instants of the histories at which whole fields are kept."""
     return sorted(set(np.linspace(0, controls.intervals, frames).round().astype(int).tolist())) if frames else []
 
 
 def _of_blow(options: RunOptions, blow: int, controls: Controls) -> RunOptions:
-    """Return what is asked of one of the blows: its own writer, its share of progress; only the first is filmed."""
+    """Return the options of one of the blows: its own writer, its share of progress; only the first is filmed."""
     writer = options.writer if blow == 1 else options.later(blow) if options.later else None
     report, span = options.report, controls.intervals * controls.interval
 
@@ -514,6 +454,7 @@ def _follow(
         if stopped or instant == instants:
             return stopped
         engine.to_next_instant()
+        # Here the forces of the instant are not found yet: a run that goes on begins its loop with them.
         if options.checkpoint is not None and engine.goes_on:
             if engine.instant % options.checkpoint.every == 0:
                 write_restart(options.checkpoint.path, engine, _seen(options))
@@ -522,18 +463,12 @@ def _follow(
 
 
 def _seen(options: RunOptions) -> Mapping[str, np.ndarray]:
-    """Return what is kept of the observer of a run."""
+    """Return the state of the observer of a run, or nothing."""
     return {} if options.observer is None else options.observer.state()
 
 
 def check_controls(model: Model) -> int:
-    """Check what can be checked before anything is built; return the number of intervals.
-
-    Raises
-    ------
-    InputErrors
-        With one line for each thing that is wrong.
-    """
+    """Check what can be checked before anything is built; return the number of intervals."""
     lines = [str(fault) for fault in faults(model)]
     if lines:
         raise InputErrors(lines)

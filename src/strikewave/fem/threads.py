@@ -16,11 +16,6 @@ def on_all(pool: ThreadPoolExecutor | None, function: Callable[..., R], shares: 
     """Call a compiled function with the arguments of each share, at once where there is a pool; return what it returns.
 
     The first share is done here: a thread that is there already begins at once.
-
-    Examples
-    --------
-    >>> on_all(None, max, [(1, 2), (3, 0)])
-    [2, 3]
     """
     if pool is None or len(shares) == 1:
         return [function(*share) for share in shares]
@@ -30,12 +25,6 @@ def on_all(pool: ThreadPoolExecutor | None, function: Callable[..., R], shares: 
 
 
 def spans(count: int, threads: int, least: int) -> list[tuple[int, int]]:
-    """Return first and last index (exclusive) of the share of each thread, of which none is smaller than the least.
-
-    Examples
-    --------
-    >>> spans(10, 2, 4), spans(10, 2, 6)
-    ([(0, 5), (5, 10)], [(0, 10)])
-    """
+    """Return first and last index (exclusive) of the share of each thread, of which none is smaller than the least."""
     shares = max(1, min(threads, count // least))
     return list(itertools.pairwise(np.linspace(0, count, shares + 1).astype(int).tolist()))

@@ -33,24 +33,24 @@ from strikewave.fem.solids import pressure, von_mises
 if TYPE_CHECKING:
     from strikewave.fem.mesh import Mesh
 
-VERSION = (2, 0)
-"""Version of the specification of VTKHDF: the first with steps in time, which ParaView reads from 5.12 on."""
+VERSION = (2, 0)  # the first with steps in time, which ParaView reads from 5.12 on
+"""Version of the specification of VTKHDF."""
 HEXAHEDRON = 12
 """VTK's number of an 8-node hexahedron, whose nodes stand in the order of `strikewave.fem.mesh`."""
-MOST_ROWS = 32768
-"""Rows of a chunk at most: at six components 768 KiB, within HDF5's cache of 1 MiB."""
-FEW_ROWS = 1024
-"""Rows of a chunk of tables that have one row each step: 8 KiB, about the frames of a run."""
-LONGEST_HINT = 200
-"""Characters of another library's words in an error: a line or two."""
-MOST_FRAMES = 1_000_000
-"""Frames that a file may claim to hold: five times the instants of the longest histories."""
-MOST_NODES = 20_000_000
-"""Nodes or elements that a file may claim to hold, several times the largest mesh: bounds the memory of reading one."""
+MOST_ROWS = 32768  # at six components 768 KiB, within HDF5's cache of 1 MiB
+"""Most rows of a chunk."""
+FEW_ROWS = 1024  # 8 KiB, about the frames of a run
+"""Rows of a chunk of tables that have one row each step."""
+LONGEST_HINT = 200  # a line or two
+"""Most characters of another library's message in an error."""
+MOST_FRAMES = 1_000_000  # five times the instants of the longest histories
+"""Most frames that a file may claim to hold."""
+MOST_NODES = 20_000_000  # several times the largest mesh; bounds the memory of reading one
+"""Most nodes or elements that a file may claim to hold."""
 
 
 class Field(NamedTuple):
-    """A field of the file: where it stands, its name, components, unit, and how it comes from a frame."""
+    """A field of the file: its group, name, components and unit, and its values of a frame."""
 
     home: str
     name: str
@@ -75,32 +75,6 @@ class FieldWriter:
 
     Until then it is ``NAME.part`` beside it, and can be taken up again by `restored`. Used as a context, an error
     leaves that part where it is and an older file under the name untouched.
-
-    Parameters
-    ----------
-    path : Path
-        Path of the file, with the ending ``.vtkhdf``.
-    mesh : Mesh
-        Mesh of the frames.
-
-    Raises
-    ------
-    InputError
-        If the place cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from strikewave.fem.mesh import Mesh
-    >>> corners = np.array([[x, y, z] for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
-    >>> mesh = Mesh(corners, np.arange(8, dtype=np.int32)[None], np.zeros(1, np.int32), ("cube",))
-    >>> rest = FieldFrame(0.0, np.zeros((8, 3)), np.zeros((8, 3)), np.zeros((1, 6)), np.zeros(1))
-    >>> with tempfile.TemporaryDirectory() as home:
-    ...     path = Path(home) / "fields.vtkhdf"
-    ...     with FieldWriter(path, mesh) as writer:
-    ...         writer.add(rest)
-    ...     [frame.time for frame in stored_frames(path)]
-    [0.0]
     """
 
     def __init__(self, path: Path, mesh: Mesh) -> None:
@@ -118,17 +92,7 @@ class FieldWriter:
     def restored(cls, path: Path, mesh: Mesh, before: float) -> Self:
         """Take up a file again: its part if there is one, else a copy of the finished file.
 
-        Parameters
-        ----------
-        path, mesh
-            As when it was begun.
-        before : float
-            s; frames from this time on are dropped.
-
-        Raises
-        ------
-        InputError
-            If there is nothing to take up, it belongs to another mesh, or it is damaged.
+        Frames from the time ``before`` on, s, are dropped.
         """
         writer = cls.__new__(cls)
         writer._begin(path, mesh)
@@ -177,13 +141,7 @@ class FieldWriter:
         self._file.flush()
 
     def add(self, frame: FieldFrame) -> None:
-        """Append a frame; it is on the disk on return.
-
-        Raises
-        ------
-        InputError
-            If it does not belong to the mesh or does not come after the one before, or the disk is full.
-        """
+        """Append a frame; it is on the disk on return."""
         grid = self._file["VTKHDF"]
         steps = grid["Steps"]
         if self.frames and not frame.time > (last := float(steps["Values"][self.frames - 1])):
@@ -206,13 +164,7 @@ class FieldWriter:
             self._file.flush()
 
     def close(self) -> None:
-        """Finish the file and give it its name.
-
-        Raises
-        ------
-        InputError
-            If the place cannot be written.
-        """
+        """Finish the file and give it its name."""
         with self._reported():
             self.abandon()
         with self._reported():
@@ -236,7 +188,7 @@ class FieldWriter:
 
     @contextlib.contextmanager
     def _reported(self) -> Iterator[None]:
-        """Turn what the disk refuses into an `InputError`."""
+        """Turn an error of the disk into an `InputError`."""
         try:
             try:
                 yield
@@ -249,13 +201,7 @@ class FieldWriter:
 
 
 def stored_frames(path: Path) -> Iterator[FieldFrame]:
-    """Yield the frames of a file, one in memory at a time, in the file's single precision.
-
-    Raises
-    ------
-    InputError
-        If the file is not one that `FieldWriter` wrote, or is damaged.
-    """
+    """Yield the frames of a file, one in memory at a time, in the file's single precision."""
     try:
         file = _opened(path, "r")
     except OSError as error:
@@ -363,10 +309,10 @@ def _checked_grid(path: Path, file: Any) -> Any:
 def _own(file: Any, name: str, components: int = 1) -> int:
     """Return the rows of a table that lies in the file itself and has so many components."""
     h5py, place = _h5py(), file
-    for word in ("VTKHDF", *name.split("/")):
-        if not isinstance(place.get(word, getlink=True), h5py.HardLink):
+    for step in ("VTKHDF", *name.split("/")):
+        if not isinstance(place.get(step, getlink=True), h5py.HardLink):
             raise ValueError(f"{name} is missing or lies elsewhere")
-        place = place[word]
+        place = place[step]
     across = () if components == 1 else (components,)
     inside = isinstance(place, h5py.Dataset) and not place.is_virtual and not place.external
     if not inside or place.dtype.kind not in "iuf" or place.shape[1:] != across:

@@ -84,10 +84,10 @@ SETTINGS = (
 (VALVE_DELAY, STROKE, STROKE_TIME, ACCELERATE, CUSHION, HOLD, RELEASE_DELAY, RETRACT_TIME) = range(12, 20)
 (BLOWS, STOP_AT_TOUCH, ALONG, ASIDE, HALF_FACE, PITCH, CONTACT_FRICTION, SLIDING_DAMPING) = range(20, 28)
 (NOSE_MASS, FRAME_STIFFNESS, OBJECT_GRAVITY, NOSE_SHARE) = range(28, 32)
-"""Where strikers ride, the settings go on with the frame of the object: mass of its nose, kg, stiffness, N/m, gravity,
-m/s^2, share of the nose in its mass."""
+"""Frame of the object, in the settings where strikers ride: mass of its nose, kg, stiffness, N/m, gravity, m/s^2, share
+of the nose in its mass."""
 FEED_TIMES = (VALVE_DELAY, STROKE_TIME, HOLD, RELEASE_DELAY, RETRACT_TIME)
-"""How long each phase of the feed lasts: places in the settings."""
+"""Places in the settings of the durations of the phases of the feed."""
 
 
 class MachineSystem(NamedTuple):
@@ -173,7 +173,7 @@ def place_bases(system, t, y, mode, memory):
     """Fill the table of bases from turntable angle, turntable speed and feed phase."""
     at, bases, settings, seats = layout_of(system), system.chain.bases, system.settings, system.seats
     theta, speed = y[at.angle], y[at.turntable_speed]
-    sine, cosine = math.sin(theta), math.cos(theta)
+    sine, cosine = math.sin(theta), math.cos(theta)  # once: those of each striker by addition of its own angle
     for i in range(at.carriage):
         radius = seats[i, REACH]
         along = radius * (cosine * seats[i, COSINE] + sine * seats[i, SINE])
@@ -186,7 +186,7 @@ def place_bases(system, t, y, mode, memory):
 
 @leaf_kernel
 def has_sliding(settings):
-    """Tell whether a nose that slides across the face is held back at all."""
+    """Return whether a nose that slides across the face is held back at all."""
     return settings[CONTACT_FRICTION] > 0.0 or settings[SLIDING_DAMPING] > 0.0
 
 
@@ -202,7 +202,7 @@ def side_force(settings, normal, sliding):
 
     ``normal`` is the contact force, N, ``sliding`` the speed of the nose across the face, m/s.
     """
-    if normal <= 0.0 or sliding == 0.0:
+    if normal <= 0.0 or sliding == 0.0:  # at the strike position of a blow with the path: the torque is 0 there
         return 0.0
     return math.copysign(settings[CONTACT_FRICTION] * normal, sliding) + settings[SLIDING_DAMPING] * sliding
 
@@ -237,8 +237,8 @@ def machine_rates(system, t, y, mode, memory, dy):
     stiffness = settings[BELT_STIFFNESS]
     rigid = stiffness == np.inf
     torque = drive_torque(settings, mode[at.drive], theta, speed if rigid else motor)
-    drag = settings[DRAG] * speed
-    pull, slip = torque, 0.0
+    drag = settings[DRAG] * speed  # viscous
+    pull, slip = torque, 0.0  # on a rigid belt the motor's inertia is in that of the turntable
     if not rigid:
         slip = motor - speed
         pull = stiffness * y[at.belt_twist] + settings[BELT_DAMPING] * slip
@@ -254,7 +254,9 @@ def machine_rates(system, t, y, mode, memory, dy):
     dy[at.belt_twist] = slip
     dy[at.motor_speed] = 0.0 if rigid else (torque - pull) / settings[MOTOR_INERTIA]
     dy[at.driven] = torque * (speed if rigid else motor)
+    # both are lost: in bearings and air, and in the belt
     dy[at.dragged] = drag * speed + settings[BELT_DAMPING] * slip * slip
+    # the feed bears the carriage against what the links push on it
     dy[at.fed] = -bases[FORCE, at.carriage] * bases[SPEED, at.carriage]
     dy[at.rubbed] = rubbed
 
@@ -291,7 +293,7 @@ def own_switches(system, t, y, mode, memory, g):
     half, edges, on_face = settings[HALF_FACE], g[at.edges], mode[at.on_face]
     for i in range(at.carriage):
         inside = half - abs(system.chain.bases[ACROSS, i]) if half < np.inf else 1.0
-        edges[i] = inside if on_face[i] else -inside
+        edges[i] = inside if on_face[i] else -inside  # positive while the mode holds, on either side of the edge
 
 
 @leaf_kernel
@@ -331,7 +333,7 @@ def face_of(system, y, mode, memory):
 
 @leaf_kernel
 def riding(at):
-    """Tell whether the strikers ride on their circles before an object in free flight: a system of a fast run."""
+    """Return whether the strikers ride on their circles before an object in free flight: a system of a fast run."""
     return at.touches.start < at.touches.stop
 
 
@@ -434,7 +436,7 @@ def own_switch(system, own, t, y, mode, memory):
         memory[at.feed_start] = t
     else:
         memory[at.next_apex] += settings[PITCH]
-        if mode[at.touched] == 1 or mode[at.feed] == HELD:
+        if mode[at.touched] == 1 or mode[at.feed] == HELD:  # passes before the object is there are none
             mode[at.passes] += 1
         mode[at.touched] = 0
     _release_when_done(settings, t, mode, memory, at)
@@ -457,7 +459,7 @@ def machine_switch(system, k, t, y, mode, memory):
         code = own_switch(system, own, t, y, mode, memory)
         return STOP if riding(at) and own == APEX_SWITCH else code
     code = link_switch(system.chain, k, y, mode, memory)
-    if link_of(k) < at.contacts.stop and code == RESTART:
+    if link_of(k) < at.contacts.stop and code == RESTART:  # a first touch, not one that is regained
         mode[at.touched] = 1
         if system.settings[STOP_AT_TOUCH] > 0.0:
             return STOP

@@ -1,4 +1,4 @@
-"""Where everything stands in the state, the modes, the memory and the switch functions of a machine.
+"""Layout of a machine's state, modes, memory and switch functions.
 
 Three systems share one order of things: the whole machine (strikers, nose and assembly as bodies), the machine in
 free flight in a fast run (the object is one body, the strikers ride on their circles), and the strikers alone, beside a
@@ -36,7 +36,7 @@ from strikewave.contact._chain_kernels import SWITCHES
 FULL_TORQUE_SWITCH, NO_TORQUE_SWITCH, FEED_SWITCH, APEX_SWITCH = 0, 1, 2, 3
 """Places of drive, feed and apex among the machine's own switch functions: the same in every system."""
 _DRIVE_FEED_APEX = 4
-"""How many those are."""
+"""Number of these switch functions."""
 STRIKER, OBJECT = 0, 0
 """Numbers of the bodies of a fast run: of the one striker in a blow, and of the object in free flight."""
 
@@ -44,40 +44,10 @@ STRIKER, OBJECT = 0, 0
 class StateLayout(NamedTuple):
     """Places of everything in one system; see the module.
 
-    Attributes
-    ----------
-    strikers, object : slice
-        Numbers of the bodies that are strikers, and of those that are the object.
-    nose, assembly : int
-        Numbers of these bodies.
-    carriage : int
-        Number of its base; so many seats come before it.
-    contacts, mounts : slice
-        Links of the strikers that are bodies, to the nose and to their seats.
-    frame, support, stop, rail : int
-        Numbers of these links.
-    rubs : bool
-        Whether there is a rail.
-    positions, speeds, turntable : slice
-        Of the state: bodies; turntable, belt and motor.
-    dissipated, of_drive, energies, held_energies : slice
-        Of the state: links; drive, drag, feed and sliding; both; both from the support on.
-    angle, turntable_speed, belt_twist, motor_speed, driven, dragged, fed, rubbed : int
-        Of the state.
-    link_modes, own_modes, held_modes, on_face : slice
-        Of the modes: links; machine; from the support on to the edge; strikers before the face.
-    drive, feed, passes, touched, edge, touching : int
-        Of the modes.
-    approaches, own_memory, depths, growths : slice
-        Of the memory: links, machine, links, links.
-    feed_start, next_apex : int
-        Of the memory.
-    link_switches, own_switches : slice
-        Of the switch functions.
-    touches, edges : slice
-        Of the machine's own switch functions.
-    states, modes, memories, switches : int
-        How many there are of each.
+    Bodies and links have their numbers in the chain (``carriage`` among the bases). Then come places in the state
+    (``positions`` to ``held_energies``), the modes (``link_modes`` to ``held_modes``), the memory (``approaches`` to
+    ``growths``) and the switch functions (``touches`` and ``edges`` among the machine's own), each followed by how many
+    there are.
     """
 
     strikers: slice
@@ -91,7 +61,7 @@ class StateLayout(NamedTuple):
     support: int
     stop: int
     rail: int
-    rubs: bool
+    rubs: bool  # whether there is a rail
     positions: slice
     speeds: slice
     turntable: slice
@@ -106,7 +76,7 @@ class StateLayout(NamedTuple):
     fed: int
     rubbed: int
     energies: slice
-    held_energies: slice
+    held_energies: slice  # of the links from the support on, and of the drive
     states: int
     link_modes: slice
     own_modes: slice
@@ -137,9 +107,9 @@ class StateLayout(NamedTuple):
 def layout(bodies: int, links: int, seats: int, strikers: int) -> StateLayout:
     """Return the layout of a system of so many bodies, links, seats that are bases, and strikers."""
     mounted = strikers - seats
-    whole = 1 if bodies - seats == 2 else 0
-    contacts, mounts = whole * seats, (whole + 1) * seats
-    support = mounts + whole
+    full = 1 if bodies - seats == 2 else 0  # nose and assembly are two bodies in the whole machine alone
+    contacts, mounts = full * seats, (full + 1) * seats
+    support = mounts + full
     angle = 2 * bodies
     dissipated = angle + 4
     of_drive = dissipated + links

@@ -49,11 +49,15 @@ highest since, m, speed of the object at first touch, m/s, largest rigid acceler
 LEVEL, FOOT_LEVEL = WIDTH_FRACTION, FOOT
 """Shares of the peak at which the width is taken, and at which the pulse ends whose velocity change is taken."""
 _NODES, _WEIGHTS = (0.5 * v for v in np.polynomial.legendre.leggauss(5))
+"""Gauss points of a step, as the integrator's impulses have them: the dense output is of degree 7."""
 _STOP_SAMPLES = 8
+"""Samples of the force of the stop in a step of free flight (chosen: a step covers a part of its half-sine)."""
+_HALVINGS = 30
+"""Halvings of a step for the turning place: 1e-9 of the step, and a square of that in the place."""
 
 
 class PassTable(NamedTuple):
-    """What is written down: the table of blows, and of the one that lasts its samples and contacts.
+    """Record of a pass: the table of blows, and samples and contacts of the blow that lasts.
 
     Samples are time, rigid acceleration and speed of the assembly; contacts are begin, end, impulse, and velocity
     change of the object to their end.
@@ -73,7 +77,7 @@ def open_row(flight, blow, going, struck, passes, t):
     Returns False where no row is left.
     """
     counts, numbers, at, y = passes.counts, passes.numbers, layout_of(blow), struck.y
-    number = round(y[at.angle] / flight.settings[PITCH])
+    number = round(y[at.angle] / flight.settings[PITCH])  # the nearest: a touch comes before or after the apex
     other = counts[CURRENT] < 0 or passes.table[counts[CURRENT], PASS] != number
     if other and not _next_row(passes):
         return False
@@ -125,7 +129,7 @@ def missed_row(flight, going, passes, t, face):
     """
     at, counts = layout_of(flight), passes.counts
     phase = going.mode[at.feed]
-    held = phase == HELD or (phase == RELEASED and going.memory[at.feed_start] == t)
+    held = phase == HELD or (phase == RELEASED and going.memory[at.feed_start] == t)  # released by this very apex
     number = round(going.y[at.angle] / flight.settings[PITCH])
     last = passes.table[counts[ROWS_USED] - 1, PASS] if counts[ROWS_USED] > 0 else -1.0
     if not held or number <= last:
@@ -152,7 +156,7 @@ def note_blow(flight, blow, struck, passes, steps, work):
             _open_contact(passes, record.time[r])
         _note_support(blow, record, r, passes, work)
         for k in range(_NODES.size):
-            if counts[FALLEN] == 0 or closed:
+            if counts[FALLEN] == 0 or closed:  # impulses count as long as it touches
                 _sample_blow(blow, record, r, 0.5 + _NODES[k], closed * _WEIGHTS[k], passes, work)
         after = record.mode[r + 1, contact] if r + 1 < steps else struck.mode[contact]
         if closed and after == OPEN:
@@ -189,6 +193,7 @@ def _sample_blow(blow, record, r, x, weight, passes, work):
     pushed = 0.0
     for j in range(at.frame, chain.joins.shape[0]):
         force, _, _ = link_push(chain, j, work, mode, memory)
+        # the assembly is ahead on these links, behind on the others
         pushed += force if j in (at.frame, at.stop) else -force
     if counts[SAMPLES] < passes.samples.shape[1]:
         passes.samples[0, counts[SAMPLES]] = t
@@ -197,6 +202,7 @@ def _sample_blow(blow, record, r, x, weight, passes, work):
         passes.samples[2, counts[SAMPLES]] = work[at.speeds][at.assembly]
         counts[SAMPLES] += 1
         numbers[TOP] = max(numbers[TOP], a)
+        # apart and fallen to its foot: the rest is no part of the pulse
         counts[FALLEN] = 1 if weight == 0.0 and a < FOOT_LEVEL * numbers[TOP] else 0
     if weight > 0.0:
         force, _, _ = press(chain, at.contacts.start, work, mode, memory)
@@ -217,6 +223,7 @@ def measure_row(passes):
     if 0 < top < count - 1:
         before, after = time[top - 1] - time[top], time[top + 1] - time[top]
         left, right = (a[top - 1] - a[top]) / before, (a[top + 1] - a[top]) / after
+        # of the parabola through three samples, which are not evenly spaced
         curvature = (right - left) / (after - before)
         slope = left - curvature * before
         if curvature < 0.0:
@@ -268,7 +275,7 @@ def note_flight(flight, going, passes, steps, work):
     row = passes.table[counts[CURRENT]]
     for r in range(steps):
         mode, memory, dense = record.mode[r], record.memory[r], record.dense[r]
-        if mode[at.feed] == RETRACTING:
+        if mode[at.feed] == RETRACTING:  # the carriage then takes the object along
             break
         evaluate(dense, 1.0, work)
         numbers[HIGHEST] = max(numbers[HIGHEST], place[OBJECT])
@@ -290,7 +297,7 @@ def note_flight(flight, going, passes, steps, work):
 def _turning_place(at, dense, work):
     """Return the place at which the object turns back within a step: its speed falls through zero there."""
     low, high = 0.0, 1.0
-    for _ in range(30):
+    for _ in range(_HALVINGS):
         x = 0.5 * (low + high)
         evaluate(dense, x, work)
         if work[at.speeds][OBJECT] > 0.0:
@@ -302,13 +309,13 @@ def _turning_place(at, dense, work):
 
 @inner_kernel
 def repeats(table, rows, tolerance, strikers):
-    """Tell whether the last blows repeat with a period up to 4, or a whole turn, within a tolerance.
+    """Return whether the last blows repeat with a period up to 4, or a whole turn, within a tolerance.
 
     Eight blows and four periods are compared in approach speed and angle of first touch, relative to the last.
     """
     for k in range(1, 6):
         period = k if k < 5 else strikers
-        length = max(8, 4 * period)
+        length = max(8, 4 * period)  # chosen: chance repeats two or three blows, not four periods
         if rows < length + period:
             continue
         same = True

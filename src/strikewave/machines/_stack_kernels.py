@@ -76,11 +76,11 @@ DRAGGING, BRAKING, HEATING, ACROSS_IMPULSE = 0, 1, 2, 3
 """Places of what a sliding nose does: force, N, slowing of the turntable, rad/s^2, power, W, impulse, N s."""
 
 SETTLED, CROWDED, ENDLESS = 0, 1, 2
-"""Why a blow ended: all quiet; two strikers in touch at once; the history is full."""
+"""Ends of a blow: all quiet; two strikers in touch at once; the history is full."""
 
 
 class Supports(NamedTuple):
-    """What holds the far end on the carriage: heavy-load spring with damper, stop, rail friction; SI."""
+    """Hold of the far end on the carriage: heavy-load spring with damper, stop, rail friction; SI."""
 
     spring: float
     preload: float
@@ -111,6 +111,14 @@ class StackBlow(NamedTuple):
     settle: float
     every: int
     deepest: float
+
+
+class BlowNotes(NamedTuple):
+    """Tables that a blow fills: its history, its touches, and the switches of the machine (which, time)."""
+
+    history: np.ndarray
+    touches: np.ndarray
+    switches: np.ndarray
 
 
 @leaf_kernel
@@ -144,7 +152,7 @@ def hold(supports, tables, state, place, frame, wave, carriage, carriage_speed):
     spring, resistance = supports.preload + supports.spring * d + supports.damper * rate, supports.damper
     deep = carriage - place - supports.stop_offset
     stop = 0.0
-    if deep > 0.0 and supports.stop * deep > supports.stop_damping * (rate + wave):
+    if deep > 0.0 and supports.stop * deep > supports.stop_damping * (rate + wave):  # it never pulls
         stop = supports.stop * deep - supports.stop_damping * rate
         resistance += supports.stop_damping
     z = tables.impedance[tables.impedance.size - 1]
@@ -164,6 +172,7 @@ def move_machine(system, t, dt, y, mode, memory, push, braked, rates):
     """
     at, bodies = layout_of(system), system.chain.bodies
     old, new = rates[0], rates[1]
+    # a prediction by the rates a step ago, then their mean with the new ones; push and braking last the whole step
     old[at.turntable_speed] -= braked
     x, v, old_v, new_v = y[at.positions], y[at.speeds], old[at.speeds], new[at.speeds]
     for i in range(x.size):
@@ -211,6 +220,7 @@ def switch_machine(system, t, y, mode, memory, g, switches, changed):
     own = g[at.own_switches]
     own_switches(system, t, y, mode, memory, own)
     for k in range(APEX_SWITCH + 1):
+        # the end of a run is left to the bodies after the blow
         ends = k == FEED_SWITCH and (mode[at.feed] == RETRACTING or system.settings[STROKE] == 0.0)
         if own[k] < 0.0 and not ends:
             own_switch(system, k, t, y, mode, memory)
@@ -234,24 +244,24 @@ def slip_off(law, contact, touches, t, dt):
 
 @leaf_kernel
 def another_touches(system, y, striker, face):
-    """Tell whether another striker than this one reaches beyond the face, and is before it."""
-    found, half = False, system.settings[HALF_FACE]
+    """Return whether another striker than this one reaches beyond the face, and is before it."""
+    touching, half = False, system.settings[HALF_FACE]
     for i in range(system.seats.shape[0]):
-        found = found or (i != striker and y[i] > face and abs(system.chain.bases[ACROSS, i]) <= half)
-    return found
+        touching = touching or (i != striker and y[i] > face and abs(system.chain.bases[ACROSS, i]) <= half)
+    return touching
 
 
 @kernel
-def follow(tables, state, law, machine, supports, blow, recordings, averages, history, touches, switches):
+def follow(tables, state, law, machine, supports, blow, recordings, averages, notes):
     """Follow one blow from first touch until it has settled.
 
-    ``machine`` is (system, y, mode, memory) with strikers only, moved on in place. Fills ``history`` every so
-    many steps, ``touches`` and ``switches`` (which, time); returns why it ended, the steps made, the numbers
-    of touches and switches, the displacement of the end in its frame, the impulse that the waves got,
-    energies (lost in stop, damper, rail and contact, given by the feed, half of what first and last step push the end),
-    and the deepest indentation.
+    ``machine`` is (system, y, mode, memory) with strikers only, moved on in place. Fills ``notes``, the history every
+    so many steps; returns why it ended, the steps made, the numbers of touches and switches, the displacement of the
+    end in its frame, the impulse that the waves got, energies (lost in stop, damper, rail and contact, given by the
+    feed, half of what first and last step push the end), and the deepest indentation.
     """
     system, y, mode, memory = machine
+    history, touches, switches = notes.history, notes.touches, notes.switches
     at, bases, s = layout_of(system), system.chain.bases, blow.striker
     speeds, g = y[at.speeds], np.empty(at.switches)
     dt, z, last = tables.step, tables.impedance[0], tables.nodes.size - 1
@@ -272,7 +282,8 @@ def follow(tables, state, law, machine, supports, blow, recordings, averages, hi
         frame, fallen = blow.speed + blow.gravity * since, (blow.speed + 0.5 * blow.gravity * since) * since
         m = arriving_at_face(tables, state)
         inertia, half = 0.0, 0.0
-        if n > 0:
+        # machine, contact, side force, then waves: each needs the force of this step from the one before it
+        if n > 0:  # at first touch nothing has moved yet
             inertia, half = 0.5 * dt / mass, 0.5 * dt
             push[s] = contact[FORCE]
             move_machine(system, t, dt, y, mode, memory, push, side[BRAKING], rates)
@@ -286,6 +297,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, averages, hi
         rub_face(system, s, force, half, y, side)
 
         carriage, carriage_speed = bases[PLACE, at.carriage], bases[SPEED, at.carriage]
+        # by the speed of the step before: the force of the spring hardly changes in a step
         place = blow.end + fallen + u_end + dt * v_end
         spring, friction = hold(supports, tables, state, place, frame, v_end, carriage, carriage_speed)
         f_end = advance(tables, state, force - m)
@@ -335,7 +347,7 @@ def follow(tables, state, law, machine, supports, blow, recordings, averages, hi
             row[SIDE_FORCE], row[SIDE_IMPULSE], row[FRICTION_HEAT] = side[DRAGGING], side[ACROSS_IMPULSE], y[at.rubbed]
         changed = switch_machine(system, t, y, mode, memory, g, switches, changed)
         n += 1
-        if (n - 1) % blow.every == 0:
+        if (n - 1) % blow.every == 0:  # at kept steps alone: it costs as much as a step
             crowded = another_touches(system, y, s, blow.face + fallen + u_face)
             if crowded or contact[QUIET] > blow.settle:
                 why = CROWDED if contact[CLOSED] > 0.0 else SETTLED

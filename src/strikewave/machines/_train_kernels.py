@@ -61,14 +61,14 @@ from strikewave.machines._pass_kernels import (
 )
 
 QUIET, DONE, STUCK, AT_EDGE, CROWDED, TOO_MANY, LATE = -1, 0, 1, 2, 3, 4, 5
-"""Why a run or a blow ended: a blow is over; done; the step shrank to nothing; a striker met the edge of the face;
+"""Ends of a run or a blow: a blow is over; done; the step shrank to nothing; a striker met the edge of the face;
 another striker touched while a blow still rang; more blows than rows; longer than expected."""
-
 RECORD_ROWS = 8
+"""Steps after which the integrator comes back: so often a blow is looked at, whether it is quiet."""
 
 
 class MountedStrikers(NamedTuple):
-    """What the strikers differ in, one row each: law of the contact, mount, seat, mass, and how their spot yielded."""
+    """Differences between the strikers, one row each: law of the contact, mount, seat, mass, yielded spot."""
 
     laws: np.ndarray
     mounts: np.ndarray
@@ -79,7 +79,7 @@ class MountedStrikers(NamedTuple):
 
 
 class Part(NamedTuple):
-    """Where one of the two systems stands, and the steps it has just made."""
+    """State of one of the two systems, and the steps that it has just made."""
 
     y: np.ndarray
     mode: np.ndarray
@@ -88,7 +88,7 @@ class Part(NamedTuple):
 
 
 class Train(NamedTuple):
-    """How to run: ringing share at which a blow is over, and the energy that it is a share of, J.
+    """Controls of a run: ringing share at which a blow is over, and the energy that it is a share of, J.
 
     ``most`` passes end the run (0: the retraction does), or blows that repeat within a tolerance (0: never looked at).
     """
@@ -117,7 +117,7 @@ def copy(source, target):
 
 @called_kernel
 def rigid_energy(flight, t, part):
-    """Return the energy of object and turntable while they flight, J; belt and motor keep theirs."""
+    """Return the energy of object and turntable in free flight, J; belt and motor keep theirs."""
     y, at, settings = part.y, layout_of(flight), flight.settings
     place_bases(flight, t, y, part.mode, part.memory)
     mass, gravity = flight.chain.bodies[OBJECT, MASS], flight.chain.bodies[OBJECT, GRAVITY]
@@ -164,6 +164,7 @@ def begin_blow(flight, blow, strikers, going, struck, t):
     place, speed, _ = nose_motion(flight, i, z[circling.angle], z[circling.turntable_speed])
     centre, fast = z[circling.positions][OBJECT] + share * bend_of(flight.settings, 0.0), z[circling.speeds][OBJECT]
     x, v = y[at.positions], y[at.speeds]
+    # the centre of mass stays
     x[STRIKER], x[at.nose], x[at.assembly] = place, face, (centre - share * face) / (1.0 - share)
     v[STRIKER], v[at.nose], v[at.assembly] = speed, fast, fast
     copy(z[circling.turntable], y[at.turntable])
@@ -202,7 +203,7 @@ def ringing(flight, blow, struck, t):
 
 @inner_kernel
 def end_blow(flight, blow, strikers, going, struck, t):
-    """Let object and striker flight again, with their momentum and mean places; return the energy let go, J."""
+    """Let object and striker fly again, with their momentum and mean places; return the energy let go, J."""
     circling, at, settings = layout_of(flight), layout_of(blow), flight.settings
     i, share = going.mode[circling.touching], settings[NOSE_SHARE]
     y, z, mode = struck.y, going.y, going.mode
@@ -213,10 +214,11 @@ def end_blow(flight, blow, strikers, going, struck, t):
     copy(y[at.turntable], z[circling.turntable])
     first, inertia, mass = blow.chain.bases[FIRST, STRIKER], settings[INERTIA], blow.chain.bodies[STRIKER, MASS]
     own = inertia - mass * first * first
+    # angular momentum is kept: what the striker swings goes to its seat
     z[circling.turntable_speed] = (own * y[at.turntable_speed] + first * mass * v[STRIKER]) / inertia
     if settings[BELT_STIFFNESS] == np.inf:
         z[circling.motor_speed] = z[circling.turntable_speed]
-    copy(y[at.held_energies], z[circling.held_energies])
+    copy(y[at.held_energies], z[circling.held_energies])  # energies of supports and drive go on from part to part
     copy(struck.mode[at.held_modes], mode[circling.held_modes])
     copy(struck.memory[at.own_memory], going.memory[circling.own_memory])
     half, on_face = settings[HALF_FACE], mode[circling.on_face]
@@ -230,7 +232,7 @@ def end_blow(flight, blow, strikers, going, struck, t):
         slips = z[circling.speeds][OBJECT] - flight.chain.bases[SPEED, circling.carriage]
         if mode[circling.rail] == STICKING:
             z[circling.speeds][OBJECT] = flight.chain.bases[SPEED, circling.carriage]
-        else:
+        else:  # by the speed of the whole object, which takes the place of the assembly's
             mode[circling.rail] = SLIDING if slips > 0.0 else SLIDING_BACK
     return before - rigid_energy(flight, t, going)
 
@@ -246,7 +248,7 @@ def _keep_spot(strikers, seats, i, deepest, growth):
 
 @inner_kernel
 def crowded(flight, blow, struck, i):
-    """Tell whether another striker than i, which rides, is behind the face while a blow lasts."""
+    """Return whether another striker than i, which rides, is behind the face while a blow lasts."""
     at, y, half = layout_of(blow), struck.y, flight.settings[HALF_FACE]
     face = y[at.positions][at.nose]
     for j in range(flight.seats.shape[0]):
@@ -277,7 +279,7 @@ def follow_blow(machine, going, struck, control, train, passes, t, work):
             break
         if crowded(flight, blow, struck, i):
             return CROWDED, t
-        if mode[at.contacts][STRIKER] != OPEN:
+        if mode[at.contacts][STRIKER] != OPEN:  # a blow is not over while it touches
             continue
         of_frame, apart = ringing(flight, blow, struck, t)
         if apart > 0.0 and of_frame <= train.share * train.energy:
@@ -300,7 +302,7 @@ def run_train(machine, going, struck, controls, train, passes):
         note_flight(flight, going, passes, steps, work)
         if why in (_integrator.STUCK, END):
             return STUCK if why == _integrator.STUCK else LATE, t
-        if why == FULL:
+        if why == FULL:  # only so that the steps are written down
             continue
         if mode[at.edge]:
             return AT_EDGE, t

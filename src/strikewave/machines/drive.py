@@ -49,7 +49,7 @@ class Turntable:
 
     @property
     def rigid_belt(self) -> bool:
-        """Whether the motor turns with the turntable."""
+        """True if the motor turns with the turntable."""
         return math.isinf(self.belt_stiffness)
 
 

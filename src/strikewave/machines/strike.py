@@ -33,7 +33,7 @@ from strikewave.contact.motion import MotionState
 from strikewave.machines import _stack_kernels as column
 from strikewave.machines._kernels import ACROSS, HALF_FACE, MachineSystem, place_bases
 from strikewave.machines._layout import layout_of
-from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, StackBlow, Supports, follow
+from strikewave.machines._stack_kernels import COLUMNS, CROWDED, ENDLESS, BlowNotes, StackBlow, Supports, follow
 from strikewave.machines.machine import modes_at, nodes_at
 from strikewave.machines.spans import StackSpan, TapHistories
 from strikewave.machines.struck_object import LayeredObject, StruckObject
@@ -100,10 +100,11 @@ def strike(
     averages = empty_averages(taps.nodes[:-2], taps.nodes[-2:], every, rows)
     still = np.array([waves.force_and_velocity(going.tables, going.waves, *node)[1] for node in taps.nodes[:-2]])
     history, touches, switches = np.zeros((rows, COLUMNS)), np.zeros((_MOST_TOUCHES, 3)), np.zeros((_MOST_SWITCHES, 2))
+    notes = BlowNotes(history, touches, switches)
     machine, blow = going.strikers_alone(), going.blow(every)
     law, supports = system.chain.values[going.striker], going.supports
     why, steps, contacts, changed, u_end, net, energies, deepest = follow(
-        going.tables, going.waves, law, machine, supports, blow, (taps, whole), averages, history, touches, switches
+        going.tables, going.waves, law, machine, supports, blow, (taps, whole), averages, notes
     )
     if why == CROWDED:
         raise IntegrationError("two strikers touch the object at once: take fewer strikers, or less engagement")

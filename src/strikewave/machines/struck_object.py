@@ -120,7 +120,7 @@ class LayeredObject:
     first_of_assembly: int
     """Index of the first layer that belongs to the assembly; the joint before it is the frame."""
     grid: TimeGrid
-    """How it is stepped."""
+    """Scheme of its steps."""
     taps: tuple[tuple[int, float], ...] = ()
     """Layer, and fraction of it from its struck side, of each place that is watched."""
 

@@ -14,8 +14,7 @@ LONGEST_STEP = 0.05
 """Longest step of the path, in units of w a/c0 or k a. Steps of twice this length go over to another mode in a bar of
 Poisson's ratio 0.05 (measured), where two modes nearly touch."""
 _SHORT_WAVES = 0.1
-"""One over w a/c0 above which the longest step grows with w a/c0: where waves are short the mode hardly bends any
-more."""
+"""Inverse of the w a/c0 above which the longest step grows with it: the mode of short waves hardly bends any more."""
 SETTLED = 1e-9
 """Relative change by a Newton step after which the next one would be below rounding: its error is the square."""
 _ITERATIONS = 30
@@ -70,7 +69,7 @@ def follow_frequency(omega, s, r):
         for k in range(1, steps + 1):
             there = begin + (omega[i] - begin) * (k / steps)
             W = there * there
-            ratio += rate * (W - here * here)
+            ratio += rate * (W - here * here)  # along the slope: the next root is near, and no other mode is
             for _ in range(_ITERATIONS):
                 g, by_x, by_W = characteristic(W, ratio, s, r)
                 change = g / by_x
@@ -94,6 +93,7 @@ def follow_wavelength(ka, s, r):
             for _ in range(_ITERATIONS):
                 W, x = here * here * y + 0.0j, 1.0 / y + 0.0j
                 g, by_x, by_W = characteristic(W, x, s, r)
+                # d/dy at fixed k a, where W and x both change with y
                 change = (g / (by_W * here * here - by_x * x * x)).real
                 y -= change
                 if abs(change) <= SETTLED * y:

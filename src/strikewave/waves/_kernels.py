@@ -23,17 +23,17 @@ from strikewave.waves import _press_kernels
 from strikewave.waves._press_kernels import CLOSED, CONTACT_SIZE, COUNT, begin_contact, contact_force, losses, press
 
 BONDED, ELASTIC, MASS, UNILATERAL, OSCILLATOR, CONTACT = 0, 1, 2, 3, 4, 5
-"""What a joint does; an elastic one has a spring, a dashpot, Maxwell branches; an oscillator is a mass on one."""
+"""Kinds of joints; an elastic one has a spring, a dashpot, Maxwell branches; an oscillator is a mass on one."""
 MOST_BRANCHES = 5
 """Branches of an elastic joint: its spring, and four Maxwell branches, the most that `loss.fit_loss` makes."""
 FORCE, SPEED, INCIDENT = 0, 1, 2
-"""What a load prescribes at the first face; behind an incident wave lies an endless bar like the first layer."""
+"""Quantities that a load prescribes at the first face; an incident wave comes along a bar like the first layer."""
 
 RESISTANCE, STIFFNESS, DAMPING, PRELOAD, BRANCHES, INERTIA, DATUM = 0, 1, 2, 3, 4, 5, 6
 """Columns of `Tables.joint_value`: sum of R, spring, dashpot, preload; number of branches; R of a mass on a spring;
 indentation under the preload."""
 JOINT_VALUES = 7
-"""How many columns those are."""
+"""Number of these columns."""
 END_OWN, END_WAVE, END_RESISTANCE, END_BETA, END_SIGMA, END_SPRING, END_DAMPING, END_INERTIA = range(8)
 """Places in `Tables.end`: f = own a + wave P; a' = beta f + sigma R v; of a mass on a spring: R of both, dashpot."""
 COMPRESSION, RATE, LOST, WORK, GUESS, DEEPEST, GROWTH, OPEN = range(8)
@@ -41,7 +41,7 @@ COMPRESSION, RATE, LOST, WORK, GUESS, DEEPEST, GROWTH, OPEN = range(8)
 and the energy lost, J; of a nonlinear contact: work done on it, J, last force, deepest indentation, growth of its
 radius; and 1 while the joint is open."""
 JOINT_STATES = 8
-"""How many columns those are."""
+"""Number of these columns."""
 SEEN = 1e-12
 """A gap that counts as open, m: below it is the rounding of compressions of some 0.1 mm, added up over many steps."""
 
@@ -74,6 +74,14 @@ class WaveState(NamedTuple):
     end: np.ndarray
     clock: np.ndarray
     events: np.ndarray
+
+
+class Striker(NamedTuple):
+    """A rigid striker: row of its contact law, mass (kg), speed towards the face (m/s)."""
+
+    law: np.ndarray
+    mass: float
+    speed: float
 
 
 class Recording(NamedTuple):
@@ -143,14 +151,14 @@ def unilateral_joint(tables, state, i, b, y):
     value, step = tables.joint_value[i], tables.step
     x = state.joint[i, COMPRESSION]
     if value[STIFFNESS] == np.inf:
-        f = max((b + x / step) / y, -value[PRELOAD])
+        f = max((b + x / step) / y, -value[PRELOAD])  # the force that just closes the gap at the end of the step
         rate = b - y * f
         state.joint[i, RATE] = rate
         state.joint[i, COMPRESSION] = min(x + step * rate, 0.0)
         state.joint[i, LOST] += step * (f + value[PRELOAD]) * rate
         note_gap(tables, state, i, -state.joint[i, COMPRESSION])
         return f
-    ahead = x + 0.5 * step * state.joint[i, RATE]
+    ahead = x + 0.5 * step * state.joint[i, RATE]  # the trapezoidal rule, but for the rate to come
     r = 0.5 * step * value[STIFFNESS] + value[DAMPING]
     f = (value[STIFFNESS] * ahead + r * b) / (1.0 + r * y)
     touching = value[STIFFNESS] * (ahead + 0.5 * step * (b - y * f)) > -value[PRELOAD]
@@ -183,7 +191,7 @@ def contact_joint(tables, state, i, b, y):
     if law[DAMPER] > 0.0:
         own[LOST] += tables.step * power
     own[WORK] += tables.step * (push - preload) * rate
-    if d > own[DEEPEST] and law[YIELD_LOAD] < np.inf:
+    if d > own[DEEPEST] and law[YIELD_LOAD] < np.inf:  # an elastic law remembers nothing
         own[DEEPEST], own[GROWTH] = d, flattening(law, d)
     own[COMPRESSION], own[RATE], own[GUESS] = d - value[DATUM], rate, push
     note_gap(tables, state, i, residual(own[DEEPEST], own[GROWTH]) - d)
@@ -196,7 +204,7 @@ def note_gap(tables, state, i, gap):
     opened = 1.0 if gap > SEEN else 0.0
     if opened != state.joint[i, OPEN]:
         k = state.clock[1]
-        if k < state.events.shape[0]:
+        if k < state.events.shape[0]:  # a chatter is counted on, not written down
             state.events[k, 0], state.events[k, 1], state.events[k, 2] = i, state.clock[0] * tables.step, opened
         state.clock[1] += 1
         state.joint[i, OPEN] = opened
@@ -286,7 +294,7 @@ def advance(tables, state, face):
         m = backward[start[i + 1] + wrapped(there + 1, nodes[i + 1])]
         z1, z2 = z[i], z[i + 1]
         kind = tables.joint_kind[i]
-        if kind == BONDED:
+        if kind == BONDED:  # by itself: most joints are, and the general law would divide by an infinite stiffness
             f = 2.0 * (z2 * p + z1 * m) / (z1 + z2)
             g = f
         elif kind == MASS:
@@ -367,7 +375,7 @@ def gather(tables, state, averages, n):
             averages.force[row + 1, k] += later * f
     for k in range(averages.taps.shape[0]):
         _, v = force_and_velocity(tables, state, averages.taps[k, 0], averages.taps[k, 1])
-        if row < rows:
+        if row < rows:  # a kept step belongs by halves to the mean before and the one after it
             averages.velocity[row, k] += part * v if phase > 0 else 0.5 * part * v
         if phase == 0 and 0 < row <= rows:
             averages.velocity[row - 1, k] += 0.5 * part * v
@@ -398,7 +406,7 @@ def energy(tables, state):
         nodes = tables.nodes[i]
         arrived = wrapped(state.place[i] + 1, nodes)
         for j in range(nodes):
-            if j != arrived:
+            if j != arrived:  # it has gone on as the wave that left the joint: not twice
                 p, m = state.forward[tables.start[i] + j], state.backward[tables.start[i] + j]
                 total += (p * p + m * m) * tables.step / tables.impedance[i]
     for i in range(tables.joint_kind.size):
@@ -462,7 +470,7 @@ def watch(tables, sent, returning, through, left, histories, norms, integrals):
     for k in range(3):
         scale /= dt * dt
         norms[k] += (gains[k] ** 2 - losses[k] ** 2) * scale / first + (backs[k] ** 2 - outs[k] ** 2) * scale / last
-        norm = np.sqrt(max(norms[k], 0.0))
+        norm = np.sqrt(max(norms[k], 0.0))  # joints only take: below zero by rounding
         integrals[k] += norm * dt
         integrals[3 + k] = max(integrals[3 + k], norm)
 
@@ -492,27 +500,27 @@ def drive(tables, state, load, by, recordings, averages, extremes, integrals):
         gather(tables, state, averages, n)
         widen(tables, state, extremes, n)
         f_end, v_end = force_and_velocity(tables, state, last, tables.nodes[last] - 1)
-        z = tables.impedance[last]
+        z = tables.impedance[last]  # (f + z v)/2 arrives at the end, (f - z v)/2 leaves it
         watch(tables, sent, m, 0.5 * (f_end + z * v_end), 0.5 * (f_end - z * v_end), histories, norms, integrals)
     return entered, through
 
 
 @kernel
-def strike(tables, state, law, mass, speed, steps, recordings, averages, extremes, integrals, touches):
+def strike(tables, state, striker, steps, recordings, averages, extremes, integrals, touches):
     """Let a rigid striker hit the stack at step 0, and follow both for so many steps.
 
     Fills ``touches`` (begin, end, approach speed of each contact) and returns how many there were, the speed
     of the striker, the impulse on the stack, that on its end, the energy lost in the contact, and the deepest
     indentation.
     """
-    dt, z = tables.step, tables.impedance[0]
+    dt, z, law, mass = tables.step, tables.impedance[0], striker.law, striker.mass
     histories, norms, contact = np.zeros((4, 4)), np.zeros(3), np.empty(CONTACT_SIZE)
     last = tables.nodes.size - 1
-    begin_contact(law, contact, speed, depth_at_yield(law))
-    v, entered, through = speed, 0.0, 0.0
+    begin_contact(law, contact, striker.speed, depth_at_yield(law))
+    v, entered, through = striker.speed, 0.0, 0.0
     for n in range(steps):
         m = arriving_at_face(tables, state)
-        inertia = 0.5 * dt / mass if n > 0 else 0.0
+        inertia = 0.5 * dt / mass if n > 0 else 0.0  # at first touch nothing has moved yet
         free = v - inertia * contact[_press_kernels.FORCE]
         force = press(law, contact, touches, n * dt, dt, free + 2.0 * m / z, inertia + 1.0 / z)
         v = free - inertia * force

@@ -33,7 +33,7 @@ DEPTH, RATE, FORCE, APPROACH, CLOSED, POWER, LOST, COUNT, QUIET, DEEPEST, GROWTH
 """Places in the state of a contact: d, d', F, v0 of this interval, 1 while it touches, power lost, energy lost,
 intervals so far, time since the last one, deepest indentation, and how much the radius has grown by yielding, s."""
 CONTACT_SIZE = 11
-"""How many places those are."""
+"""Number of these places."""
 
 
 @leaf_kernel
@@ -50,7 +50,7 @@ def law_force(law, d, rate, approach, deepest, s):
     else:
         spring, slope = unyielding(law, d, deepest, s)
     push = hysteresis(law, rate, approach)
-    if push <= 0.0 or spring <= 0.0:
+    if push <= 0.0 or spring <= 0.0:  # never a pull
         return 0.0, 0.0, 0.0
     return spring * push, slope * push, spring * (hysteresis(law, 1.0, approach) - 1.0)
 
@@ -80,7 +80,7 @@ def losses(law, d, rate, force, deepest, s):
 @leaf_kernel
 def contact_force(law, d, half, approach, deepest, s, c0, c1, guess):
     """Return F = law(d + half (c0 - c1 F), c0 - c1 F): Newton steps, bisection where they leave the bracket."""
-    low, high = 0.0, law_force(law, d + half * c0, c0, approach, deepest, s)[0]
+    low, high = 0.0, law_force(law, d + half * c0, c0, approach, deepest, s)[0]  # its own push only makes it smaller
     if high <= 0.0:
         return 0.0
     f = min(max(guess, low), high)
@@ -121,14 +121,14 @@ def press(law, contact, touches, t, dt, c0, c1):
     half = 0.0 if first else 0.5 * dt
     was, closed, left = contact[DEPTH], contact[CLOSED] > 0.0, 0.0
     if law[STIFFNESS] == np.inf:
-        force = max((c0 + was / dt) / c1, 0.0)
+        force = max((c0 + was / dt) / c1, 0.0)  # that which just closes what is left of the gap
         rate = c0 - c1 * force
         d = 0.0 if first else min(was + dt * rate, 0.0)
         touching, power = force > 0.0, 0.0
     else:
         ahead, deepest, s = was + half * contact[RATE], contact[DEEPEST], contact[GROWTH]
         left = residual(deepest, s)
-        if not closed and ahead + half * c0 > left:
+        if not closed and ahead + half * c0 > left:  # it would touch in this step: a new interval, with its own v0
             contact[APPROACH] = max(contact[RATE], 0.0)
         force = contact_force(law, ahead, half, contact[APPROACH], deepest, s, c0, c1, contact[FORCE])
         rate = c0 - c1 * force
@@ -140,7 +140,7 @@ def press(law, contact, touches, t, dt, c0, c1):
             contact[DEEPEST], contact[GROWTH] = d, flattening(law, d)
     contact[LOST] += half * (power + contact[POWER])
     if touching != closed:
-        at = t - (dt * (d - left) / (d - was) if d != was else 0.0)
+        at = t - (dt * (d - left) / (d - was) if d != was else 0.0)  # straight between the two steps
         if touching:
             contact[COUNT] += 1.0
         k = int(contact[COUNT]) - 1

@@ -32,7 +32,7 @@ class SpectralTables(NamedTuple):
 
 
 class StackPlaces(NamedTuple):
-    """Where a stack is looked at, in the order of its layers: layer, and distance from its loaded face (m)."""
+    """Places in a stack, in the order of its layers: layer, and distance from its loaded face (m)."""
 
     layer: np.ndarray
     distance: np.ndarray
@@ -113,14 +113,11 @@ def respond(tables, s, travel, speed, load, by, places):
     layers, count = tables.length.size, places.layer.size
     force, velocity = np.empty((count, s.size), np.complex128), np.empty((count, s.size), np.complex128)
     ends, momentum = np.empty((3, s.size), np.complex128), np.empty(s.size, np.complex128)
-    back, gone, impedance = (
-        np.empty(layers, np.complex128),
-        np.empty(layers, np.complex128),
-        np.empty(layers, np.complex128),
-    )
+    scratch = np.empty((3, layers), np.complex128)
+    back, gone, impedance = scratch[0], scratch[1], scratch[2]
     for n in range(s.size):
         last = layers - 1
-        for i in range(last, -1, -1):
+        for i in range(last, -1, -1):  # from the end to the load, so that all exponentials fall
             g = travel[tables.group[i], n]
             impedance[i] = tables.line_mass[i] * speed[tables.group[i], n]
             gone[i] = np.exp(-g * tables.length[i])
@@ -159,7 +156,7 @@ def respond(tables, s, travel, speed, load, by, places):
             own = carried(tables, i, s[n]) * (1.0 - r)
             if own != 0.0:
                 total += f * own / (top + own)
-            if r.real > 0.0:
+            if r.real > 0.0:  # by force or by speed: of 1 + r and 1 - r the one that cannot vanish divides
                 wave = f * impedance[i + 1] / (top + own)
             else:
                 v = wave * (1.0 - back[i]) / impedance[i] - mobility(tables, i, s[n]) * f

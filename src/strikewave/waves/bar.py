@@ -14,7 +14,7 @@ from strikewave.base.texts import percent
 from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
 from strikewave.contact.law import Contact, check_end, striking_law
 from strikewave.waves import _kernels
-from strikewave.waves._kernels import Extremes, Recording
+from strikewave.waves._kernels import Extremes, Recording, Striker
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import (
     MOST_SAMPLES,
@@ -53,13 +53,13 @@ Array = NDArray[np.float64]
 STILL = 1e-9
 """Share of F/Z below which a tap stands still: a thousand times the rounding of waves that cancel."""
 _TINY = 1e-300
-"""Stands for zero below a fraction: where nothing flowed nothing is missing."""
+"""Divisor in place of zero: where nothing flowed nothing is missing, and where nothing moves every change is large."""
 Method = Literal["auto", "delay lines", "spectral"]
 
 
 @dataclass(frozen=True)
 class Tap:
-    """Where a stack is watched: layer index and fraction of the layer from its loaded side."""
+    """Place at which a stack is watched: layer index and fraction of the layer from its loaded side."""
 
     layer: int
     position: float
@@ -67,29 +67,28 @@ class Tap:
 
 @dataclass(frozen=True)
 class WantedError:
-    """How exact a run shall be: largest error over the largest value at the taps; or a step, s, that is kept.
-
-    The method is "auto": delay lines, but the spectral solver where a layer loses energy or disperses. ``period`` is
-    the shortest period of what listens, as of a sensor, s: what is kept resolves it.
-    """
+    """Wanted accuracy of a run: largest errors over the largest values at the taps, or a step."""
 
     velocity: float = 1e-3
     acceleration: float = 1e-2
     step: float | None = None
+    """Step, s, that is not refined."""
     method: Method = "auto"
+    """"auto" takes delay lines, but the spectral solver where a layer loses energy or disperses."""
     period: float = math.inf
+    """Shortest period of a sensor that reads the run, s, which the kept samples resolve."""
 
 
 @dataclass(frozen=True)
 class BarRun:
-    """What a stack did under its load.
+    """Run of a stack under its load.
 
     Attributes
     ----------
     stack : Stack
         Stack that was loaded.
     load : LoadPulse, Sampled or Impactor
-        By what it was loaded.
+        Its load.
     grid : TimeGrid
         Time step, and the steps of each layer; by the spectral solver no layer is cut into steps.
     time : ndarray
@@ -117,7 +116,7 @@ class BarRun:
     places : tuple of (int, float)
         Layer and fraction of each tap.
     duration : float
-        How long it was followed, s.
+        Time for which it was followed, s.
     field_time : ndarray
         Times of the x-t field, s.
     field_position : ndarray
@@ -236,29 +235,29 @@ STEPS_OF_CHANGE = 50.0
 """Steps of the first try in the shortest time in which the load changes: rounding the load over a step then changes it
 by 0.1 % or so, and the step is halved from there."""
 MOST_STEPS = 1_000_000
-"""A run of more time steps is refused: each history would take 8 MB, and each spectrum of a place 16 MB."""
+"""Most time steps of a run: each history would take 8 MB, and each spectrum of a place 16 MB."""
 MOST_WORK = 3e7
-"""Layers times steps up to which the step is refined for the wanted error: a few seconds."""
+"""Most layers times steps to which the step is refined for the wanted error: a few seconds."""
 _TRIES = 4
-"""Halvings of the step for the wanted error: 16 times the cost of the first try."""
+"""Tries of a step: halvings of the spectral solver, 16 times the cost of the first; by delay lines each is aimed from
+the one before, so that an error that the third misses no step in reach holds."""
 _FIELD_LAYERS = 100
-"""Layers of an x-t field; each place costs a spectrum here, so that they are fewer than by delay lines."""
+"""Most layers of an x-t field; each place costs a spectrum here, so that they are fewer than by delay lines."""
 _FIELD_VALUES = 2e7
-"""Places times steps of an x-t field, ten seconds: of more than 100 000 steps fewer places are looked at."""
+"""Most places times steps of an x-t field, ten seconds: of more than 100 000 steps fewer places are looked at."""
 _CELLS = 1000
 """Parts of a layer among which the places of a field are chosen: it is cut into no steps that could serve."""
 _ROUNDING = 1e-12
 """Share of a step by which a duration may miss a whole number of steps and still be one."""
-"""Stands for zero below a fraction: where nothing moves every change is too large."""
 
 
 def needs_spectrum(stack: Stack) -> bool:
-    """Tell whether a layer loses energy or disperses."""
+    """Return whether a layer loses energy or disperses."""
     return any(layer.loss is not None or layer.dispersion != "none" for layer in stack.layers)
 
 
 def spectrum_pays(stack: Stack, load: Load, duration: float, taps: int) -> bool:
-    """Tell whether the spectral solver follows a smooth load in seconds."""
+    """Return whether the spectral solver follows a smooth load in seconds."""
     if isinstance(load, Impactor) or load.rise_time == 0.0:
         return False
     steps = 2.0 * STEPS_OF_CHANGE * duration / load_time(load)
@@ -266,13 +265,7 @@ def spectrum_pays(stack: Stack, load: Load, duration: float, taps: int) -> bool:
 
 
 def refuse_spectral_layers(stack: Stack) -> None:
-    """Refuse layers that delay lines cannot follow.
-
-    Raises
-    ------
-    ValueError
-        If a layer loses energy or disperses.
-    """
+    """Refuse layers that delay lines cannot follow: those that lose energy or disperse."""
     for layer in stack.layers:
         if layer.loss is not None or layer.dispersion != "none":
             what = "loses energy" if layer.loss is not None else "disperses"
@@ -284,15 +277,10 @@ def spectral_bar(
 ) -> BarRun:
     """Follow a linear stack under its load from rest by its spectrum.
 
-    Where no step is asked for, it is halved until halving it once more changes velocity and acceleration at the
-    places by less than what is wanted, as far as `MOST_WORK` allows. The error bound of the run is that change: an
-    estimate, since the error of the finer step is of second order for smooth loads, a third of it, and of first
-    order, all of it, behind corners.
-
-    Raises
-    ------
-    ValueError
-        If the stack or the load is not linear, or the run would take too much time or memory.
+    A step that is not given is halved until halving it once more changes velocity and acceleration at the places by
+    less than the wanted error, as far as `MOST_WORK` allows. The error bound of the run is that change: an estimate,
+    since the error of the finer step is of second order for smooth loads, a third of it, and of first order, all of
+    it, behind corners. A stack or a load that is not linear, and a run too long, raise ValueError.
     """
     refuse_nonlinear(stack, load)
     assert not isinstance(load, Impactor)
@@ -318,19 +306,14 @@ def spectral_bar(
         if steps * len(places) > MOST_SAMPLES:
             break
     if wanted.step:
+        # the coarse run itself is off by up to twice the change: of first order behind corners
         bound = ErrorBound(2.0 * change.velocity, 2.0 * change.acceleration)
         return _bar_run(coarse, before, places, duration, bound)
     return _bar_run(fine, histories, places, duration, change)
 
 
 def _refuse_steps(duration: float, step: float) -> None:
-    """Refuse too many steps.
-
-    Raises
-    ------
-    ValueError
-        If there are.
-    """
+    """Refuse too many steps."""
     if duration / step > MOST_STEPS:
         raise ValueError(
             f"{duration:.3g} s at a step of {2.0 * step:.3g} s, and once more at half of it for the error, is more "
@@ -341,13 +324,13 @@ def _refuse_steps(duration: float, step: float) -> None:
 def _look(
     stack: Stack, load: LoadPulse | Sampled, places: Sequence[tuple[int, float]], duration: float, step: float
 ) -> tuple[SpectralStack, Histories]:
-    """Return a spectrum and what happens at places."""
+    """Return a spectrum and its histories at places."""
     spectrum = SpectralStack(stack, load, step, math.ceil(duration / step * (1.0 - _ROUNDING)) + 1)
     return spectrum, spectrum.look(places)
 
 
 def _change(coarse: Histories, fine: Histories) -> ErrorBound:
-    """Return by how much half the step changed velocities and accelerations."""
+    """Return the largest changes of velocities and accelerations by half the step."""
     rows = min(coarse.velocity.shape[1], (fine.velocity.shape[1] + 1) // 2)
     velocity = fine.velocity[:, : 2 * rows : 2] - coarse.velocity[:, :rows]
     acceleration = fine.acceleration[:, : 2 * rows : 2] - coarse.acceleration[:, :rows]
@@ -430,44 +413,41 @@ def _face_extremes(spectrum: SpectralStack, batch: int) -> tuple[Array, Array]:
 
 
 MOST_LAYER_STEPS = 1e7
-"""Layer steps of one try that the choice of a step may cost: about half a second."""
+"""Most layer steps of one try of a step: about half a second."""
 STEPS_OF_MANY_LAYERS = 1e5
 """Steps that a stack may take however many layers it has: a thousand layers would get 10 000 of them else, too few for
 a pulse that runs through."""
 USUAL_SAMPLES = 20_000
-"""Samples of a tap that are kept when the step is chosen for the user: more than any figure shows, and half a
-megabyte."""
+"""Samples of a tap that are kept when the user gives no step: more than any figure shows, and half a megabyte."""
 SHORTEST_SHARE = 1e-5
-"""Share of the transit of the stack below which a duration is refused: its steps would cut the stack into millions."""
+"""Shortest duration over the transit of the stack: shorter steps would cut the stack into millions."""
 STEPS_WITHOUT_BOUND = 400.0
-"""Steps in the shortest time where no bound can refine them: where joints open and strikers come. Chosen: eight times
-those of a linear stack, so that an error of second order is 64 times smaller."""
+"""Steps in the shortest time where no bound can refine them, with joints that open and strikers (chosen: eight times
+those of a linear stack, so that an error of second order is 64 times smaller)."""
 LINEAR_STEPS = 50.0
-"""Steps of the first try, and samples that are kept, in the shortest time: a half-sine of 50 steps loses 0.1 % between
-them at most, and the error bound refines what is not enough."""
+"""Steps of the first try, and samples kept, in the shortest time: a half-sine of 50 steps loses 0.1 % between them at
+most, and the error bound refines from there."""
 TOO_THIN = 0.05
-"""A change of a transit beyond which a linear stack goes to the spectral solver, which changes none."""
+"""Change of a transit beyond which a linear stack goes to the spectral solver, which changes none."""
 WORST_MISMATCH = 0.5
-"""A step that changes a transit by more is refused: that layer is shorter than two thirds of a step, and no longer the
-one that was asked for."""
+"""Largest change of a transit: beyond, a layer is shorter than two thirds of a step, and no longer the layer of the
+case."""
 FIRST_MISMATCH = 1e-4
-"""Change of a transit that the first try allows: a tenth of the usual error wanted of a velocity."""
+"""Change of a transit in the first try: a tenth of the usual wanted error of a velocity."""
 EXACT_MISMATCH = 1e-12
 """Change of a transit below which it is rounding."""
 AIM = 2.0
-"""How many times below what is wanted the next try aims: the bound does not fall exactly as the step does."""
+"""Factor by which the next try aims below the wanted error: the bound does not fall exactly as the step does."""
 HOPELESS = 0.5
-"""Share of the bound of an acceleration that must be gone after a try, or no finer step will do: it falls with the step
-unless the acceleration jumps."""
+"""Share of the bound of an acceleration above which no finer step helps: it falls with the step unless the acceleration
+jumps."""
 EXTREME_STEPS = 20.0
 """Looks at the extremes of the force in the shortest time: a half-sine between two of them is 0.3 % higher at most."""
 HAT_MOMENT = 1.0 / 6.0
-"""Half the second moment of what an acceleration is averaged with, in kept steps: of a box of two where every step is
-kept, down to that of a hat, 1/12, where few are."""
-"""Tries of a step: each is aimed from the one before, so that what the third does not reach no step in reach does."""
+"""Half the second moment of the weight that averages an acceleration, in kept steps: of a box of two where every step
+is kept, down to that of a hat, 1/12, where few are."""
 _MOST_TOUCHES = 1000
-"""Contacts of an impactor that are kept: one blow has some ten; more chatter, which the run follows all the same."""
-"""Share of a step by which a duration may miss a whole number of steps and still be one."""
+"""Most contacts of an impactor that are kept: one blow has some ten; the run follows a chatter of more all the same."""
 
 
 def run_bar(
@@ -475,7 +455,7 @@ def run_bar(
 ) -> BarRun:
     """Follow a stack under its load from rest.
 
-    The step is the one asked for, or it is refined until the error bound keeps what is wanted, as far as
+    The step is the given one, or it is refined until the error bound holds the wanted error, as far as
     `MOST_LAYER_STEPS` allow; the bound of the last try is reported in any case. Layers that lose energy or disperse,
     layers far thinner than the others, and many layers whose transits suit no common step go to the spectral solver.
     Theory: :eq:`wave-joint`.
@@ -485,11 +465,11 @@ def run_bar(
     stack : Stack
         Stack that is loaded at its first face.
     load : LoadPulse, Sampled or Impactor
-        By what; time 0 is its beginning.
+        Its load, which begins at time 0.
     taps : sequence of Tap
-        Where it is watched, at least one.
+        Places that are watched, at least one.
     duration : float
-        How long, s.
+        Length of the run, s.
     wanted : WantedError, optional
         Errors, or a step.
 
@@ -537,7 +517,7 @@ def run_bar(
 
 
 class _Shortest(NamedTuple):
-    """The shortest time in which the stack or its load changes, and that which the kept samples resolve, s."""
+    """Shortest time in which the stack or its load changes, and the one that the kept samples resolve, s."""
 
     change: float
     kept: float
@@ -546,13 +526,7 @@ class _Shortest(NamedTuple):
 def _at_step(
     stack: Stack, load: Load, places: Sequence[tuple[int, float]], duration: float, step: float, shortest: float
 ) -> BarRun:
-    """Follow a stack with the step asked for.
-
-    Raises
-    ------
-    ValueError
-        If the step is too long for a layer or the load, or so short that there would be too many samples.
-    """
+    """Follow a stack with a given step; refuse one too long for a layer or the load, or with too many samples."""
     grid = grid_of(stack, step)
     if grid.mismatch > WORST_MISMATCH:
         raise ValueError(
@@ -585,7 +559,14 @@ def _refined(
         grid = choose_grid(stack, mismatch, largest, smallest)
         if grid.mismatch > TOO_THIN and wanted.method == "auto" and linear:
             return spectral_bar(stack, load, places, duration, wanted)
-        _refuse_thin(stack, grid, duration)
+        if grid.mismatch > WORST_MISMATCH:
+            thin = min(stack.layers, key=lambda layer: layer.transit)
+            raise ValueError(
+                f"layer {thin.name} is too thin for delay lines beside the others: a wave crosses it in "
+                f"{thin.transit:.3g} s, which over {duration:.3g} s would take "
+                f"{duration / thin.transit * len(stack.layers):.1e} layer steps; make it a compliant joint of "
+                f"{thin.modulus * thin.area / thin.length:.4g} N/m, or a mass of {thin.mass:.4g} kg"
+            )
         sampling = _Sampling(_every(duration, grid.step, shortest.kept, len(places)), shortest.change)
         run = _run(stack, load, places, duration, grid, sampling)
         over, over_rate = (
@@ -596,7 +577,7 @@ def _refined(
         missed = over if hopeless else max(over, over_rate)
         if missed <= 1.0 or not math.isfinite(missed) or grid.mismatch > mismatch:
             break
-        if grid.mismatch < EXACT_MISMATCH:  # what is left is the way from the tap to the nearest node
+        if grid.mismatch < EXACT_MISMATCH:  # the rest is the way from the tap to the nearest node
             largest = max(grid.step / (AIM * missed), smallest)
         else:
             mismatch = grid.mismatch / (AIM * missed)
@@ -606,40 +587,16 @@ def _refined(
     return _with_lumped_error(run, sampling)
 
 
-def _refuse_thin(stack: Stack, grid: TimeGrid, duration: float) -> None:
-    """Refuse layers so thin beside the others that no step in reach resolves them.
-
-    Raises
-    ------
-    ValueError
-        If there is one.
-    """
-    if grid.mismatch <= WORST_MISMATCH:
-        return
-    thin = min(stack.layers, key=lambda layer: layer.transit)
-    raise ValueError(
-        f"layer {thin.name} is too thin for delay lines beside the others: a wave crosses it in {thin.transit:.3g} s, "
-        f"which over {duration:.3g} s would take {duration / thin.transit * len(stack.layers):.1e} layer steps; make "
-        f"it a compliant joint of {thin.modulus * thin.area / thin.length:.4g} N/m, or a mass of {thin.mass:.4g} kg"
-    )
-
-
 @dataclass(frozen=True)
 class _Sampling:
-    """Which samples of a run are kept: every so many steps; the shortest time to be resolved, s."""
+    """Sampling of a run: steps from one kept sample to the next, and shortest time to be resolved, s."""
 
     every: int
     shortest: float
 
 
 def _every(duration: float, step: float, shortest: float, taps: int) -> int:
-    """Return of how many steps one is kept: `USUAL_SAMPLES` or so in all, `LINEAR_STEPS` in the shortest time.
-
-    Raises
-    ------
-    ValueError
-        If that would be too many.
-    """
+    """Return the steps from one kept sample to the next: `USUAL_SAMPLES` or so, `LINEAR_STEPS` in the shortest time."""
     every = max(1, min(math.ceil(duration / step / USUAL_SAMPLES), int(shortest / LINEAR_STEPS / step)))
     advice = f"a load or joint changes within {shortest:.3g} s; follow a shorter time, or take fewer taps"
     refuse_samples(duration, step * every, taps, advice)
@@ -647,7 +604,7 @@ def _every(duration: float, step: float, shortest: float, taps: int) -> int:
 
 
 def _with_lumped_error(run: BarRun, sampling: _Sampling) -> BarRun:
-    """Run again at half the step where springs or masses take part, and add twice what that changes to the bound.
+    """Run again at half the step where springs or masses take part, and add twice the change to the bound.
 
     The trapezoidal rule is of second order, so that the run is off by 4/3 of the change. An average about a sample
     differs from the acceleration there by `HAT_MOMENT` of its second difference, which counts twice too.
@@ -697,18 +654,9 @@ def _run(
     run_steps = rows * every + 1
     if isinstance(load, Impactor):
         table = np.zeros((_MOST_TOUCHES, 3))
+        striker = Striker(_law(load), load.mass, load.speed)
         count, speed, entered, through, lost, deepest = _kernels.strike(
-            tables,
-            state,
-            _law(load),
-            load.mass,
-            load.speed,
-            run_steps,
-            (recording, field),
-            averages,
-            extremes,
-            norms,
-            table,
+            tables, state, striker, run_steps, (recording, field), averages, extremes, norms, table
         )
         touches = table[: min(count, _MOST_TOUCHES)]
         if load.contact is not None:

@@ -33,24 +33,16 @@ class Branch:
 
 
 class LossFit(NamedTuple):
-    """A spring with Maxwell branches that holds a loss factor over a band.
-
-    Attributes
-    ----------
-    stiffness : float
-        Long-time stiffness k, N/m: that of the spring beside the branches.
-    branches : tuple of Branch
-        From the longest to the shortest relaxation time; empty without loss.
-    error : float
-        Largest deviation of the loss factor over the band, relative to the one wanted.
-    band : tuple of float
-        Lowest and highest frequency, Hz.
-    """
+    """A spring with Maxwell branches that holds a loss factor over a band."""
 
     stiffness: float
+    """Long-time stiffness k, N/m: that of the spring beside the branches."""
     branches: tuple[Branch, ...]
+    """Branches from the longest to the shortest relaxation time; empty without loss."""
     error: float
+    """Largest deviation of the loss factor over the band, relative to the wanted one."""
     band: tuple[float, float]
+    """Lowest and highest frequency, Hz."""
 
 
 @dataclass(frozen=True)
@@ -153,22 +145,14 @@ def round_bar(name: str, material: Material, length: float, diameter: float, spe
     0.5528
     """
     area = 0.25 * math.pi * diameter**2
-    return Layer(
-        name,
-        material.density,
-        material.youngs_modulus,
-        area,
-        length,
-        diameter,
-        material.yield_strength,
-        material.poissons_ratio,
-        speed,
-    )
+    density, modulus = material.density, material.youngs_modulus
+    strength, ratio = material.yield_strength, material.poissons_ratio
+    return Layer(name, density, modulus, area, length, diameter, strength, ratio, speed)
 
 
 @dataclass(frozen=True)
 class Joint:
-    """What lies between two layers: bonded when nothing else is said.
+    """Joint between two layers, bonded by default.
 
     With x the compression of the joint and x' its rate, the force is
 
@@ -253,7 +237,7 @@ class Joint:
 
 
 def _check_contact(joint: Joint, law: NDArray[np.float64]) -> None:
-    """Refuse what a nonlinear contact between layers cannot have."""
+    """Refuse values that a nonlinear contact between layers cannot have."""
     if math.isfinite(joint.stiffness) or joint.damping or joint.branches or joint.mass or joint.attached:
         raise ValueError("a joint with a contact law has a gap or a preload beside it, and nothing else")
     if law[_law_kernels.DAMPER] and law[_law_kernels.STYLE] != _law_kernels.RETARDED:

@@ -6,10 +6,9 @@ motion along the blow are positive. Symbols: c = sqrt(Ee/rhoe) wave speed of the
 length (m), t0 = l/c, tl = (l - x)/c, gamma, F_I and F_II of `Sandwich`, q = -F_I F_II. Index 1 is the
 upper fixture, e the specimen, 2 the lower fixture. Both routes are a sum over waves, see `arrivals`.
 
-The staircase: how force grows in steps behind and before a layer between two endless neighbours.
-
-A jump of force comes down the first neighbour and enters the layer, which reflects it many times between its
-interfaces I (where it enters) and II (where it leaves). With F_I and F_II of `Sandwich`:
+The staircase is the growth of force in steps behind and before a layer between two endless neighbours: a jump of force
+comes down the first neighbour and enters the layer, which reflects it many times between its interfaces I (where it
+enters) and II (where it leaves). With F_I and F_II of `Sandwich`:
 
     T_1 = 1 + F_I,    T_2 = 1 + F_II,    q = -F_I F_II
 
@@ -35,9 +34,9 @@ Floats = NDArray[np.float64]
 History = Callable[[Floats], Floats]
 
 MOST_TRANSFERS = 100_000
-"""Waves that a sum over the transits of a layer may count: some seconds of work; a layer that needs more is a film."""
+"""Most waves of a sum over the transits of a layer: some seconds of work; a layer that needs more is a film."""
 MOST_ADDED = 2e7
-"""Waves times instants that a sum may add: a second."""
+"""Most waves times instants of a sum: a second."""
 ROUTES = ("as printed", "corrected")
 """The two routes by name."""
 _VANISHED, _LOST = 1e-18, 1e-17
@@ -47,16 +46,7 @@ out: a hundredth and a tenth of the last bit of the sum."""
 
 @dataclass(frozen=True)
 class Sandwich:
-    """A specimen between two fixtures, whose lengths count in `valid_until` only; equations of Li & Ma 2019.
-
-    Examples
-    --------
-    >>> steel = Layer("fixture", 7800.0, 210e9, 1e-4, 0.03)
-    >>> alloy = Layer("specimen", 2800.0, 70e9, 1e-4, 0.02)
-    >>> stack = Sandwich(steel, alloy, steel)
-    >>> round(stack.gamma, 4), round(stack.first_reflection, 4), round(stack.second_reflection, 4)
-    (1.5421, -0.486, 0.486)
-    """
+    """A specimen between two fixtures, whose lengths count in `valid_until` only; equations of Li & Ma 2019."""
 
     upper: Layer
     specimen: Layer
@@ -90,7 +80,7 @@ class Sandwich:
         return self.specimen.transit
 
     def valid_until(self, position: float) -> float:
-        """Return when a fixture's far end is first heard at x, min(2 t1, 2 tl + 2 t2), s after the first arrival.
+        """Return the time of the first echo of a fixture's far end at x, min(2 t1, 2 tl + 2 t2), s after the arrival.
 
         t1, t2 are the transit times of the fixtures. Both routes take them as endless: no longer than this.
         """
@@ -110,13 +100,6 @@ def incident_strain(times: ArrayLike, force: ArrayLike, upper: Layer) -> Inciden
     A monotone cubic runs through the samples and never overshoots them; the rate is its derivative.
     Outside the samples both are zero, so a force that starts or ends above zero does so in a jump, which
     the rate does not contain. Source: F = E A eps; the curve is Fritsch & Butland's 1984.
-
-    Examples
-    --------
-    >>> bar = Layer("bar", 8000.0, 200e9, 1e-3, 0.1)
-    >>> wave = incident_strain([0.0, 1e-4, 2e-4], [0.0, 2e4, 0.0], bar)
-    >>> print(wave.strain(np.array([1e-4, 3e-4])) * 1e6, wave.rate(np.array([1e-4])))
-    [100.   0.] [0.]
     """
     samples = np.asarray(times, dtype=float)
     curve = monotone_cubic(samples, np.asarray(force, dtype=float) / (upper.modulus * upper.area))
@@ -158,15 +141,6 @@ def arrivals(sandwich: Sandwich, position: float, transfers: int, route: str) ->
     ------
     ValueError
         If the route is unknown, the position outside 0 to 1, or there is not at least one transfer.
-
-    Examples
-    --------
-    >>> bar = Layer("bar", 7800.0, 210e9, 1e-4, 0.02)
-    >>> stack = Sandwich(bar, bar, bar)
-    >>> [wave.transits for wave in arrivals(stack, 0.5, 5, "corrected")]
-    [0.0, 1.0, 2.0, 3.0, 4.0]
-    >>> [wave.transits for wave in arrivals(stack, 0.5, 5, "as printed")]
-    [0.0, 0.5, 1.5, 2.5, 3.5]
     """
     if route not in ROUTES:
         raise InputError("route", route, " or ".join(f'"{name}"' for name in ROUTES), nearest(route, ROUTES))
@@ -211,13 +185,6 @@ def strain(
     Corrected: R(t) + L(t) with R = gamma sum_m q^m eps_i(t - 2 m t0) and
     L = gamma F_II sum_m q^m eps_i(t - 2 m t0 - 2 tl). Without ``transfers`` all waves that have come
     by the last time count. Source: Li & Ma 2019, eq (36).
-
-    Examples
-    --------
-    >>> bar = Layer("bar", 7800.0, 210e9, 1e-4, 0.02)
-    >>> step = Incident(np.ones_like, np.zeros_like)
-    >>> print(strain(Sandwich(bar, bar, bar), step, 0.5, [-1e-6, 1e-6], "corrected"))
-    [0. 1.]
     """
     waves = arrivals(sandwich, position, _count(sandwich, times, transfers), route)
     return _added(sandwich, incident.strain, times, [(wave.transits, wave.strain) for wave in waves])
@@ -229,13 +196,6 @@ def velocity(
     """Return the particle velocity at x, m/s: corrected c (R - L), as printed c eps; arguments as in `strain`.
 
     As printed a free end stands still and a rigid wall moves, the wrong way round; Li & Ma 2019, eq (38).
-
-    Examples
-    --------
-    >>> bar = Layer("bar", 8000.0, 200e9, 1e-4, 0.02)
-    >>> step = Incident(lambda t: 1e-3 * np.ones_like(t), np.zeros_like)
-    >>> print(velocity(Sandwich(bar, bar, bar), step, 0.5, [1e-6], "corrected"))
-    [5.]
     """
     waves = arrivals(sandwich, position, _count(sandwich, times, transfers), route)
     speed = sandwich.specimen.bar_speed
@@ -248,13 +208,6 @@ def acceleration(
     """Return the acceleration at x, m/s^2: the time derivative of `velocity`; arguments as in `strain`.
 
     For a pulse that is slow beside t0, (40) overstates it by Z2/Ze. Source: Li & Ma 2019, eq (40).
-
-    Examples
-    --------
-    >>> bar = Layer("bar", 8000.0, 200e9, 1e-4, 0.02)
-    >>> ramp = Incident(lambda t: 10.0 * t, lambda t: 10.0 * np.ones_like(t))
-    >>> print(acceleration(Sandwich(bar, bar, bar), ramp, 0.5, [1e-6], "corrected"))
-    [50000.]
     """
     return velocity(sandwich, Incident(incident.rate, incident.rate), position, times, route, transfers)
 
@@ -267,13 +220,6 @@ def mean_acceleration(
     (1/l) int a dx in closed form: a wave whose delay d runs evenly from d0 at x = 0 to d1 at x = l adds
     c [eps_i(t - d0) - eps_i(t - d1)]/(d1 - d0). Corrected, the sum is Newton's law, [F(0) - F(l)]/m. As
     printed, every wave but the first is at all x at once, d0 = d1, and adds its rate; Li & Ma 2019, eq (40).
-
-    Examples
-    --------
-    >>> bar = Layer("bar", 8000.0, 200e9, 1e-4, 0.05)
-    >>> ramp = Incident(lambda t: 10.0 * t, lambda t: 10.0 * np.ones_like(t))
-    >>> print(mean_acceleration(Sandwich(bar, bar, bar), ramp, [5e-6, 2e-5], "corrected"))
-    [25000. 50000.]
     """
     count, speed = _count(sandwich, times, transfers), sandwich.specimen.bar_speed
     at_once, in_turn = [], []
@@ -292,11 +238,6 @@ def superposed(rigid: ArrayLike, wave: ArrayLike) -> Floats:
 
     Wrong as mechanics: the mean of the wave acceleration over the specimen already is its rigid-body
     acceleration, so that the sum counts it twice. An exact solution of the finite stack holds both.
-
-    Examples
-    --------
-    >>> print(superposed([1.0, 2.0], [10.0, 20.0]))
-    [11. 22.]
     """
     return np.asarray(np.asarray(rigid, dtype=float) + np.asarray(wave, dtype=float))
 
@@ -305,12 +246,6 @@ def waves_that_count(sandwich: Sandwich, times: ArrayLike) -> int:
     """Return how many transfers count by the last time: the k-th wave does not come before (k - 2) t0.
 
     Waves that echoes have made smaller than rounding are left out.
-
-    Examples
-    --------
-    >>> bar = Layer("bar", 8000.0, 200e9, 1e-4, 0.05)
-    >>> waves_that_count(Sandwich(bar, bar, bar), [1.0])  # nothing comes back where all are alike
-    6
     """
     arrived = int(np.max(np.asarray(times, dtype=float), initial=0.0) / sandwich.transit) + 2
     share = abs(sandwich.first_reflection * sandwich.second_reflection)
@@ -320,19 +255,13 @@ def waves_that_count(sandwich: Sandwich, times: ArrayLike) -> int:
 
 
 def too_many(sandwich: Sandwich, times: ArrayLike) -> bool:
-    """Tell whether a sum over the transits of a layer would take long: it is thin, and followed for long or finely."""
+    """Return whether a sum over the transits of a layer would take long: it is thin, or followed for long."""
     waves = waves_that_count(sandwich, times)
     return waves > MOST_TRANSFERS or waves * np.size(times) > MOST_ADDED
 
 
 def _count(sandwich: Sandwich, times: ArrayLike, transfers: int | None) -> int:
-    """Return how many transfers to count.
-
-    Raises
-    ------
-    ValueError
-        If there are `too_many`.
-    """
+    """Return the number of transfers to count, or raise ValueError where there are `too_many`."""
     arrived = waves_that_count(sandwich, times)
     if too_many(sandwich, times):
         raise ValueError(
@@ -376,25 +305,17 @@ def specimen_of(stack: Stack, layer: int) -> Sandwich | None:
 def too_thin(stack: Stack, times: Floats) -> list[str]:
     """Return the layers that no route follows to these times: their waves would be too many."""
     specimens = (specimen_of(stack, layer) for layer in range(len(stack.layers)))
-    return [one.specimen.name for one in specimens if one is not None and too_many(one, times)]
+    return [layers.specimen.name for layers in specimens if layers is not None and too_many(layers, times)]
 
 
 def route_history(
     stack: Stack, layer: int, position: float, times: Floats, face_force: Floats, route: str
 ) -> RouteHistory:
-    """Return what a route of Li & Ma 2019 says of a tap, driven by the force on the first face of the stack.
+    """Return the histories of a tap by a route of Li & Ma 2019, driven by the force on the first face of the stack.
 
-    The force is taken to travel forward unchanged to the specimen, whose neighbours count as endless fixtures;
-    everything else in the stack, and every echo from beyond the neighbours, is left out, as in the paper.
-
-    Parameters
-    ----------
-    layer, position : int and float
-        The tap: index of its layer, the specimen, and fraction from its loaded side.
-    times, face_force : ndarray
-        Times from the start of the load, s, and the force on the first face, N.
-    route : str
-        "as printed" or "corrected".
+    The tap lies at a fraction of a layer, the specimen, from its loaded side; times from the start of the load are in
+    s, the force in N. It is taken to travel forward unchanged to the specimen, whose neighbours count as endless
+    fixtures; everything else in the stack, and every echo from beyond the neighbours, is left out, as in the paper.
 
     Raises
     ------
@@ -416,7 +337,7 @@ def route_history(
 
 
 class Staircase(NamedTuple):
-    """What interface I and interface II see: shares of the jump that comes in, step by step, or forces, N."""
+    """Forces at interface I and interface II: shares of the jump that comes in, step by step, or N."""
 
     first: Floats
     second: Floats
@@ -430,33 +351,10 @@ def staircase(sandwich: Sandwich, steps: int) -> Staircase:
         f_II(n) = T_1 T_2 sum_{m=0..n} q^m                   from t = (2 n + 1) t_0
         f_I(n)  = T_1 [1 + F_II T_i sum_{m=0..n-1} q^m]      from t = 2 n t_0,    T_i = 1 - F_I
 
-    Both end at 2 Z_2/(Z_1 + Z_2), what passes where the layer is left out. They hold until the first echo from
-    beyond the neighbours: `Sandwich.valid_until` later than the first arrival.
-
-    Parameters
-    ----------
-    sandwich : Sandwich
-        The layer and its neighbours.
-    steps : int
-        How many, at least 1.
-
-    Raises
-    ------
-    ValueError
-        If no step is asked for.
-
-    Notes
-    -----
-    The geometric series of repeated reflections in a bar of finite length: Kolsky, Stress Waves in Solids
-    (1963), ch. 2; with the coefficients of Li & Ma 2019, eqs (29)-(33).
-
-    Examples
-    --------
-    >>> from strikewave.base.constants import material
-    >>> from strikewave.waves.layers import round_bar
-    >>> steel, alloy = (round_bar(name, material(name), 0.05, 0.03) for name in ("65Mn", "2A12"))
-    >>> print(staircase(Sandwich(steel, alloy, steel), 4).second.round(3))
-    [0.766 0.945 0.987 0.997]
+    Both end at 2 Z_2/(Z_1 + Z_2), the share that passes where the layer is left out. They hold until the first echo
+    from beyond the neighbours: `Sandwich.valid_until` later than the first arrival. Source: the geometric series of
+    repeated reflections in a bar of finite length, Kolsky, Stress Waves in Solids (1963), ch. 2; with the coefficients
+    of Li & Ma 2019, eqs (29)-(33).
     """
     if steps < 1:
         raise ValueError(f"at least one step is needed, got {steps!r}")
@@ -474,15 +372,6 @@ def endless_force(stack: Stack, layer: int, times: Floats, load_times: Floats, l
     The steps of `staircase`, each with the history of the load: the corrected route of Li & Ma 2019 at x = 0 and
     x = l. What comes down is the load times 2 Z_b/(Z_a + Z_b) for each joint a|b above the first neighbour. Up to
     `first_echoes` this is what a bonded stack does.
-
-    Parameters
-    ----------
-    layer : int
-        Index of the layer, between two others.
-    times : ndarray
-        When, s from the start of the load.
-    load_times, load : ndarray
-        Force on the first face, s and N; at least two samples.
 
     Raises
     ------
@@ -503,18 +392,11 @@ def endless_force(stack: Stack, layer: int, times: Floats, load_times: Floats, l
 
 
 def first_echoes(stack: Stack, layer: int) -> tuple[float, float]:
-    """Return when interface I and II hear the first echo from beyond the neighbours, s after the front reaches I.
+    """Return the times of the first echo from beyond the neighbours at interface I and II, s after the front is at I.
 
     From above the earliest comes 2 min t_k behind the front, over the transits t_k of the layers above. From below it
     has gone through the lower neighbour and back, and for interface I once more through the layer itself; a matched
     end behind the neighbour sends none.
-
-    Examples
-    --------
-    >>> from strikewave.waves.layers import BONDED, Layer
-    >>> bars = [Layer("bar", 1.0, 1.0, 1.0, length) for length in (3.0, 1.0, 2.5)]
-    >>> first_echoes(Stack(tuple(bars), (BONDED, BONDED)), 1)
-    (6.0, 6.0)
     """
     transits = [part.transit for part in stack.layers]
     ends_here = layer + 2 == len(transits) and stack.end.kind == "matched"

@@ -1,4 +1,4 @@
-"""Where one-dimensional wave theory ends, and what joints could not do: notices for runs and bars.
+"""Limits of one-dimensional wave theory and of joints: notices for runs and bars.
 
 With t the rise time that is left at the stated bandwidth B, t^2 = (rise of the load)^2 + (0.35/B)^2, c the bar
 speed and d the diameter: below t c/d = 2 no peak acceleration is quoted, since the front disperses over lengths
@@ -24,30 +24,25 @@ Array = NDArray[np.float64]
 
 REFUSED, WARNED = 2.0, 5.0
 """Rise time in diameters of travel below which a peak acceleration is refused, and warned of: the front disperses over
-lengths of the diameter, so that below 2 the rise is that of the bar, not of the load. From there to 5 a
-peak is good to some 10 % at best."""
+lengths of the diameter, so that below 2 the rise is that of the bar; up to 5 a peak is good to some 10 % at best."""
 DISPERSED_REFUSED, DISPERSED_WARNED = 1.0, 2.0
-"""The same where the first mode of a round bar is followed exactly: what is missing are higher modes, which die within
-about a diameter of a face."""
+"""Limits where the first mode of a round bar is followed exactly: only higher modes are missing, which die within about
+a diameter of a face."""
 RISE_OF_BANDWIDTH = 0.35
-"""Rise time (10-90 %) times -3 dB bandwidth of a low-pass: ln 9/(2 pi) of one pole, and about as
-much of several."""
+"""Rise time (10-90 %) times -3 dB bandwidth of a low-pass: ln 9/(2 pi) of one pole, and about as much of several."""
 MISMATCH_LIMIT = 0.01
-"""Relative error of a transit beyond which the step of a struck stack is warned of: echoes then come 1 % early or late,
-which a figure shows."""
+"""Largest relative error of a transit without a warning: echoes then come 1 % early or late, which a figure shows."""
 LOSS_HELD = 0.05
-"""Deviation of a loss factor over its band up to which no notice is given: what `loss.fit_loss` aims at, and less than
-loss factors of materials are known."""
+"""Largest deviation of a loss factor without a notice: the aim of `fit_loss`, and below the scatter of materials."""
 TENSION_SHARE = 0.01
-"""Share of the largest force up to which tension in a joint is not reported: chosen, above what the steps of a grid
-leave."""
+"""Largest share of the force that tension in a joint takes without a notice (chosen: above the error of a grid)."""
 MOST_NAMES = 5
-"""Names that a notice lists before it counts the rest: a line stays a line."""
+"""Most names that a notice lists before it counts the rest: a line stays a line."""
 LARGEST_STRAIN = 0.1
 """Stress over modulus from which on a layer is reported: a tenth of the modulus is about the strength of a perfect
 crystal, and of rubber the linear law is off by as much there."""
 _ROUNDING = 1e-9
-"""Relative rounding that a force at its limit, or a number about to be rounded down, may be off by."""
+"""Relative rounding of a force at its limit, or of a number about to be rounded down."""
 _SAME_PLACE = 1e-12
 """Relative rounding of a face's place: a place on it still belongs to the layer before."""
 
@@ -56,12 +51,6 @@ def honest_bandwidth(stack: Stack) -> float:
     """Return the largest bandwidth at which peak accelerations need no warning, whatever the load, Hz.
 
     B = 0.35 c / (5 d), the smallest of all layers.
-
-    Examples
-    --------
-    >>> from strikewave.waves import Layer
-    >>> round(honest_bandwidth(Stack((Layer("bar", 7820.0, 211e9, 7.0686e-4, 0.07),))))
-    12120
     """
     return min(RISE_OF_BANDWIDTH * layer.bar_speed / (WARNED * layer.diameter) for layer in stack.layers)
 
@@ -81,7 +70,7 @@ def rise_in_diameters(stack: Stack, rise: float, bandwidth: float) -> tuple[floa
 
 
 def rise_notices(stack: Stack, rise: float, bandwidth: float, peak: float | None = None) -> Iterator[Notice]:
-    """Yield what the rise of the load means for peak accelerations; ``peak`` is the one that may not be quoted."""
+    """Yield the notice on peak accelerations by the rise of the load; ``peak`` is one that may not be quoted."""
     ratio, layer = rise_in_diameters(stack, rise, bandwidth)
     refused, warned = rise_limits(stack)
     theory = "one-dimensional theory" if refused == REFUSED else "the first mode"
@@ -176,7 +165,7 @@ def joint_notices(stack: Stack, least_force: Array, greatest_force: Array, load_
 
 
 def loss_notices(losses: Sequence[tuple[str, float, float, float, float]]) -> Iterator[Notice]:
-    """Yield loss factors that are held badly: where, the one asked for, by how much it is missed, band (Hz)."""
+    """Yield loss factors that are held badly, of rows of place, wanted loss factor, error and band (Hz)."""
     for where, loss_factor, error, low, high in losses:
         if error > LOSS_HELD:
             message = (
@@ -198,33 +187,17 @@ def end_notices(stack: Stack, duration: float) -> Iterator[Notice]:
 
 
 def arrival_time(stack: Stack, layer: int, position: float, faces: Sequence[int] = (0,)) -> float:
-    """Return when the first wave comes to a place, s.
+    """Return the arrival of the first wave at a place, s: a layer, from 0, and a share of its length.
 
-    Parameters
-    ----------
-    stack : Stack
-        Stack that the wave runs through.
-    layer : int
-        Layer of the place, from 0.
-    position : float
-        In the layer, as a share of its length.
-    faces : sequence of int
-        Where waves begin at time 0: face k stands before layer k, the last one behind the last layer.
-
-    Returns
-    -------
-    float
-        Infinite without such a face. Loss is counted as what makes the front faster, dispersion not: no part of a wave
-        is before it.
-
-    Examples
-    --------
-    >>> from strikewave.waves import Joint, Layer
-    >>> bars = [Layer(name, 7820.0, 211e9, 7.0686e-4, 0.07) for name in ("upper", "lower")]
-    >>> round(arrival_time(Stack(tuple(bars), (Joint(),)), 1, 0.5) * 1e6, 4)
-    20.214
+    Waves begin at time 0 at some ``faces``: face k stands before layer k, the last one behind the last layer; without
+    one the arrival is infinite. Loss makes the front faster; dispersion does not count: no part of a wave is before
+    it.
     """
-    transits = [_front_transit(layer) for layer in stack.layers]
+    transits = []
+    for part in stack.layers:  # the front meets a lossy layer with all its springs, which relax only later
+        loss = part.loss
+        stiffness = 1.0 if loss is None else loss.stiffness + sum(branch.stiffness for branch in loss.branches)
+        transits.append(part.transit / math.sqrt(stiffness))
     ends = np.concatenate([[0.0], np.cumsum(transits)])
     place = ends[layer] + position * transits[layer]
     return min((abs(float(place - ends[face])) for face in faces), default=math.inf)
@@ -238,22 +211,10 @@ def not_reached_notices(
     faces: Sequence[int] = (0,),
     begin: float = 0.0,
 ) -> Iterator[Notice]:
-    """Yield the places that no wave reaches within a run: taps, and layers as a whole.
+    """Yield a notice of the named taps, and of the layers, that no wave reaches within a run of a time, s.
 
-    Parameters
-    ----------
-    stack : Stack
-        Stack that is followed.
-    taps : sequence of (str, Tap)
-        Name and place of each.
-    lasting : float
-        How long it is followed, s.
-    stated : str
-        Setting that ends the run, such as ``solver.duration = 20 us``.
-    faces : sequence of int
-        Where waves begin; see `arrival_time`.
-    begin : float
-        When they do, s.
+    ``stated`` is the setting that ends the run, such as ``solver.duration = 20 us``; waves begin at ``faces``, as in
+    `arrival_time`, and at ``begin``, s.
     """
     late = [
         (f"tap {name}", time)
@@ -268,17 +229,10 @@ def not_reached_notices(
         places = first_few([f"{place} ({plain(time * 1e6, 4)}\xa0us)" for place, time in late], MOST_NAMES)
         last = max(time for _, time in late)
         message = (
-            f"{stated} ends before the wave arrives at {places}: what is shown there is no result; follow it for more "
+            f"{stated} ends before the wave arrives at {places}: values there are no results; follow it for more "
             f"than {plain(last * 1e6, 4)}\xa0us"
         )
         yield Notice("not-reached", message, lasting, last)
-
-
-def _front_transit(layer: Layer) -> float:
-    """Return the time of the front of a wave from face to face, s: the springs of a loss all push at first."""
-    loss = layer.loss
-    stiffness = 1.0 if loss is None else loss.stiffness + sum(branch.stiffness for branch in loss.branches)
-    return layer.transit / math.sqrt(stiffness)
 
 
 def bar_extremes(run: BarRun) -> tuple[Array, Array, Array]:

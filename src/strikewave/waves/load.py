@@ -1,4 +1,4 @@
-"""What loads the first face of a stack, and the shortest time in which a load or a joint changes."""
+"""Loads on the first face of a stack, and the shortest time in which a load or a joint changes."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ PRESCRIBED: tuple[Prescribed, ...] = ("force", "speed", "incident")
 SHAPES = ("half-sine", "sine-squared", "rectangle", "triangle", "trapezoid")
 """Shapes of a force pulse; the table of `LoadPulse` holds their equations."""
 LOW, HIGH = 0.1, 0.9
-"""Shares of the peak between which a rise time is taken: the field's definition. A history that begins or ends above
-the lower one jumps there."""
+"""Shares of the peak of a rise time, by the field's definition; a history that begins or ends above the lower one jumps
+there."""
 
 
 @dataclass(frozen=True)
@@ -36,30 +36,18 @@ class LoadPulse:
     triangle              rises to F0 at ``rise`` (T/2), falls to 0 at T
     trapezoid             rises to F0 in ``rise`` (T/4), stays, falls in the same time
     ====================  =============================================================
-
-    Parameters
-    ----------
-    shape : str
-        One of `SHAPES`.
-    peak, duration : float
-        F0 in N, T in s.
-    rise : float, optional
-        Rise time of triangle and trapezoid, s.
-    kind : str, optional
-        "force" on the first face; "incident": the wave that comes along an endless bar like the first layer, N.
-
-    Examples
-    --------
-    >>> pulse = LoadPulse("half-sine", 100.0, 2e-4)
-    >>> float(pulse.at(np.array([1e-4]))[0]), round(pulse.impulse, 6)
-    (100.0, 0.012732)
     """
 
     shape: str
+    """One of `SHAPES`."""
     peak: float
+    """F0, N."""
     duration: float
+    """T, s."""
     rise: float = 0.0
+    """Rise time of triangle and trapezoid, s."""
     kind: Prescribed = "force"
+    """"force" on the first face; "incident": the wave that comes along an endless bar like the first layer, N."""
 
     def __post_init__(self) -> None:
         if self.shape not in SHAPES:
@@ -192,22 +180,16 @@ class Sampled:
 
 @dataclass(frozen=True)
 class Impactor:
-    """A rigid striker that hits the first face by a contact law; it may come back and touch again.
-
-    Parameters
-    ----------
-    mass, speed : float
-        kg, and m/s towards the face.
-    contact : Contact, LogarithmicContact or None
-        The law; None for a rigid contact, where striker and face move together while they push.
-    slowest_approach : float, optional
-        Lowest approach speed that the hysteresis factor uses, m/s.
-    """
+    """A rigid striker that hits the first face by a contact law; it may come back and touch again."""
 
     mass: float
+    """kg."""
     speed: float
+    """Speed towards the face, m/s."""
     contact: AnyContact | None = None
+    """Law of the contact; None for a rigid one, where striker and face move together while they push."""
     slowest_approach: float = 1e-6
+    """Lowest approach speed that the hysteresis factor uses, m/s."""
 
     def __post_init__(self) -> None:
         if not (0.0 < self.mass < math.inf and 0.0 < self.speed < math.inf):
@@ -218,9 +200,9 @@ Load = LoadPulse | Sampled | Impactor
 
 
 MOST_SAMPLES = 4e6
-"""Samples of all taps: 160 MB with force, velocity and what an acceleration is made of."""
+"""Most samples of all taps: 160 MB with force, velocity and the sums of an acceleration."""
 FEWEST_STEPS = 2.0
-"""Steps that a load, and a run, must last: a shorter one would fall between two samples."""
+"""Fewest steps of a load, and of a run: a shorter one would fall between two samples."""
 RELAXATION_STEPS = 20.0
 """Relaxation times of a joint or an end that 50 steps may cover: one takes 2.5 steps at least."""
 
@@ -231,13 +213,7 @@ def load_time(load: LoadPulse | Sampled) -> float:
 
 
 def refuse_coarse(load: LoadPulse | Sampled, step: float) -> None:
-    """Refuse a step that is too long for the load.
-
-    Raises
-    ------
-    ValueError
-        If so.
-    """
+    """Refuse a step that is too long for the load."""
     if load.duration < FEWEST_STEPS * step and load.largest > 0.0:
         raise ValueError(
             f"a step of {step:g} s is too long for a load of {load.duration:g} s: take one below "
@@ -246,13 +222,7 @@ def refuse_coarse(load: LoadPulse | Sampled, step: float) -> None:
 
 
 def refuse_few_steps(step: float, duration: float) -> None:
-    """Refuse a step that leaves hardly a sample of the run.
-
-    Raises
-    ------
-    ValueError
-        If so.
-    """
+    """Refuse a step that leaves hardly a sample of the run."""
     if step * FEWEST_STEPS > duration:
         raise ValueError(
             f"a step of {step:g} s is too long to follow {duration:g} s: take one below {duration / FEWEST_STEPS:g} s"
@@ -260,13 +230,7 @@ def refuse_few_steps(step: float, duration: float) -> None:
 
 
 def refuse_samples(duration: float, step: float, taps: int, advice: str) -> None:
-    """Refuse histories that would not fit in memory.
-
-    Raises
-    ------
-    ValueError
-        If there would be too many samples.
-    """
+    """Refuse histories with too many samples for the memory."""
     if duration / step * taps > MOST_SAMPLES:
         raise ValueError(
             f"{duration:g} s at one sample every {step:.3g} s make {duration / step * taps:.1e} samples at {taps} "
@@ -275,7 +239,7 @@ def refuse_samples(duration: float, step: float, taps: int, advice: str) -> None
 
 
 def resolved_period(period: float, duration: float, taps: int, steps: float) -> float:
-    """Return the period of what listens, s, or the shortest one of which so many steps leave `MOST_SAMPLES` at most."""
+    """Return the period of a sensor, s, or the shortest one of which so many steps leave `MOST_SAMPLES` at most."""
     return max(period, steps * duration * taps / MOST_SAMPLES)
 
 
@@ -283,10 +247,11 @@ def shortest_time(stack: Stack, load: Load) -> float:
     """Return the shortest time, s, that 50 steps must resolve: rise of the load, relaxation of joints and end."""
     times: list[float] = []
     if isinstance(load, Impactor):
+        z0 = stack.layers[0].impedance
         if load.contact is None:
-            times.append(load.mass / stack.layers[0].impedance)
-        else:
-            times.append(_indentation_time(stack, load))
+            times.append(load.mass / z0)
+        else:  # the force reaches at most what the bar can take, Z v0
+            times.append(indentation_under(load.contact, z0 * load.speed) / load.speed)
     else:
         times.append(load_time(load))
     z = [layer.impedance for layer in stack.layers]
@@ -315,9 +280,3 @@ def _contact_time(contact: AnyContact, before: float, after: float, load: Load, 
         scale = face if load.kind == "speed" else 1.0
         force = scale * load.largest or 1.0
     return indentation_under(contact, force) / force / (1.0 / before + 1.0 / after)
-
-
-def _indentation_time(stack: Stack, load: Impactor) -> float:
-    """Return the time in which the contact force would reach what the bar can take, Z v0, s."""
-    assert load.contact is not None
-    return indentation_under(load.contact, stack.layers[0].impedance * load.speed) / load.speed

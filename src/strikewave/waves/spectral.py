@@ -2,14 +2,12 @@
 
 Each frequency is followed through the stack by the reflection recursion, in which all exponentials fall, so that
 neither many layers nor thin or lossy ones overflow. The spectrum is taken along s = sigma + i w (exponential window):
-what would wrap around the end of the period has died to `WRAPPED` of itself, whatever rings on. All joints must be
+a signal that wraps around the end of the period has died to `WRAPPED` of itself, whatever rings on. All joints must be
 linear. The load is rounded over one step to either side (weights 1/4, 1/2, 1/4), which keeps jumps from ringing.
 
-Loss in the time domain: springs and dashpots whose loss factor is constant over a band.
-
-A gasket's loss factor (tangent of the loss angle) is a number at a frequency; in the time domain it needs a
-causal model. The generalised standard linear solid is a spring beside a few Maxwell branches, and passive for
-every input because no spring and no dashpot is negative.
+A gasket's loss factor (tangent of the loss angle) is a number at a frequency; in the time domain it needs a causal
+model, springs and dashpots whose loss factor is constant over a band. The generalised standard linear solid is a spring
+beside a few Maxwell branches, and passive for every input because no spring and no dashpot is negative.
 """
 
 from __future__ import annotations
@@ -32,43 +30,27 @@ from strikewave.waves.load import PRESCRIBED, Impactor, Load, LoadPulse, Sampled
 GOOD_ENOUGH = 0.05
 """Deviation of the loss factor at which no further branch is added: loss factors of materials are known no better."""
 FARTHEST = 0.25
-"""Deviation of the loss factor beyond which a fit is refused: it would be the loss of another material."""
+"""Largest deviation of the loss factor of a fit: beyond, it is the loss of another material."""
 MOST_BRANCHES = 4
-"""Maxwell branches: four hold a loss factor of 1 over two decades to 5 %, and each costs a state of every joint."""
+"""Most Maxwell branches: four hold a loss factor of 1 over two decades to 5 %, and each costs a state of a joint."""
 WIDTHS = np.geomspace(0.3, 2.0, 50)
-"""Width of the relaxation times beside that of the band, both in logarithms, that are tried, 4 % apart: the best one is
-found to 2 %."""
+"""Widths of the relaxation times over that of the band, in logarithms, 4 % apart: the best one is found to 2 %."""
 USUAL_BAND = 1e3, 1e5
-"""Band in which a loss factor is constant where no other is given, Hz. Chosen: most of a blow of 10 us to 1 ms lies in
-it."""
+"""Band of a constant loss factor where none is given, Hz (chosen: most of a blow of 10 us to 1 ms lies in it)."""
 LEAST_REST = 1e-3
-"""Share of the storage stiffness that stays for long times, at least: a solid without it would creep without end."""
+"""Least share of the storage stiffness that stays for long times: a solid without it would creep without end."""
 POINTS, ROUNDS, SCALE_WEIGHT = 121, 6, 1e4
 """Frequencies of the least squares, 60 a decade in the usual band; rounds, after four of which the storage stiffness in
 the weights changes by less than 1e-5 (measured); and weight of the row that sets the scale, whose size does not matter,
-since what it misses is divided away (measured, from 100 to a million)."""
+since its misfit is divided away (measured, from 100 to a million)."""
 
 
 def dynamic_stiffness(k: float, branches: tuple[Branch, ...], frequency: ArrayLike) -> NDArray[np.complex128]:
     """Return the complex stiffness of a spring with Maxwell branches, N/m.
 
-    K(w) = k + sum k_i (i w tau_i) / (1 + i w tau_i), with w = 2 pi f. The real part is the storage stiffness,
+    K(w) = k + sum k_i (i w tau_i) / (1 + i w tau_i), with w = 2 pi f, f in Hz, complex where a signal grows or falls,
+    k and k_i in N/m and tau_i in s. The real part is the storage stiffness,
     and imaginary over real part the loss factor. Source: Emmerich & Korn 1987 (generalised Maxwell body).
-
-    Parameters
-    ----------
-    k : float
-        Long-time stiffness, N/m.
-    branches : tuple of Branch
-        Stiffness k_i (N/m) and relaxation time tau_i (s) of each.
-    frequency : array_like
-        f, Hz; complex where a signal grows or falls.
-
-    Examples
-    --------
-    >>> one = Branch(stiffness=1.0, relaxation=1.0)
-    >>> print(dynamic_stiffness(1.0, (one,), 1.0 / (2.0 * math.pi)).round(9))
-    (1.5+0.5j)
     """
     s = 2j * np.pi * np.asarray(frequency)
     total = np.full(s.shape, complex(k))
@@ -101,15 +83,6 @@ def fit_loss(stiffness: float, loss_factor: float, low: float, high: float) -> L
     ------
     ValueError
         If a value makes no sense, or no fit comes within 25 % of the loss factor.
-
-    Examples
-    --------
-    >>> fit = fit_loss(1e7, 0.3, 1e3, 1e5)
-    >>> len(fit.branches), round(fit.error, 3), round(fit.stiffness / 1e7, 3)
-    (4, 0.026, 0.471)
-    >>> K = dynamic_stiffness(fit.stiffness, fit.branches, 1e4)
-    >>> print((K.real / 1e7).round(9), (K.imag / K.real).round(2))
-    1.0 0.29
     """
     if not 0.0 < stiffness < math.inf:
         raise ValueError(f"the stiffness must be above zero and finite, got {stiffness!r}")
@@ -172,35 +145,29 @@ Array = NDArray[np.float64]
 
 WRAPPED = 1e-8
 """Share of a signal left after one period of the transform; rounding errors grow by its inverse square root, to 1e-12
-in what is kept, half a period."""
+in the kept half of a period."""
 MOST_LAYER_FREQUENCIES = 1e9
-"""Layers times frequencies beyond which a run is refused: it would take more than a minute."""
+"""Most layers times frequencies of a run: more would take above a minute."""
 MOST_CONSTANTS = 5e7
-"""Travel constants that are held at once: 0.8 GB."""
+"""Most travel constants at once: 0.8 GB."""
 MOST_VALUES = 2e6
-"""Values of a spectrum that are held at once, for each quantity: 32 MB, more would not be faster."""
+"""Most values of a spectrum at once, for each quantity: 32 MB, more would not be faster."""
 
 
 def nonlinear_parts(stack: Stack, load: Load) -> list[str]:
-    """Return what of a stack and its load has no spectrum of its own, in words."""
+    """Return the parts of a stack and its load that have no spectrum of their own, in words."""
     parts = [f"the joint behind {stack.layers[k].name} can open" for k, x in enumerate(stack.joints) if x.unilateral]
     parts += [f"layer {layer.name} comes with a speed" for layer in stack.layers if layer.speed]
     return [*parts, "a striker touches and parts"] if isinstance(load, Impactor) else parts
 
 
 def is_linear(stack: Stack, load: Load) -> bool:
-    """Tell whether the spectral solver can follow a stack under its load."""
+    """Return whether the spectral solver can follow a stack under its load."""
     return not nonlinear_parts(stack, load)
 
 
 def refuse_nonlinear(stack: Stack, load: Load) -> None:
-    """Refuse what has no spectrum of its own.
-
-    Raises
-    ------
-    ValueError
-        If a joint can open, a layer comes with a speed, or a striker hits the stack.
-    """
+    """Refuse joints that can open, layers with a speed, and strikers: they have no spectrum of their own."""
     cannot = nonlinear_parts(stack, load)
     if cannot:
         raise ValueError(
@@ -214,13 +181,6 @@ def travel_constants(layer: Layer, s: NDArray[np.complex128]) -> NDArray[np.comp
 
     Without loss and dispersion g = s/c. A loss makes the modulus E m(s), with m that of springs and Maxwell
     branches; dispersion takes the wave number k(w) of its theory at w = -i s, g = i k.
-
-    Parameters
-    ----------
-    layer : Layer
-        The layer.
-    s : ndarray
-        1/s, real part above zero.
     """
     speed = np.full(s.shape, complex(layer.bar_speed))
     if layer.loss is not None:
@@ -243,34 +203,15 @@ class Histories(NamedTuple):
 
 @dataclass(frozen=True)
 class SpectralStack:
-    """A linear stack under its load from rest, in the frequency domain; `look` gives histories at places.
-
-    Attributes
-    ----------
-    stack, load : Stack, LoadPulse or Sampled
-        Stack, and the load on its first face; time 0 is the beginning of the load.
-    step, steps : float, int
-        Time step (s) and number of samples of a history. The error is of second order in the step, where the
-        load is smooth.
-
-    Raises
-    ------
-    ValueError
-        If the stack or load is not linear, or the run would take too much time or memory.
-
-    Examples
-    --------
-    >>> from strikewave.waves import Layer, Stack
-    >>> bar = Layer("bar", 7820.0, 211e9, 7.0686e-4, 0.07)
-    >>> spectrum = SpectralStack(Stack((bar,)), LoadPulse("sine-squared", 19685.0, 20e-6), step=1e-7, steps=600)
-    >>> round(float(spectrum.look([(0, 1.0)]).velocity.max()), 3)
-    1.371
-    """
+    """A linear stack under its load from rest, in the frequency domain; `look` gives histories at places."""
 
     stack: Stack
     load: LoadPulse | Sampled
+    """Load on the first face, from time 0 on."""
     step: float
+    """Time step, s; the error is of second order in it where the load is smooth."""
     steps: int
+    """Number of samples of a history."""
 
     def __post_init__(self) -> None:
         refuse_nonlinear(self.stack, self.load)
@@ -325,10 +266,7 @@ class SpectralStack:
         return np.asarray(scipy.fft.irfft(spectra, self.count)[..., : self.steps] * grow)
 
     def look(self, places: Sequence[tuple[int, float]], accelerated: bool = True) -> Histories:
-        """Return what happens at places: layer, and fraction of the layer from its loaded side.
-
-        Where no acceleration is asked for it is empty.
-        """
+        """Return the histories at places: layer, and fraction of the layer from its loaded side."""
         order = np.argsort([layer for layer, _ in places], kind="stable")
         histories = np.empty((3 if accelerated else 2, len(places), self.steps))
         batch = max(1, int(MOST_VALUES / self.s.size))

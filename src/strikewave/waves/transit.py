@@ -1,13 +1,12 @@
 """The stack on a grid of time steps: which step, what it costs in accuracy, and the tables for the kernels.
 
 Delay lines are exact when every transit time is a whole number of steps. Other transits are rounded:
-`choose_grid` finds a step for which all of them are nearly whole at once, and `error_bound` says what the
-rounding can do to the result.
+`choose_grid` finds a step for which all of them are nearly whole at once, and `error_bound` bounds the effect of the
+rounding on the result.
 
-Accelerations of what is kept of a run: averages over all steps, in which a jump of velocity keeps its size.
-
-Of velocities that jump, a difference at one fine step grows without bound as the step gets shorter, and between kept
-steps it is seen or not by chance. The average of the acceleration with the hat function of a kept step,
+Accelerations are averages over all steps, in which a jump of velocity keeps its size: a difference at one fine step
+grows without bound as the step gets shorter, and between kept steps it is seen or not by chance. The average of the
+acceleration with the hat function of a kept step,
 
     a_i = integral a(t) max(0, 1 - |t - t_i|/h) dt / h = (V_{i+1/2} - V_{i-1/2})/h,
 
@@ -60,36 +59,28 @@ from strikewave.waves.layers import Joint, Stack
 Array = NDArray[np.float64]
 
 MOST_NODES = 50_000_000
-"""A grid with more nodes than this is refused: its waves would take more than 0.8 GB."""
+"""Most nodes of a grid: its waves take 0.8 GB."""
 MOST_EVENTS = 10_000
-"""Openings and closings of joints that are kept: a joint that chatters more often than that is no longer read one by
-one, and the run goes on."""
+"""Most openings and closings of joints that are kept: nobody reads more of a chatter, and the run goes on."""
 MOST_TRIED, FEWEST_AT_ONCE, MOST_AT_ONCE = 2_000_000, 16, 4096
-"""Transits over steps that are compared at once: some 16 MB a table, and at least 16 and at most 4096 steps of it, so
-that neither the loop nor a search that ends early costs much."""
+"""Transits over steps that are compared at once: some 16 MB a table, and 16 to 4096 steps of it, so that neither the
+loop nor a search that ends early costs much."""
 MOST_FIELD_LAYERS = 1000
-"""Layers of an x-t field; of more some are left out, since each takes two places at least."""
+"""Most layers of an x-t field; of more some are left out, since each takes two places at least."""
 FIELD_PLACES, FIELD_ROWS = 200, 500
 """Places and instants of an x-t field: as many as a picture of some hundred pixels shows."""
 
 
 @dataclass(frozen=True)
 class TimeGrid:
-    """A time step and the number of steps that each layer's transit takes.
-
-    Attributes
-    ----------
-    step : float
-        s.
-    counts : tuple of int
-        Steps of each transit, at least 1; 0 where a layer is not cut into steps.
-    mismatch : float
-        Largest relative difference between a transit used and the true one.
-    """
+    """A time step and the number of steps that each layer's transit takes."""
 
     step: float
+    """s."""
     counts: tuple[int, ...]
+    """Steps of each transit, at least 1; 0 where a layer is not cut into steps."""
     mismatch: float
+    """Largest relative difference between a transit used and the true one."""
 
     def lengths(self, stack: Stack) -> tuple[float, ...]:
         """Return the lengths that the layers have on this grid, m."""
@@ -98,21 +89,7 @@ class TimeGrid:
 
 
 def grid_of(stack: Stack, step: float) -> TimeGrid:
-    """Return the grid of a stack for a given step, s: each transit rounded to whole steps, one at least.
-
-    Raises
-    ------
-    ValueError
-        If the step is not above zero, or so small that the waves would not fit in memory.
-
-    Examples
-    --------
-    >>> from strikewave.waves import Layer
-    >>> bar = Layer("bar", 1.0, 1.0, 1.0, 1.04)
-    >>> grid = grid_of(Stack((bar,)), 0.1)
-    >>> grid.counts, round(grid.mismatch, 4)
-    ((10,), 0.0385)
-    """
+    """Return the grid of a stack for a given step, s: each transit rounded to whole steps, one at least."""
     if not 0.0 < step < math.inf:
         raise ValueError(f"the step must be above zero, got {step!r} s")
     transits = np.array([layer.transit for layer in stack.layers])
@@ -128,24 +105,10 @@ def grid_of(stack: Stack, step: float) -> TimeGrid:
 def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) -> TimeGrid:
     """Return the coarsest grid whose transits all are whole steps to a wanted relative mismatch.
 
-    Steps t_k/n of the shortest transit, n = 1, 2, .., are tried between ``largest`` and ``smallest``: a
+    Steps t_k/n of the shortest transit, n = 1, 2, .., are tried between ``largest`` and ``smallest``, s: a
     simultaneous rational approximation by search. Each is shifted so that the mismatch is shared evenly
     among the layers. Where none is good enough, the best one is returned; where the shortest transit is below
     ``smallest``, that step, in which thinner layers take one step.
-
-    Parameters
-    ----------
-    mismatch : float
-        Largest relative difference between a transit used and the true one.
-    largest, smallest : float
-        Steps to try, s.
-
-    Examples
-    --------
-    >>> from strikewave.waves import BONDED, Layer
-    >>> first, second = (Layer("bar", 1.0, 1.0, 1.0, length) for length in (0.3, 0.7))
-    >>> choose_grid(Stack((first, second), (BONDED,)), 1e-9, 0.5, 1e-4).counts
-    (3, 7)
     """
     transits = np.array([layer.transit for layer in stack.layers])
     smallest = max(smallest, transits.sum() / MOST_NODES)
@@ -175,13 +138,7 @@ def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) 
 
 
 def tables_of(stack: Stack, grid: TimeGrid) -> Tables:
-    """Return the stack on a grid as the kernels take it.
-
-    Raises
-    ------
-    ValueError
-        If a joint has more branches than the kernels hold.
-    """
+    """Return the stack on a grid as the kernels take it; refuse a joint with more branches than they hold."""
     dt = grid.step
     nodes = np.array(grid.counts, dtype=np.int64) + 1
     impedance = np.array([layer.impedance for layer in stack.layers])
@@ -193,21 +150,12 @@ def tables_of(stack: Stack, grid: TimeGrid) -> Tables:
         kind[i] = _fill_joint(joint, dt, value[i], branch[i])
         if joint.contact is not None:
             law[i] = striking_law(joint.contact)
-    return Tables(
-        dt,
-        impedance,
-        nodes,
-        np.concatenate([[0], np.cumsum(nodes)[:-1]]),
-        kind,
-        value,
-        branch,
-        law,
-        _end_coefficients(stack, dt),
-    )
+    start = np.concatenate([[0], np.cumsum(nodes)[:-1]])
+    return Tables(dt, impedance, nodes, start, kind, value, branch, law, _end_coefficients(stack, dt))
 
 
 def _fill_joint(joint: Joint, dt: float, value: Array, branch: Array) -> int:
-    """Fill the values and branches of a joint and return what it does."""
+    """Fill the values and branches of a joint and return its kind."""
     value[STIFFNESS], value[DAMPING], value[PRELOAD] = joint.stiffness, joint.damping, joint.preload
     if joint.contact is not None:
         value[DATUM] = indentation_under(joint.contact, joint.preload)
@@ -317,19 +265,18 @@ class ErrorBound:
 
     Springs, masses and gaskets follow the trapezoidal rule, whose own error (second order in the step over
     their relaxation time) comes on top; bonded joints and the simple ends have none.
-
-    Attributes
-    ----------
-    velocity, acceleration : float
-        m/s and m/s^2; infinite where the theorem does not hold.
     """
 
     velocity: float
+    """m/s; infinite where the theorem does not hold."""
     acceleration: float
+    """m/s^2."""
 
 
 def error_bound(stack: Stack, grid: TimeGrid, integrals: Array, places: Sequence[tuple[int, float]]) -> ErrorBound:
-    """Bound the error of velocity and acceleration at places of a stack on a grid.
+    """Return the bound of the error of velocity and acceleration at places of a stack on a grid.
+
+    ``integrals`` are I1, I2, I3 and the largest norms |w'|, |w''|, |w'''|, as `run_bar` gathers them.
 
     On the grid each wave runs with a transit wrong by at most the relative mismatch d. The error e of
     the waves then obeys the exact equations with a source -d times the rate of the computed waves w.
@@ -342,13 +289,6 @@ def error_bound(stack: Stack, grid: TimeGrid, integrals: Array, places: Sequence
     v^2 <= (2/Z) [|e|^2/t + 2 |e| (|e'| + d |w'|)]; likewise for the acceleration with one more rate. A tap
     between nodes is read half a step away at most. The load counts as sampled at the steps: a corner in it
     is rounded over one step, and a jump makes the bound large, as it must.
-
-    Parameters
-    ----------
-    integrals : ndarray
-        I1, I2, I3 and the largest norms |w'|, |w''|, |w'''|, shape (6,), as `run_bar` gathers them.
-    places : sequence of (int, float)
-        Layer and fraction of each tap.
     """
     if any(joint.unilateral for joint in stack.joints) or any(layer.speed for layer in stack.layers):
         return ErrorBound(math.inf, math.inf)
@@ -374,31 +314,16 @@ def empty_averages(taps: NDArray[np.int64], faces: NDArray[np.int64], every: int
 
 
 def mean_acceleration(mean_velocity: Array, before: Array, step: float) -> Array:
-    """Return the average acceleration about each kept step, m/s^2, shape (N, taps).
+    """Return the average acceleration about each kept step of ``step``, s, m/s^2, shape (N, taps).
 
-    The first one holds the jump with which a load begins: its integral counts from one kept step before.
-
-    Parameters
-    ----------
-    mean_velocity : ndarray
-        From each kept step to the next, m/s, shape (N, taps).
-    before : ndarray
-        Velocity before the first kept step, m/s, shape (taps,).
-    step : float
-        Kept step h, s.
-
-    Examples
-    --------
-    A jump of 2 m/s a quarter of the way between two kept steps 1 s apart:
-
-    >>> mean_acceleration(np.array([[0.0], [1.5], [2.0]]), np.zeros(1), 1.0).ravel().tolist()
-    [0.0, 1.5, 0.5]
+    Mean velocities go from each kept step to the next, m/s; ``before`` is the velocity before the first one. The first
+    acceleration holds the jump with which a load begins: its integral counts from one kept step before.
     """
     return np.asarray(np.diff(np.vstack([before, mean_velocity]), axis=0) / step)
 
 
 def from_within(average: Array, value: Array, every: int) -> Array:
-    """Return the average of a force about the first or the last kept step, over what of its hat lies within the run.
+    """Return the average of a force about the first or the last kept step, over the part of its hat within the run.
 
     ``average`` is the one that counts zero outside, N; ``value`` the force at that step. Then the trapezoidal rule over
     the kept steps gives the impulse of all steps.
@@ -422,7 +347,7 @@ class LayerUsed:
 
 @declare.dataclass
 class WaveSetup:
-    """How the waves of a stack were followed."""
+    """Step and layers with which the waves of a stack were followed."""
 
     step: float = declare.number(STEP, "time step of the waves")
     mismatch: float = declare.number(RATIO, "largest relative error of a transit time by whole steps")
@@ -430,7 +355,7 @@ class WaveSetup:
 
 
 def wave_setup(stack: Stack, grid: TimeGrid) -> WaveSetup:
-    """Return how a stack was followed on a grid."""
+    """Return the setup of a stack on a grid."""
     rows = zip(stack.layers, grid.lengths(stack), grid.counts, strict=True)
     return WaveSetup(
         grid.step, grid.mismatch, tuple(LayerUsed(layer.name, layer.length, used, n) for layer, used, n in rows)

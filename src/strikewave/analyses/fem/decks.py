@@ -70,7 +70,7 @@ class DeckResult(ShownResult):
 
     @declare.computed(declare.rows(DeckNote, "what differs from the model, and what is left out", in_document=False))
     def notes(self) -> list[DeckNote]:
-        """What differs from the model, and what is left out."""
+        """Differences from the model, and parts that are left out."""
         differs = [DeckNote("differs", what) for what in self.differs]
         return differs + [DeckNote("left out", what) for what in self.left_out]
 

@@ -316,7 +316,7 @@ class FemSolution(CaseResult):
 
     @declare.computed(declare.word("why the run ended early; null where it did not"))
     def stopped(self) -> str | None:
-        """Why the run ended early."""
+        """Reason why the run ended early."""
         return self.run.stopped or None
 
     @declare.computed(declare.rows(ElementsBlow, "each blow", key="blows"))

@@ -1,4 +1,4 @@
-"""What a thread of a device does: one element, node or row each, by the formulas that the loops of the processor call.
+"""Bodies of the threads of a device: one element, node or row each, by the formulas of the processor's loops.
 
 Numba compiles for a device what it is called by a kernel there; the formulas themselves are those of
 `strikewave.fem`, compiled from the same functions. An element has a scratch of its own, laid out as that of a chunk, in
@@ -65,7 +65,7 @@ ROWS, KEPT, SEVEN, THREE_FIELDS = np.uint64(CONSTANTS), np.uint64(9), np.uint64(
 
 
 class ElementResults(NamedTuple):
-    """What elements leave for the nodes and for the balance.
+    """Results of elements for the nodes and for the balance.
 
     Forces on corners (3, chunks * 8 * LANES), sums of work (SUMS, chunks * LANES), critical step (chunks * LANES).
     """
@@ -90,14 +90,14 @@ def take_state(state, at, moving, s):
     """Copy the state of a point into the scratch; its back stress only where the yield surface moves."""
     for k in range(KEPT):
         s[HELD + k * W] = state[at + k * W]
-    if moving:
+    if moving:  # six numbers of fifteen, which most solids never use
         for k in range(SIX):
             s[HELD + BACK[0] + k * W] = state[at + BACK[0] + k * W]
 
 
 @fused_leaf_kernel
 def keep_state(state, at, moving, s):
-    """Copy it back."""
+    """Copy the state of a point back."""
     for k in range(KEPT):
         state[at + k * W] = s[HELD + k * W]
     if moving:
@@ -107,7 +107,7 @@ def keep_state(state, at, moving, s):
 
 @fused_leaf_kernel
 def leave_results(blocks, results, chunk, lane, s):
-    """Write what an element leaves: works are added, the hourglass energy is that of now.
+    """Write the results of an element: works are added, the hourglass energy is that of now.
 
     Lanes beyond those that are filled repeat the last element, and leave nothing.
     """
@@ -189,7 +189,7 @@ def full_element(i, s, blocks, x, v, dt, viscous, results):
 def gather_node(n, start, places, corner, f):
     """Add to the force on a node those on its corners of elements, at places[start[n] : start[n + 1]]."""
     for c in range(3):
-        total = 0.0
+        total = 0.0  # by the node, not added by the elements: the order of a sum is then that of the table
         for k in range(start[n], start[n + 1]):
             total += corner[c, places[k]]
         f[n, c] += total

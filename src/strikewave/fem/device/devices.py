@@ -1,4 +1,4 @@
-"""Where bodies run, one call for each index: a GPU, or a loop here."""
+"""Devices that run a body, one call for each index: a GPU, or a loop here."""
 
 from __future__ import annotations
 
@@ -17,16 +17,10 @@ NAMES = ("cuda", MIXED)
 
 
 class Device(Protocol):
-    """What holds arrays and calls a compiled body for each index.
+    """A device that holds arrays and calls a compiled body for each index."""
 
-    Attributes
-    ----------
-    stored : type
-        Numbers in which elements keep their constants, their state and the forces on their corners, most of the bytes
-        of a step. All that is calculated is double.
-    """
-
-    stored: type[np.floating[Any]]
+    stored: type[np.floating[Any]]  # most of the bytes of a step; all that is calculated is double
+    """Type of the numbers that elements store: constants, state and forces on their corners."""
 
     def put(self, array: np.ndarray) -> Any:
         """Return a copy of an array there."""
@@ -74,13 +68,7 @@ class Loop:
 
 @functools.cache
 def device_named(name: str) -> Device:
-    """Return a device, the same in each call: it holds what was compiled for it.
-
-    Raises
-    ------
-    InputError
-        If there is none of that name, or it is not here.
-    """
+    """Return a device, the same in each call: it holds what was compiled for it."""
     if name not in NAMES:
         raise InputError("--device", name, " or ".join(NAMES))
     try:

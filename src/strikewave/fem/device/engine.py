@@ -11,16 +11,14 @@ from numpy.typing import NDArray
 from strikewave.fem import _contact_kernels as contact_kernels
 from strikewave.fem import _history_kernels as history_kernels
 from strikewave.fem import _layout as layout
-from strikewave.fem import _node_kernels as boundary_kernels
 from strikewave.fem import _node_kernels as node_kernels
-from strikewave.fem import _node_kernels as rigid_kernels
 from strikewave.fem import _surface_kernels as surface_kernels
 from strikewave.fem._contact_kernels import ContactState, Step, WallState, wall_node
 from strikewave.fem._history_kernels import TOUCHED, shares_of
-from strikewave.fem._node_kernels import move_tied_node
+from strikewave.fem._node_kernels import TieState, move_tied_node
 from strikewave.fem.bodies import SHARES, RigidBody
 from strikewave.fem.boundary import Acting, Dashpots, Held, Now, Pressed, Weight, value_at
-from strikewave.fem.contact import REACH, TieState
+from strikewave.fem.contact import REACH
 from strikewave.fem.device import _bodies as bodies
 from strikewave.fem.device.devices import Device
 from strikewave.fem.engine import Engine
@@ -32,21 +30,14 @@ from strikewave.fem.run import FemRun, FieldFrame
 
 
 def lists(keys: NDArray[np.integer[Any]], values: NDArray[np.integer[Any]], count: int) -> tuple[Index, Index]:
-    """Return where the values of each key begin, (count + 1,), and the values, ascending for each.
-
-    Examples
-    --------
-    >>> start, places = lists(np.array([1, 0, 1]), np.array([5, 6, 4]), 3)
-    >>> start.tolist(), places.tolist()
-    ([0, 1, 3, 3], [6, 4, 5])
-    """
+    """Return where the values of each key begin, (count + 1,), and the values, ascending for each."""
     order = np.lexsort((values, keys))
     start = np.concatenate([[0], np.cumsum(np.bincount(keys, minlength=count))])
     return start.astype(np.int32), values[order].astype(np.int32)
 
 
-GROUP = 32
-"""Faces of a group: a node then looks at a thirty-second of all boxes, and at those of the few groups it lies in."""
+GROUP = 32  # a node looks at a thirty-second of all boxes, and at those of the few groups it lies in
+"""Faces of a group."""
 
 
 class FaceSearch:
@@ -67,15 +58,9 @@ class FaceSearch:
         )
 
     def near(self, there: ContactState, x: Any) -> tuple[Index, Any, Any]:
-        """Renew areas and boxes for where the nodes are now.
-
-        Returns
-        -------
-        start, there_start, candidates : array
-            Where the faces of each node begin, here and there; the faces, there.
-        """
+        """Renew areas and boxes; return where each node's faces begin, here and there, and the faces."""
         each, groups = self.device.each, self.groups
-        each(boundary_kernels.take_row, self.nodes, there.touch.nodes, x, there.place)
+        each(node_kernels.take_row, self.nodes, there.touch.nodes, x, there.place)
         each(bodies.survey_face, self.faces, there, REACH, groups.boxes, self.area)
         each(bodies.survey_node, self.nodes, there, *self.corners, self.area)
         each(bodies.bound_group, len(groups.bounds), groups)
@@ -143,10 +128,10 @@ class DeviceElements:
             put(np.zeros((layout.SUMS, self.lanes))),
             put(np.full(self.lanes, np.inf)),
         )
-        self.sums, self.found = put(np.zeros((self.chunks, layout.SUMS))), put(np.zeros((self.chunks, 2)))
+        self.sums, self.largest = put(np.zeros((self.chunks, layout.SUMS))), put(np.zeros((self.chunks, 2)))
 
     def fetch(self) -> None:
-        """Bring it here."""
+        """Bring the state here."""
         self.here.blocks.state[:] = self.device.get(self.blocks.state)
 
     def collect(self) -> None:
@@ -154,6 +139,7 @@ class DeviceElements:
         if not self.stepped:
             return  # the hourglass energy, which is no sum, is still that of the last time
         self.stepped = False
+        # By slab, as the processor keeps its sums: plastic work is told by part from them.
         self.device.each(bodies.drain_chunk, self.chunks, self.results.works, self.sums)
         by_slab = np.add.reduceat(self.device.get(self.sums), self.here.slabs[:, 0])
         self.here.sums[:, :3] += by_slab[:, :3]
@@ -161,9 +147,9 @@ class DeviceElements:
 
     def peaks(self) -> Array:
         """Return the largest stress and strain of each chunk, as `Hexahedra.peaks` does."""
-        rest = self.blocks.state, self.blocks.filled, self.here.points, self.found
+        rest = self.blocks.state, self.blocks.filled, self.here.points, self.largest
         self.device.each(history_kernels.peak_of_chunk, self.chunks, *rest)
-        return self.device.get(self.found)
+        return self.device.get(self.largest)
 
     def add_forces(self, nodes: Nodes, dt: float) -> float:
         """Bring the elements to the end of a step and add their forces; return their critical step, s."""
@@ -187,12 +173,12 @@ class DeviceTies:
         )
 
     def gather(self, f: Any) -> None:
-        """Hand the forces on tied nodes on, as `strikewave.fem.contact.gather_tied_forces` does, in its order."""
+        """Hand the forces on tied nodes on, as `gather_tied_forces` does, in its order."""
         self.device.each(bodies.tied_corner, self.carrying, self.corners, self.start, self.places, self.there, f)
         self.device.each(bodies.clear_row, self.count, self.there.nodes, f)
 
     def move(self, field: Any) -> None:
-        """Give tied nodes the vectors of their places on the faces, as `strikewave.fem.contact.move_tied` does."""
+        """Give tied nodes the vectors of their places on the faces, as `move_tied` does."""
         self.device.each(move_tied_node, self.count, self.there, field)
 
     def follow(self, nodes: Nodes, dt: float) -> None:
@@ -214,11 +200,11 @@ class DeviceActing:
 
     def add(self, now: Now) -> None:
         """Find the forces of this instant and add them to those of the nodes."""
-        self.device.each(boundary_kernels.take_row, self.count, self.nodes, now.v, self.before)
+        self.device.each(node_kernels.take_row, self.count, self.nodes, now.v, self.before)
         self._apply(now)
 
     def add_rest(self, now: Now) -> None:
-        """Add what it takes once more forces, of contact, have come."""
+        """Add the force that it takes to hold the nodes against contact too."""
         self.device.each(bodies.copy_row, self.count, self.force, self.first)
         self._apply(now)
         self.device.each(bodies.join_row, self.count, self.force, self.first)
@@ -226,17 +212,17 @@ class DeviceActing:
     def _apply(self, now: Now) -> None:
         each, here = self.device.each, self.here
         if isinstance(here, Weight):
-            each(boundary_kernels.add_row, self.count, self.nodes, self.force, now.f)
+            each(node_kernels.add_row, self.count, self.nodes, self.force, now.f)
             return
         rest = now.kick, now.v, now.f, now.mass, self.force
         if isinstance(here, Held):
             speed = 0.0 if here.speed is None else value_at(here.speed, now.time + 0.5 * now.step)
-            each(boundary_kernels.hold_node, self.count, self.nodes, self.table, speed, *rest)
+            each(node_kernels.hold_node, self.count, self.nodes, self.table, speed, *rest)
         elif isinstance(here, Dashpots):
             if now.kick != self.kick:
                 self.kick = now.kick
                 self.table = self.device.put(here.ready_for(now.kick, self.mass))
-            each(boundary_kernels.absorb_node, self.count, self.nodes, self.table, *rest)
+            each(node_kernels.absorb_node, self.count, self.nodes, self.table, *rest)
 
     def book(self, nodes: Nodes, kick: float) -> None:
         """Add work and impulse of the step that led to the velocity now."""
@@ -285,10 +271,10 @@ class DeviceRigid(DeviceActing):
 
     def _apply(self, now: Now) -> None:
         each, centre = self.device.each, tuple(self.here.centre.tolist())
-        each(rigid_kernels.sum_share, SHARES, self.nodes, now.x, now.f, centre, self.sums)
+        each(node_kernels.sum_share, SHARES, self.nodes, now.x, now.f, centre, self.sums)
         pose = self.device.put(self.here.move(self.device.get(self.sums), now.kick, now.step))
-        rest = now.kick, now.step, now.x, self.before, now.f, now.mass, self.force
-        each(rigid_kernels.bring_node, self.count, self.nodes, self.arms, pose, *rest)
+        rest = (now.kick, now.step), now.x, self.before, now.f, now.mass, self.force
+        each(node_kernels.bring_node, self.count, self.nodes, self.arms, pose, *rest)
 
 
 ACTING: dict[type[Acting], type[DeviceActing]] = {Pressed: DevicePressed, RigidBody: DeviceRigid}
@@ -301,7 +287,7 @@ def acting_there(device: Device, acting: Acting, mass: Array) -> DeviceActing:
 
 
 class DeviceTouch(Generic[S]):
-    """Nodes of a contact or wall, and what they sum up."""
+    """Nodes of a contact or wall, and their sums."""
 
     def __init__(self, device: Device, here: S) -> None:
         self.here: S = here
@@ -321,7 +307,7 @@ class DeviceTouch(Generic[S]):
         return np.asarray(self.device.get(self.totals).sum(axis=0))
 
     def felt(self) -> Array:
-        """Return what the shares of the nodes feel: see `_history_kernels.touch_share`."""
+        """Return forces, powers and areas of the shares of the nodes: see `_history_kernels.touch_share`."""
         self.device.each(history_kernels.touch_share, len(self.feeling), self.there.touch, self.feeling)
         return self.device.get(self.feeling)
 
@@ -377,7 +363,7 @@ class DeviceContact(DeviceTouch[ContactState]):
         return float(contact_kernels.travel_of(self.here, dt))
 
     def _find_speeds(self, middle: tuple[float, float, float]) -> None:
-        """Bring here what the shares of the nodes move at, by their offsets from a velocity."""
+        """Bring the speeds of the shares of the nodes here, as offsets from a velocity."""
         self.device.each(contact_kernels.speed_share, len(self.here.speeds), self.there, middle)
         self.here.speeds[:] = self.device.get(self.there.speeds)
 
@@ -392,7 +378,7 @@ class DeviceContact(DeviceTouch[ContactState]):
 
 
 class DeviceWatch:
-    """What is watched of nodes and sections, and the sums of it."""
+    """Nodes and sections that are watched, and their sums."""
 
     def __init__(self, device: Device, engine: Engine) -> None:
         watched = engine.recorder.watched

@@ -11,18 +11,12 @@ from numba import cuda
 from strikewave.base.errors import InputError
 from strikewave.fem._layout import SCRATCH
 
-THREADS = 128
-"""Threads of a block: a whole number of warps; few, so that threads of 255 registers still fill half a processor."""
+THREADS = 128  # a whole number of warps; few, so that threads of 255 registers still fill half a processor
+"""Threads of a block."""
 
 
 class Cuda:
-    """The first GPU; ``stored`` as in `strikewave.fem.device.devices.Device`.
-
-    Raises
-    ------
-    InputError
-        If there is none, or its driver is missing.
-    """
+    """The first GPU; ``stored`` as in `strikewave.fem.device.devices.Device`."""
 
     def __init__(self, stored: type[np.floating[Any]] = np.float64) -> None:
         if not cuda.is_available():
@@ -71,7 +65,7 @@ def kernel_of(body: Any) -> Callable[[int, tuple[Any, ...]], None]:
 
 
 def scratch_kernel_of(body: Any) -> Callable[[int, tuple[Any, ...]], None]:
-    """Return the same with a scratch, which the compiler keeps in registers."""
+    """Return such a function with a scratch, which the compiler keeps in registers."""
 
     def run(count: int, arguments: tuple[Any, ...]) -> None:
         i = cuda.grid(1)  # type: ignore[call-arg, var-annotated]

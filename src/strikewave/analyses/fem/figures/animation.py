@@ -111,7 +111,7 @@ class Movie:
 
     @property
     def wide(self) -> bool:
-        """Whether the pictures stand above the histories."""
+        """True if the pictures stand above the histories."""
         width, height = self.images[0].size
         return height < WIDE * width
 

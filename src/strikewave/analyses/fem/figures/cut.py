@@ -74,7 +74,7 @@ class CutQuantity(ShownQuantity):
 
     @property
     def signed(self) -> bool:
-        """Whether both signs matter, and zero stands in the middle of the scale."""
+        """True if both signs matter, and zero stands in the middle of the scale."""
         return self.colours == "RdBu_r"
 
 

@@ -100,7 +100,7 @@ class LsDynaResult(measured.AskedResult):
 
     @declare.computed(declare.named(ContactPulse, "contacts of LS-DYNA", label="contact", in_document=False))
     def pulses(self) -> dict[str, ContactPulse | None]:
-        """What the force of each contact of LS-DYNA comes to."""
+        """Peak and impulse of each contact of LS-DYNA."""
         return {contact.name: pulse_of(contact.first) for contact in self.found.ls_dyna.contacts}
 
     @declare.computed(declare.named(ForcePair, "contacts of both runs", label="contact", in_document=False))
@@ -116,7 +116,7 @@ class LsDynaResult(measured.AskedResult):
 
     @declare.computed(declare.part(ReadRun, "what was read of LS-DYNA", inline=True, headline="first"))
     def read(self) -> ReadRun:
-        """What was read of LS-DYNA."""
+        """Contents of the files of LS-DYNA."""
         theirs = self.found.ls_dyna
         return ReadRun(
             folder=str(theirs.folder),
