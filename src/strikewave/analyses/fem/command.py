@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -13,14 +14,24 @@ from strikewave.reporting.options import CaseName, Changes, ElementDevice
 from strikewave.reporting.output_options import Output, RunOutput
 
 
-def fem(
-    case: CaseName,
-    *,
+@dataclass(frozen=True)
+class FemOptions:
+    """Options of a run of elements besides its case and its output."""
+
     threads: Annotated[
         int,
         typer.Option("--threads", metavar="COUNT", min=1, help="Threads, one a core at most; they change no number."),
-    ] = 1,
-    device: ElementDevice = None,
+    ] = 1
+    device: ElementDevice = None
+    restart: Annotated[bool, typer.Option("--restart", help="Continue an interrupted run.")] = False
+    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.html.")] = False
+    animate: Annotated[bool, typer.Option("--animate", help="Write animation.html and animation.gif too.")] = False
+
+
+def fem(
+    case: CaseName,
+    *,
+    options: FemOptions,
     frames: Annotated[
         int | None,
         typer.Option(
@@ -40,9 +51,6 @@ def fem(
         ),
     ] = None,
     check: Annotated[bool, typer.Option("--check", help="Build the model and estimate the work; run nothing.")] = False,
-    restart: Annotated[bool, typer.Option("--restart", help="Continue an interrupted run.")] = False,
-    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.html.")] = False,
-    animate: Annotated[bool, typer.Option("--animate", help="Write animation.html and animation.gif too.")] = False,
     changes: Changes = None,
     output: RunOutput,
 ) -> int:
@@ -52,7 +60,7 @@ def fem(
     no files are written unless --out is given. The exit code is 3 where energy is off by more than 1 %, or hourglass
     modes hold more than 5 % of the internal energy.
     """
-    from strikewave.analyses.fem.screen import FemOptions, check_element_case, run_element_case
+    from strikewave.analyses.fem.screen import check_element_case, run_element_case
     from strikewave.cases.case import load_case
 
     read = load_case(case, changes or ())
@@ -61,9 +69,8 @@ def fem(
             changes = [*(changes or ()), f"{path}={count}"]
             read = load_case(case, changes)
     if check:
-        return check_element_case(read, output.json, threads)
-    choice = FemOptions(threads, not no_report, restart, animate, device)
-    return run_element_case(read, changes or (), output, choice)
+        return check_element_case(read, output.json, options.threads)
+    return run_element_case(read, changes or (), output, options)
 
 
 def deck(

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from strikewave.analyses.fem.build import build_model, exact_volume
+from strikewave.analyses.fem.command import FemOptions
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.result import Energies, FemSolution, largest_words, of_blow
 from strikewave.analyses.fem.run import check_model, first_step, run_model
@@ -65,28 +66,17 @@ STATES = 20
 """States kept in a run: a stopped run loses at most a twentieth, and writing costs below a per cent."""
 
 
-@dataclass(frozen=True)
-class FemOptions:
-    """Options of a run besides its case and its output."""
-
-    threads: int = 1
-    report: bool = True
-    restart: bool = False
-    animate: bool = False
-    device: str | None = None
-
-
-def run_element_case(case: Case, changes: Sequence[str], output: Output, choice: FemOptions | None = None) -> int:
+def run_element_case(case: Case, changes: Sequence[str], output: Output, options: FemOptions | None = None) -> int:
     """Run an element case, write and print its result, and return the exit code."""
-    choice = choice or FemOptions()
-    output.check_animation(choice.animate)
-    if choice.restart and output.json and output.out is None:
+    options = options or FemOptions()
+    output.check_animation(options.animate)
+    if options.restart and output.json and output.out is None:
         raise InputError("--restart", "no folder", "a run that writes its files", "add --out DIR")
-    device = device_named(choice.device) if choice.device else None
-    model, _ = _reported_model(case, choice.threads)
+    device = device_named(options.device) if options.device else None
+    model, _ = _reported_model(case, options.threads)
     case = output.tested(case)
     text = dump_case(case)
-    command = FemCommand(case, model, choice, output.force, device)
+    command = FemCommand(case, model, options, output.force, device)
     return run_and_write(command, output, case_folder(case.name, text, changes), text)
 
 
@@ -123,7 +113,7 @@ class FemCommand(Command[FemSolution]):
 
     case: Case
     model: Model
-    choice: FemOptions
+    options: FemOptions
     anew: bool
     device: Device | None = None
     home: Path | None = field(default=None, init=False)
@@ -135,7 +125,7 @@ class FemCommand(Command[FemSolution]):
         controls, frames = self.model.controls, int(self.case.fem.frames.si) if self.case.fem else 0
         instants = [instant * controls.interval for instant in frame_instants(controls, frames)]
         with (
-            unfinished_run(folder, dump_case(self.case), self.choice.restart, self.anew) as self.home,
+            unfinished_run(folder, dump_case(self.case), self.options.restart, self.anew) as self.home,
             FieldFiles(self.home, self.model.mesh, instants) as self.fields,
         ):
             yield
@@ -143,8 +133,8 @@ class FemCommand(Command[FemSolution]):
     def solve(self) -> FemSolution:
         """Return the solution, with a bar on stderr."""
         with progress() as report:
-            options, snapshots = self._options()._replace(report=report), SNAPSHOTS
-            if self.choice.animate:
+            options, snapshots = self._run_options()._replace(report=report), SNAPSHOTS
+            if self.options.animate:
                 from strikewave.analyses.fem.figures import animation
 
                 snapshots = animation.SNAPSHOTS
@@ -152,14 +142,14 @@ class FemCommand(Command[FemSolution]):
         lost = self.fields.notices if self.fields else ()
         return dataclasses.replace(solution, notices=(*solution.notices, *lost))
 
-    def _options(self) -> RunOptions:
+    def _run_options(self) -> RunOptions:
         """Return the options of the run; one that writes no files keeps no state."""
         if self.home is None or self.fields is None:
             return RunOptions(device=self.device)
         state = self.home / STATE_FILE
         return RunOptions(
             checkpoint=Checkpoint(state, max(1, round(self.model.controls.intervals / STATES))),
-            resume=state if self.choice.restart else None,
+            resume=state if self.options.restart else None,
             device=self.device,
             writer=self.fields.of_blow(1),
             later=self.fields.of_blow,
@@ -179,7 +169,7 @@ class FemCommand(Command[FemSolution]):
         """Write page and pictures, and the animation, which takes some seconds."""
         from strikewave.analyses.fem.report import draw_result
 
-        return draw_result(result, folder, self.choice.report, self.choice.animate)
+        return draw_result(result, folder, not self.options.no_report, self.options.animate)
 
     def hand_over(self, result: FemSolution, folder: Path) -> list[str]:
         """Put the fields into the folder."""
