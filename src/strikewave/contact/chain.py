@@ -45,16 +45,16 @@ from strikewave.contact.motion import FIRST_STEP, Motion, MotionState, integrate
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-9
-"""Local error of a step over its scales: the errors of a thousand steps stay below the 1e-6 of an energy balance."""
+TOLERANCE = 1e-9  # the errors of a thousand steps stay below the 1e-6 of an energy balance
+"""Local error of a step over its scales."""
+# Blows that slow carry a millionth of the energy, and a slower one would make a slowly pressed contact rigid.
 SLOWEST_SHARE = 1e-3
-"""Least approach speed of a contact over the speed scale of its chain, where none is given: blows that slow carry a
-millionth of the energy, and a slower one would make a slowly pressed contact rigid."""
-_STEPS_A_PERIOD = 8.0
-"""Fewest steps in the period of a shaking base: a longer one could miss that a base comes and goes."""
+"""Least approach speed of a contact over the speed scale of its chain, where none is given."""
+_STEPS_A_PERIOD = 8.0  # a longer one could miss that a base comes and goes
+"""Fewest steps in the period of a shaking base."""
+# Chosen small beside any blow, so that they only keep the tolerance of a chain at rest from being zero.
 _LEAST_DROP, _LEAST_SPEED = 1e-3, 1e-6
-"""Way (m) in which gravity and preloads gain speed, and speed scale (m/s) of a chain at rest: chosen small beside any
-blow, so that they only keep the tolerance of a chain at rest from being zero."""
+"""Way (m) in which gravity and preloads gain speed, and speed scale (m/s) of a chain at rest."""
 
 
 @dataclass(frozen=True)

@@ -410,13 +410,12 @@ def repeated_blows(
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-8
-"""Relative error of a step: far below what is known of any cushion."""
+TOLERANCE = 1e-8  # far below what is known of any cushion
+"""Relative error of a step."""
 _SCALE_SHARE = 1e-8
 """Absolute error of a step over the way and speed that the surface makes."""
-_LONGEST_SHARE = 0.5
-"""Longest step over the width of the surface's pulse, the integral of |a| over its largest value: a step that is longer
-than the pulse could miss it."""
+_LONGEST_SHARE = 0.5  # a step that is longer than the pulse could miss it
+"""Longest step over the width of the surface's pulse, the integral of |a| over its largest value."""
 
 
 class Carried(NamedTuple):

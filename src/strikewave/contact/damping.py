@@ -286,12 +286,12 @@ def named_contact(
     return replace(contact, asked=RequestedDamping(law, restitution_asked))
 
 
-_BELOW_CRITICAL = 1.0 - 1e-16
-"""Largest damping ratio below 1 that a float holds: there the restitution is zero already."""
-_CRITICAL = 1e-9
-"""Distance from critical damping within which the limit stands for 0/0: the function is flat to as much there."""
-_NEWTON_STEPS = 30
-"""Newton's steps to a damping ratio: the decay is concave, so that they come from below, and six leave all digits."""
+_BELOW_CRITICAL = 1.0 - 1e-16  # there the restitution is zero already
+"""Largest damping ratio below 1 that a float holds."""
+_CRITICAL = 1e-9  # the function is flat to as much there
+"""Distance from critical damping within which the limit stands for 0/0."""
+_NEWTON_STEPS = 30  # the decay is concave, so that they come from below, and six leave all digits
+"""Newton's steps to a damping ratio."""
 _FAR = 2.0
 """Decay from which on Newton's steps begin at ln(2 zeta), which is nearer there than the slope at 0 times zeta."""
 _OWN_DAMPERS: dict[str, DamperLaw] = {}

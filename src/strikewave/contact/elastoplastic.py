@@ -44,23 +44,23 @@ class PlasticBody(ElasticBody, Protocol):
         """Mean pressure of a fully plastic ball indentation, Pa."""
 
 
+# Source: the finite elements of Jackson & Green 2005; Tabor and slip lines give 2.8 to 3 (from memory).
 HARDNESS_OVER_YIELD = 2.84
-"""Hardness over yield strength of a metal that does not harden. Source: the finite elements of Jackson & Green 2005;
-Tabor and slip lines give 2.8 to 3 (from memory)."""
+"""Hardness over yield strength of a metal that does not harden."""
 HARDENED_OVER_YIELD = 5.2
 """Hardness over yield strength of a metal that hardens strongly, the highest taken where only the yield strength is
 known: hot-rolled AISI 1045, 163 HB and 45 000 psi (310 MPa), in a maker's table of estimated least values
 (Mechanical Properties of Steel, scribd.com/document/360049537). Annealed copper hardens more: give its hardness."""
+# A ball pressed in by d cuts the plane at a^2 = 2 R d, while Hertz has a^2 = R d. Of a line, ln(4 R/a) - 1/2 in place
+# of 2 for the square of the width: 2.2 to 1.8 in width from a/R = 0.02 to 0.1.
 PLASTIC_AREA = 2.0
-"""Area of a fully plastic spot over that of the elastic one at the same depth: a ball pressed in by d cuts the plane at
-a^2 = 2 R d, while Hertz has a^2 = R d. Of a line, ln(4 R/a) - 1/2 in place of 2 for the square of the width: 2.2 to 1.8
-in width from a/R = 0.02 to 0.1."""
-PILED_UP_AREA = 8.0 / 3.0
-"""The same where the metal does not harden and piles up round the spot: the force of Jackson & Green 2005 tends to
-(8/3) pi R H d."""
+"""Area of a fully plastic spot over that of the elastic one at the same depth."""
+PILED_UP_AREA = 8.0 / 3.0  # the force of Jackson & Green 2005 tends to (8/3) pi R H d
+"""The same where the metal does not harden and piles up round the spot."""
+# A thousand times the modulus of diamond, so that only a wrong unit gets there; its cube, in the yield load, is far
+# from overflow.
 LARGEST_PRESSURE = 1e15
-"""Largest pressure, Pa: a thousand times the modulus of diamond, so that only a wrong unit gets there; its cube, in the
-yield load, is far from overflow."""
+"""Largest pressure, Pa."""
 
 
 def point_cap(

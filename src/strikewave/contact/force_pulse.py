@@ -21,33 +21,35 @@ from strikewave.contact.damping import exact
 
 Array = NDArray[np.float64]
 
-_NODES = 200
-"""Nodes of each half of a shape: cubics between them are off by 2e-6 of the peak, far below the noise of any record."""
-FEWEST = 8
-"""Fewest samples of a pulse: five are its unknowns, and some must be left to see the misfit in."""
+_NODES = 200  # cubics between them are off by 2e-6 of the peak, far below the noise of any record
+"""Nodes of each half of a shape."""
+FEWEST = 8  # five are its unknowns, and some must be left to see the misfit in
+"""Fewest samples of a pulse."""
+# Chosen: nothing is left out of the fit, drift stays below the foot, and the margin shows the fit where it is zero.
 FOOT, MARGIN = 0.02, 0.2
-"""Share of the peak at which a pulse begins and ends, and share of its length taken to either side (chosen: nothing is
-left out of the fit, drift stays below the foot, and the margin shows the fit where it is zero)."""
+"""Share of the peak at which a pulse begins and ends, and share of its length taken to either side."""
 NOISY_FOOT, HIGHEST_FOOT = 4.0, 0.3
 """Least height of the foot in standard deviations of the noise, so that noise does not pass for the pulse, and its
 largest share of the peak, so that something is left of the pulse."""
+# Of a thousand samples of noise the largest is at 3.3; of fewer than 64 the pulse makes up too many of the steps that
+# noise is read from.
 CLEAR, MANY = 6.0, 64
-"""Least height of a pulse in standard deviations, and samples from which on it is asked: of a thousand samples of noise
-the largest is at 3.3; of fewer than 64 the pulse makes up too many of the steps that noise is read from."""
-MEDIAN_STEP = 0.954
-"""Median of the steps from sample to sample of white noise, over its standard deviation: 0.6745 sqrt(2)."""
+"""Least height of a pulse in standard deviations, and samples from which on it is asked."""
+MEDIAN_STEP = 0.954  # 0.6745 sqrt(2)
+"""Median of the steps from sample to sample of white noise, over its standard deviation."""
 EARLY_PART, EARLY_SAMPLES = 10, 4
 """Share of the time before a peak, a tenth, or samples, for a first baseline: a pulse takes less than the rest."""
 BASELINE_WIDTHS, QUIET_SHARE = 6.0, 0.1
 """Widths before the rise that give the baseline, without the last, into which the foot may reach (chosen: drift far
 before does not count); samples off their median by more than this share of the peak are other blows."""
-_ELASTIC = 1e-9
-"""Hysteresis factor that stands for none, since shapes divide by it: it changes them by as much."""
-_SERIES = 0.02
-"""|x| below which exp(x) - 1 - x is its series: there it and the difference are off by 4e-15 and 9e-15 (measured)."""
+_ELASTIC = 1e-9  # it changes them by as much
+"""Hysteresis factor that stands for none, since shapes divide by it."""
+_SERIES = 0.02  # measured
+"""|x| below which exp(x) - 1 - x is its series: there it and the difference are off by 4e-15 and 9e-15."""
+# The force is then a power of 4 or more of them, which cubics follow, and never so high that all nodes crowd at the
+# end.
 _STEEPEST, _LEAST_POWER = 4.0, 2.0
-"""Powers of the nodes with which the distance from an end of the contact grows: the force is then a power of 4 or more
-of them, which cubics follow, and never so high that all nodes crowd at the end."""
+"""Powers of the nodes with which the distance from an end of the contact grows."""
 _GAUSS = np.polynomial.legendre.leggauss(5)
 """Five points between two nodes: exact up to degree 9, where the integrand is smooth in the nodes."""
 

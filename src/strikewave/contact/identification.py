@@ -30,38 +30,38 @@ VALUES = ("stiffness", "exponent", "restitution", "mass", "speed")
 """Values that can be given or found: K (N/m^n), n, e, reduced mass m (kg), approach speed v (m/s)."""
 SCALES = ("stiffness", "mass", "speed")
 """Values of which one must be given, so that the pulse determines the other two."""
-EXPONENTS, RESTITUTIONS = (0.2, 8.0), (0.001, 1.0)
-"""Bounds of the search, well beyond contacts, n of 1 to 3 or so: a fit at a bound shows a pulse of another law."""
+EXPONENTS, RESTITUTIONS = (0.2, 8.0), (0.001, 1.0)  # a fit at a bound shows a pulse of another law
+"""Bounds of the search, well beyond contacts, n of 1 to 3 or so."""
 FREE = ("begin", "peak", "width", "exponent", "restitution")
 """Fitted values where nothing is known."""
 LOW = np.array([-1.0, -100.0, -100.0, math.log(EXPONENTS[0]), RESTITUTIONS[0]])
 HIGH = np.array([1.0, 100.0, 100.0, math.log(EXPONENTS[1]), 1.0])
 """Bounds of the unknowns: the begin within a length of the record, sizes within exp(+-100), which is no bound."""
-FARTHEST = 100.0
-"""Largest ratio of the size of a pulse and that of the known values: beyond is a wrong unit, a factor of 1000."""
-_STEP = 1e-5
-"""Step of central differences: the cube root of rounding, where the error of the slope and rounding are alike."""
-_BASINS = (0.5, 0.7, 0.85, 0.97), (0.05, 0.12, 0.25)
-"""Restitutions at the start, for each of the two minima: shapes of e above and below some 0.3 look alike."""
-_FIRST_EXPONENTS = 1.0, 1.5, 2.5
-"""Exponents at the start: a spring, spheres, and a blunter contact."""
-_INSIDE = 1e-3
-"""Distance of a start from the bounds: the trust-region method must begin inside of them."""
+FARTHEST = 100.0  # beyond is a wrong unit, a factor of 1000
+"""Largest ratio of the size of a pulse and that of the known values."""
+_STEP = 1e-5  # the cube root of rounding, where the error of the slope and rounding are alike
+"""Step of central differences."""
+_BASINS = (0.5, 0.7, 0.85, 0.97), (0.05, 0.12, 0.25)  # shapes of e above and below some 0.3 look alike
+"""Restitutions at the start, for each of the two minima."""
+_FIRST_EXPONENTS = 1.0, 1.5, 2.5  # a spring, spheres, and a blunter contact
+"""Exponents at the start."""
+_INSIDE = 1e-3  # the trust-region method must begin inside of them
+"""Distance of a start from the bounds."""
 _CONVERGED, _MOST_EVALUATIONS = 1e-13, 300
 """Relative changes that end the fit, some hundred times rounding, and most evaluations; usual fits take below fifty."""
-_NEAR_ELASTIC = 0.9
-"""Fitted restitution from which on the limit e = 1 is tried as well (chosen: further off it never fits as well)."""
+_NEAR_ELASTIC = 0.9  # chosen: further off it never fits as well
+"""Fitted restitution from which on the limit e = 1 is tried as well."""
 _AS_GOOD, _PERFECT = 1e-6, 1e-15
 """Excess of the squared misfit with which the limit e = 1 is taken: as a share, and a sample, which is the rounding of
 pulses without noise."""
-_LEAST_PEAK = 0.1
-"""Least share of the measured peak of a first guess: a shape far off would else begin with no pulse."""
+_LEAST_PEAK = 0.1  # a shape far off would else begin with no pulse
+"""Least share of the measured peak of a first guess."""
 _TRIED_EXPONENTS = np.geomspace(0.3, 6.0, 61)
 """Exponents tried against the known values, 5 % apart: the fit does the rest."""
-_CLOSER = 0.1
-"""Weight of the distance of exponents beside that of peak and width: it decides only among equally good ones."""
-_ABOVE = 0.1
-"""Share of the peak above which samples count in the moments of a pulse: noise far from it would count the more."""
+_CLOSER = 0.1  # it decides only among equally good ones
+"""Weight of the distance of exponents beside that of peak and width."""
+_ABOVE = 0.1  # noise far from it would count the more
+"""Share of the peak above which samples count in the moments of a pulse."""
 
 
 @dataclass(frozen=True)
@@ -266,32 +266,32 @@ def near(problem: PulseFitProblem, alone: PulseFit) -> Array:
 
 COMBINATIONS = ("momentum", "impulse", "peak_force", "duration", "stiffness_speed")
 """Combinations that a pulse determines, whatever is known."""
-DESCRIBED = 0.01
-"""Systematic misfit over the peak beyond which the law does not describe a pulse (chosen: above the error of a good
-measuring chain, below what a reader sees in the figure)."""
+DESCRIBED = 0.01  # chosen: above the error of a good measuring chain, below what a reader sees in the figure
+"""Systematic misfit over the peak beyond which the law does not describe a pulse."""
+# Chosen: at 0.9 either value alone is known less than half as well as with the other given, 1/sqrt(1 - 0.9^2) = 2.3.
 TRADING, LOOSE = 0.9, 0.2
-"""Correlation and relative standard error from which on a notice is given (chosen: at 0.9 either value alone is known
-less than half as well as with the other given, 1/sqrt(1 - 0.9^2) = 2.3)."""
-PATTERN = 3.5
-"""Standard errors beyond which the lag-1 autocorrelation of the misfit is no chance: 1 in 2000 of white noise."""
-PATTERN_SEEN = 1e-5
-"""Systematic misfit over the peak that is reported: below it lies the error of the shapes, 2e-6."""
-ABOVE_NOISE = 4.0
-"""Standard errors by which a misfit exceeds the noise to count as more: 1 record in 30 000."""
+"""Correlation and relative standard error from which on a notice is given."""
+PATTERN = 3.5  # 1 in 2000 of white noise
+"""Standard errors beyond which the lag-1 autocorrelation of the misfit is no chance."""
+PATTERN_SEEN = 1e-5  # below it lies the error of the shapes, 2e-6
+"""Systematic misfit over the peak that is reported."""
+ABOVE_NOISE = 4.0  # 1 record in 30 000
+"""Standard errors by which a misfit exceeds the noise to count as more."""
+# 5 standard deviations of a sample, squared, in the sum of squares, a tenth of the misfit, and the error of the
+# shapes, without which exact pulses would always disagree.
 DISAGREEING, WORSE, WORSE_BY = 25.0, 1.1, 1e-6
-"""Excess of known values that disagree with a pulse: 5 standard deviations of a sample, squared, in the sum of squares,
-a tenth of the misfit, and the error of the shapes, without which exact pulses would always disagree."""
+"""Excess of known values that disagree with a pulse."""
 AS_GOOD, AS_GOOD_OFF, OTHER = 9.0, 1.2, 0.05
 """Excess with which another shape fits as well: 3 standard deviations, squared, or a fifth of the misfit where the law
 does not describe the pulse; least difference in restitution of another shape."""
-ONE_SIDED_95 = 1.645
-"""Standard deviations of a normal distribution below which 95 % lie: one-sided, since e cannot exceed 1."""
-NO_LOSS = 0.9995
-"""Lower bound of e from which on no loss is seen: to three digits it is 1."""
+ONE_SIDED_95 = 1.645  # one-sided, since e cannot exceed 1
+"""Standard deviations of a normal distribution below which 95 % lie."""
+NO_LOSS = 0.9995  # to three digits it is 1
+"""Lower bound of e from which on no loss is seen."""
 AT_BOUND = 0.05, 0.01
 """Relative distances of e and of n from the bounds of the search within which they count as at them (chosen)."""
-_TINY = 1e-300
-"""Divisor in place of zero: a perfect fit has no misfit, and no correlation."""
+_TINY = 1e-300  # a perfect fit has no misfit, and no correlation
+"""Divisor in place of zero."""
 
 
 class IdentifiedValue(NamedTuple):

@@ -31,20 +31,19 @@ Array = NDArray[np.float64]
 
 CLOSED_FORM, INTEGRATOR = "closed form", "integrator"
 """Methods that solve an impact."""
-SAME_RESTITUTION = 1e-6
-"""Largest difference of equal restitutions: ten times the error of the integrator."""
-_STEPS = 1000
-"""Most steps of one impact: usual ones take 10 to 30 (counted); a damper close to critical takes far more, as bodies
-hardly part."""
-_LARGEST_ENERGY = 1e60
-"""m v0^2 beyond this, or below its inverse, is refused by the integrator, J: powers of such depths would overflow."""
+SAME_RESTITUTION = 1e-6  # ten times the error of the integrator
+"""Largest difference of equal restitutions."""
+_STEPS = 1000  # usual ones take 10 to 30 (counted); a damper close to critical takes far more, as bodies hardly part
+"""Most steps of one impact."""
+_LARGEST_ENERGY = 1e60  # powers of such depths would overflow
+"""m v0^2 beyond this, or below its inverse, is refused by the integrator, J."""
+# Restitutions are then good to 1e-7, far better than any law, and a curve to its rounding.
 TOLERANCE, HISTORY_TOLERANCE = 1e-8, 1e-9
-"""Local errors of a step over its scales, of many impacts and of one in time: restitutions are then good to 1e-7, far
-better than any law, and a curve to its rounding."""
-_HISTORY_STEPS = 500
-"""Steps of a history where no times are given: 0.2 % of the contact, finer than a curve in a figure shows."""
-_ROUNDING = 1e-12
-"""Share of the duration by which a time may lie behind it: the duration itself is good to 1e-10."""
+"""Local errors of a step over its scales, of many impacts and of one in time."""
+_HISTORY_STEPS = 500  # 0.2 % of the contact, finer than a curve in a figure shows
+"""Steps of a history where no times are given."""
+_ROUNDING = 1e-12  # the duration itself is good to 1e-10
+"""Share of the duration by which a time may lie behind it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -51,8 +51,8 @@ CAPS = {**SHAPES, "crush": CRUSH}
 """Caps of a force: the pressure of a contact of a shape, or the plateau of a cushion that crushes."""
 FORMS = {"tangent": TANGENT, "elastomer": ELASTOMER, "plateau": PLATEAU}
 """Forms of a cushion that hardens; see `strikewave.contact._law_kernels.hardening`."""
-EXPONENT_RANGE = 0.1, 10.0
-"""Range of the exponent of a power law: chosen far beyond contacts, 1 to 3 or so, so that only a slip is refused."""
+EXPONENT_RANGE = 0.1, 10.0  # chosen far beyond contacts, 1 to 3 or so, so that only a slip is refused
+"""Range of the exponent of a power law."""
 
 
 @dataclass(frozen=True)

@@ -22,17 +22,16 @@ from strikewave.contact._integrator import FULL, STUCK, Control, StepRecord
 
 Array = NDArray[np.float64]
 
-FIRST_STEP = 2e-3
-"""First step over the shortest time in which a motion changes: its error, of the 8th power, is rounding; the step then
-grows sixfold at a time."""
-_ROWS = 512
-"""Steps of a stretch: half a blow of a machine, 1.2 MB, of which a single time is found again in some milliseconds."""
-_KEPT_BYTES = 256_000_000
-"""Bytes of steps that are kept for good: some hundred blows of a machine."""
-_RECENT = 16
-"""Further stretches that are kept until others are asked for: a figure of one blow asks for several, repeatedly."""
-_MOST_STEPS = 5_000_000
-"""Most steps of a motion: five times those of a thousand blows; beyond, a stiffness or damping is usually wrong."""
+FIRST_STEP = 2e-3  # its error, of the 8th power, is rounding; the step then grows sixfold at a time
+"""First step over the shortest time in which a motion changes."""
+_ROWS = 512  # half a blow of a machine, 1.2 MB, of which a single time is found again in some milliseconds
+"""Steps of a stretch."""
+_KEPT_BYTES = 256_000_000  # some hundred blows of a machine
+"""Bytes of steps that are kept for good."""
+_RECENT = 16  # a figure of one blow asks for several, repeatedly
+"""Further stretches that are kept until others are asked for."""
+_MOST_STEPS = 5_000_000  # five times those of a thousand blows; beyond, a stiffness or damping is usually wrong
+"""Most steps of a motion."""
 _ROUNDING = 1e-15
 """Largest difference of the times of a switch and of a step that begins or ends there, s."""
 _SLACK = 1e-9

@@ -20,8 +20,8 @@ from strikewave.base.errors import MISSING, InputError
 from strikewave.contact.law import Contact, Damper, LogarithmicContact, PressureCap
 from strikewave.contact.registry import StiffnessLaw, law_named, with_added
 
-SMALLEST = 1e-15
-"""Smallest size, m: that of a proton, so that only a wrong unit gets below; curvatures stay far from overflow."""
+SMALLEST = 1e-15  # that of a proton, so that only a wrong unit gets below; curvatures stay far from overflow
+"""Smallest size, m."""
 GEOMETRY = ("radius1", "radius2", "length", "datum_depth")
 """Sizes that a law can ask for: the fields of `Geometry`."""
 OPTIONAL_NEEDS = {"radius2", "datum_depth"}

@@ -88,8 +88,8 @@ COUPLINGS = 24
 """Couplings of the four hourglass modes to the six other modes: the first rows of constants."""
 STIFFNESS, MASS, YIELDING = (int(row) // layout.LANES for row in (layout.STIFFNESS, layout.MASS, layout.YIELDING))
 """Columns of the other constants; see `strikewave.fem._layout`."""
-HINGE = 4.5
-"""Largest hourglass force over kappa sigma_y V^(2/3): the plastic hinge of a cube, see the module."""
+HINGE = 4.5  # the plastic hinge of a cube, see the module
+"""Largest hourglass force over kappa sigma_y V^(2/3)."""
 SIGNS = np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]])
 """xi, eta, zeta of the nodes."""
 MODES = np.stack(

@@ -25,8 +25,8 @@ SAFETY = 0.9  # as is usual: the bound holds for linear elements, 10 % is left f
 """Share of the critical step that a run takes."""
 HOURGLASS = 0.05  # usual in the stiffness form; 0.17 would bend steel cubes exactly, and hold plastic flow up
 """Coefficient of the hourglass stiffness."""
-LINEAR_VISCOSITY, QUADRATIC_VISCOSITY = 0.06, 1.5
-"""Coefficients of the bulk viscosity, the usual ones of explicit codes: a jump is spread over a few elements."""
+LINEAR_VISCOSITY, QUADRATIC_VISCOSITY = 0.06, 1.5  # a jump is spread over a few elements
+"""Coefficients of the bulk viscosity, the usual ones of explicit codes."""
 INTERVAL = 1e-6  # a hundred instants for a pulse of 100 us
 """Step of the histories, s."""
 

@@ -151,11 +151,10 @@ def resting_ratio(speed: float, restitution: float, falling: float = 0.0) -> flo
     return speed / ((1.0 + restitution) * (speed + falling) - speed)
 
 
-AT_REST = 1e-9
-"""Approach speed, over the speed scale of the line, below which bodies stay together: endless bounces end there, with
-1e-18 of the energy left."""
-AT_ONCE = 1e-12
-"""Share of the time passed within which collisions happen at once: some thousand roundings of it."""
+AT_REST = 1e-9  # endless bounces end there, with 1e-18 of the energy left
+"""Approach speed, over the speed scale of the line, below which bodies stay together."""
+AT_ONCE = 1e-12  # some thousand roundings of it
+"""Share of the time passed within which collisions happen at once."""
 
 
 class Collision(NamedTuple):
@@ -468,8 +467,8 @@ def collide_softly(
     return SoftCollisions(motion, speeds, tuple(motion.contacts(k) for k in range(len(touches))))
 
 
-LONGEST_WAY = 1.0
-"""Longest time of the second mass to the table, s (chosen: ten times that of soft cushions of 16 Hz)."""
+LONGEST_WAY = 1.0  # chosen: ten times that of soft cushions of 16 Hz
+"""Longest time of the second mass to the table, s."""
 
 
 class DualMass(NamedTuple):

@@ -34,25 +34,24 @@ Array = NDArray[np.float64]
 
 KINDS = ("full", "glancing", "double", "missed")
 """Kinds of blows; see `Blow`."""
-GLANCING_SHARE = 0.5
-"""Share of the nominal approach speed below which a blow is glancing (chosen: a quarter of its energy)."""
-DOUBLE_SHARE = 0.1
-"""Share of the contact impulse in a later group of contacts from which on a blow is double (chosen: a tenth of the
-velocity change then is not that of the pulse)."""
-SMALLEST_SPEED = 1e-6
-"""Speed of the object to which momentum is resolved, m/s: a face that is only grazed gets none."""
-WORK_SAMPLES = 2001
-"""Samples of a contact over which its work is summed: the trapezoidal rule is off by less than 1e-6 of a half-sine."""
+GLANCING_SHARE = 0.5  # chosen: a quarter of its energy
+"""Share of the nominal approach speed below which a blow is glancing."""
+DOUBLE_SHARE = 0.1  # chosen: a tenth of the velocity change then is not that of the pulse
+"""Share of the contact impulse in a later group of contacts from which on a blow is double."""
+SMALLEST_SPEED = 1e-6  # a face that is only grazed gets none
+"""Speed of the object to which momentum is resolved, m/s."""
+WORK_SAMPLES = 2001  # the trapezoidal rule is off by less than 1e-6 of a half-sine
+"""Samples of a contact over which its work is summed."""
 WINDOW_BEFORE, WINDOW_AFTER, SAMPLE_STEP = 50e-6, 1.5e-3, 0.25e-6
 """Window about a blow, before first touch and at least so long after its last release; sampling, s (chosen: a pulse of
 50 us has 200 samples)."""
+# Pictures show 2.2 widths of a pulse, which is no wider than the time in touch where the frame does not swing longer.
 AGAIN = 1.25
-"""Shortest part of a window after the last release, over the time in touch: pictures show 2.2 widths of a pulse, which
-is no wider than the time in touch where the frame does not swing longer."""
+"""Shortest part of a window after the last release, over the time in touch."""
 LONGEST_WINDOW = 1.0
 """Longest window of a blow, s, as long as `machine.follow` may be: a touch for longer is a rest."""
-MOST_SAMPLES = 200_000
-"""Most samples of such a window, 30 MB with all that is sampled: beyond 50 ms it is sampled more coarsely."""
+MOST_SAMPLES = 200_000  # beyond 50 ms it is sampled more coarsely
+"""Most samples of such a window, 30 MB with all that is sampled."""
 
 
 @declare.dataclass

@@ -36,12 +36,12 @@ Array = NDArray[np.float64]
 QUIET_SHARE = 1e-2
 """Share of the energy of an object as fast as the nominal approach that the frame still rings with when a blow is over
 (chosen: a tenth of the amplitude)."""
-STIFFEST_STOP = 1e-2
-"""Largest square of the object's frequency on spring and stop over that of its frame (chosen: it swings ten times more
-slowly than the frame rings, so that it counts as one body)."""
+STIFFEST_STOP = 1e-2  # chosen: it swings ten times more slowly than the frame rings, so that it counts as one body
+"""Largest square of the object's frequency on spring and stop over that of its frame."""
+# Chosen, far more than any has; samples and contacts beyond are not written down, and a table that is full ends the
+# run with a reason.
 _SPARE_ROWS, _MOST_SAMPLES, _MOST_CONTACTS = 40, 8192, 64
-"""Rows for passes beyond the wanted blows, samples and contacts of a blow: chosen, far more than any has; samples and
-contacts beyond are not written down, and a table that is full ends the run with a reason."""
+"""Rows for passes beyond the wanted blows, samples and contacts of a blow."""
 
 WHY = {
     kernels.STUCK: "the motion could not be followed: a stiffness, damping or mass is extreme",

@@ -321,9 +321,8 @@ def rope_tension(hammer: MacheteHammer, teeth: int, gravity: float = STANDARD_GR
 
 STANDARD_ATMOSPHERE = 101325.0
 """Pa."""
-NEAR_ISOTHERMAL = 1e-6
-"""Excess of the heat ratio over 1 below which a gas is taken as isothermal: the sums of powers then cancel to as many
-digits as this limit leaves out."""
+NEAR_ISOTHERMAL = 1e-6  # the sums of powers then cancel to as many digits as this limit leaves out
+"""Excess of the heat ratio over 1 below which a gas is taken as isothermal."""
 
 
 @dataclass(frozen=True)

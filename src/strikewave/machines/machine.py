@@ -47,16 +47,16 @@ from strikewave.machines.struck_object import ASSEMBLY, CARRIAGE, NOSE, LayeredO
 
 Array = NDArray[np.float64]
 
-FOREVER = 1e9
-"""Time that never comes, s: thirty years."""
+FOREVER = 1e9  # thirty years
+"""Time that never comes, s."""
+# The first touch is a located switch like all others, and 10 us at 100 m/s are 1 mm, far more than any contact is
+# deep.
 BEFORE_TOUCH = 10e-6
-"""Time before first touch at which a launched machine begins, s: the first touch is a located switch like all others,
-and 10 us at 100 m/s are 1 mm, far more than any contact is deep."""
-UNIT_RADIUS, UNIT_INERTIA = 1.0, 1.0
-"""Radius and moment of inertia of the turntable of a launched machine without an arm, m and kg m^2: it stands still, so
-any positive ones do."""
-NO_LAST_PASS = 10**6
-"""Passes after which the feed of a launched machine would retract: it has neither a next striker nor a feed."""
+"""Time before first touch at which a launched machine begins, s."""
+UNIT_RADIUS, UNIT_INERTIA = 1.0, 1.0  # it stands still, so any positive ones do
+"""Radius and moment of inertia of the turntable of a launched machine without an arm, m and kg m^2."""
+NO_LAST_PASS = 10**6  # it has neither a next striker nor a feed
+"""Passes after which the feed of a launched machine would retract."""
 
 
 @dataclass(frozen=True)

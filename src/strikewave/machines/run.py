@@ -25,10 +25,11 @@ from strikewave.machines.strike import strike
 
 Array = NDArray[np.float64]
 
+# In a long flight the error of a step asks for no shorter ones, and DOP853 makes vibrations beyond 5.9 a step grow:
+# up to thousands of g of a stiff frame. At 2.5 it takes 2.5e-4 of an amplitude off a step, as 1e-4 of critical
+# damping would.
 STABLE = 2.5
-"""Longest step of a launched machine, in radians of the vibration of its frame. In a long flight the error of a step
-asks for no shorter ones, and DOP853 makes vibrations beyond 5.9 a step grow: up to thousands of g of a stiff frame. At
-2.5 it takes 2.5e-4 of an amplitude off a step, as 1e-4 of critical damping would."""
+"""Longest step of a launched machine, in radians of the vibration of its frame."""
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,8 @@ from strikewave.machines.struck_object import StruckObject
 
 Array = NDArray[np.float64]
 
-_TIMES_AT_ONCE = 50_000
-"""Most times at which a machine's whole state is sampled at once, in 25 MB: two million would take 1 GB."""
+_TIMES_AT_ONCE = 50_000  # two million would take 1 GB
+"""Most times at which a machine's whole state is sampled at once, in 25 MB."""
 
 
 class Moments(NamedTuple):
@@ -273,16 +273,16 @@ class StackSpan:
 Span = ChainSpan | StackSpan
 
 
+# Chosen: 4e-4 of the energy is left then, and the number of blows stays finite, ln(0.02)/ln(e) of them.
 REST_SHARE = 0.02
-"""Approach speed over the first below which an object rests (chosen: 4e-4 of the energy is left then, and the number of
-blows stays finite, ln(0.02)/ln(e) of them)."""
+"""Approach speed over the first below which an object rests."""
+# A frame that rings touches again within about one such time; a flight of 20 mm/s, the slowest that is followed after
+# a fall of 50 mm, takes 4 ms, twenty times a contact of 200 us.
 FLIGHT_SHARE = 5.0
-"""Time apart, over that of the blow before, after which a touch begins another blow. A frame that rings touches again
-within about one such time; a flight of 20 mm/s, the slowest that is followed after a fall of 50 mm, takes 4 ms, twenty
-times a contact of 200 us."""
+"""Time apart, over that of the blow before, after which a touch begins another blow."""
+# Chosen: a frame that rings swings the speeds through zero several times, and the last one counts.
 FLIGHT_SAMPLES = 4001
-"""Times among which the top of a flight is looked for before it is located (chosen: a frame that rings swings the
-speeds through zero several times, and the last one counts)."""
+"""Times among which the top of a flight is looked for before it is located."""
 
 
 @dataclass(frozen=True)

@@ -54,14 +54,14 @@ from strikewave.waves.transit import (
 
 Array = NDArray[np.float64]
 
-SETTLE = 0.5e-3
-"""Time after the last release for which a stack is followed, s (chosen: a wave in steel runs 2.5 m meanwhile)."""
-SAMPLE_STEP, FIELD_STEP = 0.1e-6, 1e-6
-"""Spacing of the histories of a blow, and of its x-t field, s (chosen: 10 MHz, above any sensor's, and a picture)."""
-LONGEST_BLOW = 10e-3
-"""Longest blow in touch, s (chosen: a hundred times that of metal; its history takes 13 MB)."""
-_MOST_TOUCHES, _MOST_SWITCHES = 64, 16
-"""Most touches and switches of a blow that are written down: chosen, far more than any has."""
+SETTLE = 0.5e-3  # chosen: a wave in steel runs 2.5 m meanwhile
+"""Time after the last release for which a stack is followed, s."""
+SAMPLE_STEP, FIELD_STEP = 0.1e-6, 1e-6  # chosen: 10 MHz, above any sensor's, and a picture
+"""Spacing of the histories of a blow, and of its x-t field, s."""
+LONGEST_BLOW = 10e-3  # chosen: a hundred times that of metal; its history takes 13 MB
+"""Longest blow in touch, s."""
+_MOST_TOUCHES, _MOST_SWITCHES = 64, 16  # chosen, far more than any has
+"""Most touches and switches of a blow that are written down."""
 
 
 def kept_step(grid: TimeGrid) -> float:

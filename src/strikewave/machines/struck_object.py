@@ -12,8 +12,8 @@ from strikewave.waves.layers import Stack
 from strikewave.waves.transit import TimeGrid, choose_grid, grid_of
 
 NOSE, ASSEMBLY, CARRIAGE = "nose", "assembly", "carriage"
-FAR = 1e6
-"""Place of the stop of an object without one, m: out of reach."""
+FAR = 1e6  # out of reach
+"""Place of the stop of an object without one, m."""
 
 
 @dataclass(frozen=True)
@@ -106,9 +106,8 @@ class StruckObject:
 
 
 MISMATCH = 1e-4
-LARGEST_STEP, SMALLEST_STEP = 40e-9, 20e-9
-"""Wanted mismatch of the transits, below the error of any dimension, and steps to try, s (chosen: 1 ms of a blow takes
-25 000 to 50 000 of them)."""
+LARGEST_STEP, SMALLEST_STEP = 40e-9, 20e-9  # chosen: 1 ms of a blow takes 25 000 to 50 000 of them
+"""Wanted mismatch of the transits, below the error of any dimension, and steps to try, s."""
 
 
 @dataclass(frozen=True)

@@ -50,10 +50,10 @@ from strikewave.waves.transit import (
 )
 
 Array = NDArray[np.float64]
-STILL = 1e-9
-"""Share of F/Z below which a tap stands still: a thousand times the rounding of waves that cancel."""
-_TINY = 1e-300
-"""Divisor in place of zero: where nothing flowed nothing is missing, and where nothing moves every change is large."""
+STILL = 1e-9  # a thousand times the rounding of waves that cancel
+"""Share of F/Z below which a tap stands still."""
+_TINY = 1e-300  # where nothing flowed nothing is missing, and where nothing moves every change is large
+"""Divisor in place of zero."""
 Method = Literal["auto", "delay lines", "spectral"]
 
 
@@ -231,22 +231,23 @@ def hung_acceleration(stack: Stack, faces: Array, end_force: Array) -> Array:
     return np.column_stack(columns) if columns else np.empty((len(end_force), 0))
 
 
+# Rounding the load over a step then changes it by 0.1 % or so, and the step is halved from there.
 STEPS_OF_CHANGE = 50.0
-"""Steps of the first try in the shortest time in which the load changes: rounding the load over a step then changes it
-by 0.1 % or so, and the step is halved from there."""
-MOST_STEPS = 1_000_000
-"""Most time steps of a run: each history would take 8 MB, and each spectrum of a place 16 MB."""
-MOST_WORK = 3e7
-"""Most layers times steps to which the step is refined for the wanted error: a few seconds."""
+"""Steps of the first try in the shortest time in which the load changes."""
+MOST_STEPS = 1_000_000  # each history would take 8 MB, and each spectrum of a place 16 MB
+"""Most time steps of a run."""
+MOST_WORK = 3e7  # a few seconds
+"""Most layers times steps to which the step is refined for the wanted error."""
+# Halvings of the spectral solver, 16 times the cost of the first; by delay lines each is aimed from the one before,
+# so that an error that the third misses no step in reach holds.
 _TRIES = 4
-"""Tries of a step: halvings of the spectral solver, 16 times the cost of the first; by delay lines each is aimed from
-the one before, so that an error that the third misses no step in reach holds."""
+"""Tries of a step."""
 _FIELD_LAYERS = 100
 """Most layers of an x-t field; each place costs a spectrum here, so that they are fewer than by delay lines."""
-_FIELD_VALUES = 2e7
-"""Most places times steps of an x-t field, ten seconds: of more than 100 000 steps fewer places are looked at."""
-_CELLS = 1000
-"""Parts of a layer among which the places of a field are chosen: it is cut into no steps that could serve."""
+_FIELD_VALUES = 2e7  # of more than 100 000 steps fewer places are looked at
+"""Most places times steps of an x-t field, ten seconds."""
+_CELLS = 1000  # it is cut into no steps that could serve
+"""Parts of a layer among which the places of a field are chosen."""
 _ROUNDING = 1e-12
 """Share of a step by which a duration may miss a whole number of steps and still be one."""
 
@@ -412,42 +413,37 @@ def _face_extremes(spectrum: SpectralStack, batch: int) -> tuple[Array, Array]:
     return least.reshape(-1, 2), greatest.reshape(-1, 2)
 
 
-MOST_LAYER_STEPS = 1e7
-"""Most layer steps of one try of a step: about half a second."""
-STEPS_OF_MANY_LAYERS = 1e5
-"""Steps that a stack may take however many layers it has: a thousand layers would get 10 000 of them else, too few for
-a pulse that runs through."""
-USUAL_SAMPLES = 20_000
-"""Samples of a tap that are kept when the user gives no step: more than any figure shows, and half a megabyte."""
-SHORTEST_SHARE = 1e-5
-"""Shortest duration over the transit of the stack: shorter steps would cut the stack into millions."""
+MOST_LAYER_STEPS = 1e7  # about half a second
+"""Most layer steps of one try of a step."""
+STEPS_OF_MANY_LAYERS = 1e5  # a thousand layers would get 10 000 of them else, too few for a pulse that runs through
+"""Steps that a stack may take however many layers it has."""
+USUAL_SAMPLES = 20_000  # more than any figure shows, and half a megabyte
+"""Samples of a tap that are kept when the user gives no step."""
+SHORTEST_SHARE = 1e-5  # shorter steps would cut the stack into millions
+"""Shortest duration over the transit of the stack."""
+# Chosen: eight times those of a linear stack, so that an error of second order is 64 times smaller.
 STEPS_WITHOUT_BOUND = 400.0
-"""Steps in the shortest time where no bound can refine them, with joints that open and strikers (chosen: eight times
-those of a linear stack, so that an error of second order is 64 times smaller)."""
-LINEAR_STEPS = 50.0
-"""Steps of the first try, and samples kept, in the shortest time: a half-sine of 50 steps loses 0.1 % between them at
-most, and the error bound refines from there."""
+"""Steps in the shortest time where no bound can refine them, with joints that open and strikers."""
+LINEAR_STEPS = 50.0  # a half-sine of 50 steps loses 0.1 % between them at most, and the error bound refines from there
+"""Steps of the first try, and samples kept, in the shortest time."""
 TOO_THIN = 0.05
 """Change of a transit beyond which a linear stack goes to the spectral solver, which changes none."""
-WORST_MISMATCH = 0.5
-"""Largest change of a transit: beyond, a layer is shorter than two thirds of a step, and no longer the layer of the
-case."""
-FIRST_MISMATCH = 1e-4
-"""Change of a transit in the first try: a tenth of the usual wanted error of a velocity."""
+WORST_MISMATCH = 0.5  # beyond, a layer is shorter than two thirds of a step, and no longer the layer of the case
+"""Largest change of a transit."""
+FIRST_MISMATCH = 1e-4  # a tenth of the usual wanted error of a velocity
+"""Change of a transit in the first try."""
 EXACT_MISMATCH = 1e-12
 """Change of a transit below which it is rounding."""
-AIM = 2.0
-"""Factor by which the next try aims below the wanted error: the bound does not fall exactly as the step does."""
-HOPELESS = 0.5
-"""Share of the bound of an acceleration above which no finer step helps: it falls with the step unless the acceleration
-jumps."""
-EXTREME_STEPS = 20.0
-"""Looks at the extremes of the force in the shortest time: a half-sine between two of them is 0.3 % higher at most."""
-HAT_MOMENT = 1.0 / 6.0
-"""Half the second moment of the weight that averages an acceleration, in kept steps: of a box of two where every step
-is kept, down to that of a hat, 1/12, where few are."""
-_MOST_TOUCHES = 1000
-"""Most contacts of an impactor that are kept: one blow has some ten; the run follows a chatter of more all the same."""
+AIM = 2.0  # the bound does not fall exactly as the step does
+"""Factor by which the next try aims below the wanted error."""
+HOPELESS = 0.5  # it falls with the step unless the acceleration jumps
+"""Share of the bound of an acceleration above which no finer step helps."""
+EXTREME_STEPS = 20.0  # a half-sine between two of them is 0.3 % higher at most
+"""Looks at the extremes of the force in the shortest time."""
+HAT_MOMENT = 1.0 / 6.0  # of a box of two where every step is kept, down to that of a hat, 1/12, where few are
+"""Half the second moment of the weight that averages an acceleration, in kept steps."""
+_MOST_TOUCHES = 1000  # one blow has some ten; the run follows a chatter of more all the same
+"""Most contacts of an impactor that are kept."""
 
 
 def run_bar(

@@ -33,10 +33,10 @@ from strikewave.waves.layers import Layer, Stack
 Floats = NDArray[np.float64]
 History = Callable[[Floats], Floats]
 
-MOST_TRANSFERS = 100_000
-"""Most waves of a sum over the transits of a layer: some seconds of work; a layer that needs more is a film."""
-MOST_ADDED = 2e7
-"""Most waves times instants of a sum: a second."""
+MOST_TRANSFERS = 100_000  # some seconds of work; a layer that needs more is a film
+"""Most waves of a sum over the transits of a layer."""
+MOST_ADDED = 2e7  # a second
+"""Most waves times instants of a sum."""
 ROUTES = ("as printed", "corrected")
 """The two routes by name."""
 _VANISHED, _LOST = 1e-18, 1e-17

@@ -22,29 +22,31 @@ from strikewave.waves.transit import TimeGrid
 
 Array = NDArray[np.float64]
 
+# The front disperses over lengths of the diameter, so that below 2 the rise is that of the bar; up to 5 a peak is
+# good to some 10 % at best.
 REFUSED, WARNED = 2.0, 5.0
-"""Rise time in diameters of travel below which a peak acceleration is refused, and warned of: the front disperses over
-lengths of the diameter, so that below 2 the rise is that of the bar; up to 5 a peak is good to some 10 % at best."""
+"""Rise time in diameters of travel below which a peak acceleration is refused, and warned of."""
+# Only higher modes are missing, which die within about a diameter of a face.
 DISPERSED_REFUSED, DISPERSED_WARNED = 1.0, 2.0
-"""Limits where the first mode of a round bar is followed exactly: only higher modes are missing, which die within about
-a diameter of a face."""
-RISE_OF_BANDWIDTH = 0.35
-"""Rise time (10-90 %) times -3 dB bandwidth of a low-pass: ln 9/(2 pi) of one pole, and about as much of several."""
-MISMATCH_LIMIT = 0.01
-"""Largest relative error of a transit without a warning: echoes then come 1 % early or late, which a figure shows."""
-LOSS_HELD = 0.05
-"""Largest deviation of a loss factor without a notice: the aim of `fit_loss`, and below the scatter of materials."""
-TENSION_SHARE = 0.01
-"""Largest share of the force that tension in a joint takes without a notice (chosen: above the error of a grid)."""
-MOST_NAMES = 5
-"""Most names that a notice lists before it counts the rest: a line stays a line."""
+"""Limits where the first mode of a round bar is followed exactly."""
+RISE_OF_BANDWIDTH = 0.35  # ln 9/(2 pi) of one pole, and about as much of several
+"""Rise time (10-90 %) times -3 dB bandwidth of a low-pass."""
+MISMATCH_LIMIT = 0.01  # echoes then come 1 % early or late, which a figure shows
+"""Largest relative error of a transit without a warning."""
+LOSS_HELD = 0.05  # the aim of `fit_loss`, and below the scatter of materials
+"""Largest deviation of a loss factor without a notice."""
+TENSION_SHARE = 0.01  # chosen: above the error of a grid
+"""Largest share of the force that tension in a joint takes without a notice."""
+MOST_NAMES = 5  # a line stays a line
+"""Most names that a notice lists before it counts the rest."""
+# A tenth of the modulus is about the strength of a perfect crystal, and of rubber the linear law is off by as much
+# there.
 LARGEST_STRAIN = 0.1
-"""Stress over modulus from which on a layer is reported: a tenth of the modulus is about the strength of a perfect
-crystal, and of rubber the linear law is off by as much there."""
+"""Stress over modulus from which on a layer is reported."""
 _ROUNDING = 1e-9
 """Relative rounding of a force at its limit, or of a number about to be rounded down."""
-_SAME_PLACE = 1e-12
-"""Relative rounding of a face's place: a place on it still belongs to the layer before."""
+_SAME_PLACE = 1e-12  # a place on it still belongs to the layer before
+"""Relative rounding of a face's place."""
 
 
 def honest_bandwidth(stack: Stack) -> float:

@@ -199,12 +199,12 @@ class Impactor:
 Load = LoadPulse | Sampled | Impactor
 
 
-MOST_SAMPLES = 4e6
-"""Most samples of all taps: 160 MB with force, velocity and the sums of an acceleration."""
-FEWEST_STEPS = 2.0
-"""Fewest steps of a load, and of a run: a shorter one would fall between two samples."""
-RELAXATION_STEPS = 20.0
-"""Relaxation times of a joint or an end that 50 steps may cover: one takes 2.5 steps at least."""
+MOST_SAMPLES = 4e6  # 160 MB with force, velocity and the sums of an acceleration
+"""Most samples of all taps."""
+FEWEST_STEPS = 2.0  # a shorter one would fall between two samples
+"""Fewest steps of a load, and of a run."""
+RELAXATION_STEPS = 20.0  # one takes 2.5 steps at least
+"""Relaxation times of a joint or an end that 50 steps may cover."""
 
 
 def load_time(load: LoadPulse | Sampled) -> float:

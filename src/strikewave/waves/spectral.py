@@ -27,18 +27,18 @@ from strikewave.waves.dispersion import Rod, wave_number
 from strikewave.waves.layers import END_KINDS, Branch, Layer, LossFit, Stack
 from strikewave.waves.load import PRESCRIBED, Impactor, Load, LoadPulse, Sampled
 
-GOOD_ENOUGH = 0.05
-"""Deviation of the loss factor at which no further branch is added: loss factors of materials are known no better."""
-FARTHEST = 0.25
-"""Largest deviation of the loss factor of a fit: beyond, it is the loss of another material."""
-MOST_BRANCHES = 4
-"""Most Maxwell branches: four hold a loss factor of 1 over two decades to 5 %, and each costs a state of a joint."""
+GOOD_ENOUGH = 0.05  # loss factors of materials are known no better
+"""Deviation of the loss factor at which no further branch is added."""
+FARTHEST = 0.25  # beyond, it is the loss of another material
+"""Largest deviation of the loss factor of a fit."""
+MOST_BRANCHES = 4  # four hold a loss factor of 1 over two decades to 5 %, and each costs a state of a joint
+"""Most Maxwell branches."""
 WIDTHS = np.geomspace(0.3, 2.0, 50)
 """Widths of the relaxation times over that of the band, in logarithms, 4 % apart: the best one is found to 2 %."""
-USUAL_BAND = 1e3, 1e5
-"""Band of a constant loss factor where none is given, Hz (chosen: most of a blow of 10 us to 1 ms lies in it)."""
-LEAST_REST = 1e-3
-"""Least share of the storage stiffness that stays for long times: a solid without it would creep without end."""
+USUAL_BAND = 1e3, 1e5  # chosen: most of a blow of 10 us to 1 ms lies in it
+"""Band of a constant loss factor where none is given, Hz."""
+LEAST_REST = 1e-3  # a solid without it would creep without end
+"""Least share of the storage stiffness that stays for long times."""
 POINTS, ROUNDS, SCALE_WEIGHT = 121, 6, 1e4
 """Frequencies of the least squares, 60 a decade in the usual band; rounds, after four of which the storage stiffness in
 the weights changes by less than 1e-5 (measured); and weight of the row that sets the scale, whose size does not matter,
@@ -146,12 +146,12 @@ Array = NDArray[np.float64]
 WRAPPED = 1e-8
 """Share of a signal left after one period of the transform; rounding errors grow by its inverse square root, to 1e-12
 in the kept half of a period."""
-MOST_LAYER_FREQUENCIES = 1e9
-"""Most layers times frequencies of a run: more would take above a minute."""
-MOST_CONSTANTS = 5e7
-"""Most travel constants at once: 0.8 GB."""
-MOST_VALUES = 2e6
-"""Most values of a spectrum at once, for each quantity: 32 MB, more would not be faster."""
+MOST_LAYER_FREQUENCIES = 1e9  # more would take above a minute
+"""Most layers times frequencies of a run."""
+MOST_CONSTANTS = 5e7  # 0.8 GB
+"""Most travel constants at once."""
+MOST_VALUES = 2e6  # 32 MB, more would not be faster
+"""Most values of a spectrum at once, for each quantity."""
 
 
 def nonlinear_parts(stack: Stack, load: Load) -> list[str]:

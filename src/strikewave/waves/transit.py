@@ -58,17 +58,17 @@ from strikewave.waves.layers import Joint, Stack
 
 Array = NDArray[np.float64]
 
-MOST_NODES = 50_000_000
-"""Most nodes of a grid: its waves take 0.8 GB."""
-MOST_EVENTS = 10_000
-"""Most openings and closings of joints that are kept: nobody reads more of a chatter, and the run goes on."""
+MOST_NODES = 50_000_000  # its waves take 0.8 GB
+"""Most nodes of a grid."""
+MOST_EVENTS = 10_000  # nobody reads more of a chatter, and the run goes on
+"""Most openings and closings of joints that are kept."""
+# Some 16 MB a table, and 16 to 4096 steps of it, so that neither the loop nor a search that ends early costs much.
 MOST_TRIED, FEWEST_AT_ONCE, MOST_AT_ONCE = 2_000_000, 16, 4096
-"""Transits over steps that are compared at once: some 16 MB a table, and 16 to 4096 steps of it, so that neither the
-loop nor a search that ends early costs much."""
+"""Transits over steps that are compared at once."""
 MOST_FIELD_LAYERS = 1000
 """Most layers of an x-t field; of more some are left out, since each takes two places at least."""
-FIELD_PLACES, FIELD_ROWS = 200, 500
-"""Places and instants of an x-t field: as many as a picture of some hundred pixels shows."""
+FIELD_PLACES, FIELD_ROWS = 200, 500  # as many as a picture of some hundred pixels shows
+"""Places and instants of an x-t field."""
 
 
 @dataclass(frozen=True)

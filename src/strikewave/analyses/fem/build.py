@@ -85,21 +85,22 @@ Array = NDArray[np.float64]
 
 ROUGH = 2.0
 """Largest factor by which an estimate of elements is too high; a model refused by it is too large without doubt."""
-LARGEST = 3_000_000
-"""Most elements of a model: they take about 3 GB, which a usual machine has to spare."""
-LARGEST_HISTORY = 200_000
-"""Most instants of the histories: half a gigabyte for tens of parts, and no pulse needs as many."""
-FEWEST_INSTANTS = 3.0
-"""Fewest intervals of the histories: fewer show no pulse at all."""
+LARGEST = 3_000_000  # they take about 3 GB, which a usual machine has to spare
+"""Most elements of a model."""
+LARGEST_HISTORY = 200_000  # half a gigabyte for tens of parts, and no pulse needs as many
+"""Most instants of the histories."""
+FEWEST_INSTANTS = 3.0  # fewer show no pulse at all
+"""Fewest intervals of the histories."""
 ROUNDING = 1e-9
 """Share by which a size may exceed its part, by rounding of units."""
 LARGEST_FINE_CORE = 0.5
 """Largest share of a radius that a core takes, as `strikewave.fem.sections.CORE`."""
-NEAREST = 8
-"""Elements looked at for each place, those whose centres are nearest: a corner has so many around it."""
+NEAREST = 8  # a corner has so many around it
+"""Elements looked at for each place, those whose centres are nearest."""
+# Surfaces may overlap by a tenth of a face (`strikewave.fem.contact.SHALLOW`), and a deeper overlap is a part out of
+# place.
 INSIDE = 0.25
-"""Share of an element's smallest depth that a place inside it lies behind each face: surfaces may overlap by a tenth of
-a face (`strikewave.fem.contact.SHALLOW`), and a deeper overlap is a part out of place."""
+"""Share of an element's smallest depth that a place inside it lies behind each face."""
 SHARE = {"whole": 1.0, "half": 0.5, "quarter": 0.25}
 """Share of a body that a sector holds."""
 LENGTHS = ("width", "depth", "height", "length", "diameter", "outer_diameter", "radius")

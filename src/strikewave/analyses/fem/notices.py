@@ -38,23 +38,20 @@ from strikewave.signal.pulse import FEWEST_INTERVALS
 if TYPE_CHECKING:
     from strikewave.analyses.fem.result import FemSolution
 
-FEWEST_FACES = 16.0
-"""Pressed faces of a whole contact below which its force depends on the mesh: 9 are 5 % off Hertz's peak, 21 are 1
-%."""
-ALL_PRESSED = 0.9
-"""Share of a surface that is pressed, above which its ends, not its faces, bound the contact: flat on flat presses all
-but a rim, a curved surface much less."""
+FEWEST_FACES = 16.0  # 9 are 5 % off Hertz's peak, 21 are 1 %
+"""Pressed faces of a whole contact below which its force depends on the mesh."""
+ALL_PRESSED = 0.9  # flat on flat presses all but a rim, a curved surface much less
+"""Share of a surface that is pressed, above which its ends, not its faces, bound the contact."""
+# Nodes on a face carry half an element with them, and turn at once: where a bar with elements of length h meets its
+# like, the mean force of the first interval is h/(2 c interval) times A rho c v/2. Of the bars of ``two-bars-fem``,
+# on elements of 1 to 8 mm and intervals of 0.1 to 2 us, a top of less than one transit came with peaks up to seven
+# times those of fine elements; without it they stayed within 5 %.
 FEWEST_TRANSITS = 1.0
-"""Fewest transits of a wave through an element at the contact that the top of its force lasts.
-
-Nodes on a face carry half an element with them, and turn at once: where a bar with elements of length h meets its like,
-the mean force of the first interval is h/(2 c interval) times A rho c v/2. Of the bars of ``two-bars-fem``, on elements
-of 1 to 8 mm and intervals of 0.1 to 2 us, a top of less than one transit came with peaks up to seven times those of
-fine elements; without it they stayed within 5 %."""
-LONGER = 1.1
-"""Factor on the time in which the last force, continued, falls to nothing (chosen: a tenth, as falls flatten)."""
-RISING = 0.9
-"""Share of the peak above which the force at the end may still rise: its fall says nothing about its end."""
+"""Fewest transits of a wave through an element at the contact that the top of its force lasts."""
+LONGER = 1.1  # chosen: a tenth, as falls flatten
+"""Factor on the time in which the last force, continued, falls to nothing."""
+RISING = 0.9  # its fall says nothing about its end
+"""Share of the peak above which the force at the end may still rise."""
 RESTLESS, REST_YIELD = 1e-9, 1e-4
 """Largest shares of the energy of a blow that are left as vibration before it, and taken by yield on the way to rest:
 ten times the aim of relaxation (`strikewave.fem.solve.REST`), and a hundredth of the 1 % of the balance."""

@@ -55,8 +55,8 @@ _SOLIDS = {
 }
 _BOUNDARIES = {"NonReflecting": "non-reflecting", "Symmetry": "plane of symmetry"}
 _SHARES = {2: "half", 4: "quarter"}
-MOST_BODIES = 4
-"""Most bodies whose pulses the summary names (chosen: it stays a paragraph; the table of parts has them all)."""
+MOST_BODIES = 4  # chosen: it stays a paragraph; the table of parts has them all
+"""Most bodies whose pulses the summary names."""
 _OF_BLOW = re.compile(r"blow (\d+): ")
 _GROUPS_FIRST = (
     " Groups, drawn thicker, set the scale; a part that reaches far beyond it is cut off, and its legend says how far "
@@ -339,8 +339,8 @@ def _balances(solution: FemSolution) -> Section:
     return Section("Energy and momentum balance", _energy_words(solution), tables)
 
 
-FEWEST_OF_WAVE = 3
-"""Fewest instants after first touch that make a row of pictures (chosen: two show no motion of a front)."""
+FEWEST_OF_WAVE = 3  # chosen: two show no motion of a front
+"""Fewest instants after first touch that make a row of pictures."""
 _HOW = (
     "Each element has the colour of its one value, at its place at that instant: displacements are to scale. Dark "
     "lines are the outlines of bodies, thin lines the mesh, where its elements are large enough. Faces seen "

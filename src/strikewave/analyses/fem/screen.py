@@ -56,14 +56,14 @@ from strikewave.reporting.terminal import (
 )
 
 NAMES = {2: "half", 4: "quarter"}
-LEAST_OFF = 1e-4
-"""Smallest share of a part's volume lost to flat faces that is reported (chosen: a tenth of a mesh's error)."""
+LEAST_OFF = 1e-4  # chosen: a tenth of a mesh's error
+"""Smallest share of a part's volume lost to flat faces that is reported."""
 MOST_REST, REST_WORDS = 3.5, "1 to 3.5 times"
 """Steps that relaxation takes after a blow over those of the blow, at most as a rule."""
-USUAL_RATE = 5e6
-"""Element-steps a second of one thread, for the estimate before a run: half of what two cores of 2023 reach."""
-STATES = 20
-"""States kept in a run: a stopped run loses at most a twentieth, and writing costs below a per cent."""
+USUAL_RATE = 5e6  # half of what two cores of 2023 reach
+"""Element-steps a second of one thread, for the estimate before a run."""
+STATES = 20  # a stopped run loses at most a twentieth, and writing costs below a per cent
+"""States kept in a run."""
 
 
 def run_element_case(case: Case, changes: Sequence[str], output: Output, options: FemOptions | None = None) -> int:

@@ -22,8 +22,8 @@ from strikewave.fem.snapshots import outward
 
 Array = NDArray[np.float64]
 
-ACROSS = 1e-6
-"""Sine of the angle below which a direction lies in a plane: files of meshes keep six digits or more."""
+ACROSS = 1e-6  # files of meshes keep six digits or more
+"""Sine of the angle below which a direction lies in a plane."""
 _TENSOR = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 """Components of a stress, xx yy zz xy yz zx, at their places in a tensor."""
 _COMPONENTS = np.array([0, 4, 8, 1, 5, 2])

@@ -52,30 +52,30 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SNAPSHOTS = 60
-"""Instants kept over the run, and again while bodies touch (chosen: more than are shown, `TOUCHING` and `APART`)."""
-TOUCHING, APART = 52, 20
-"""Most instants shown while bodies touch, and while they are apart: a page plays 72 in ten seconds."""
-LARGEST_PAGE = 850_000
-"""Most bytes of all pictures in a page: in base 64 they are 1.13 MB, so that a page fits into a mail."""
-QUALITIES = (82, 65, 45, 25)
-"""Qualities of WebP and JPEG, 0 to 100, tried until the page is small enough (chosen: from unseen loss to blocks)."""
-COARSE = 2.0
-"""Factor on the size of painted pieces in still pictures: a frame has about half their pixels across."""
-LARGEST_SIDES = (860, 640)
-"""Largest sides of a picture, pixels (chosen: sharp on a screen 1200 wide, and below `LARGEST_PAGE`)."""
-MOST_CURVES = 3
-"""Most curves of a panel (chosen: their legends, one below the other, fit above it)."""
+SNAPSHOTS = 60  # chosen: more than are shown, `TOUCHING` and `APART`
+"""Instants kept over the run, and again while bodies touch."""
+TOUCHING, APART = 52, 20  # a page plays 72 in ten seconds
+"""Most instants shown while bodies touch, and while they are apart."""
+LARGEST_PAGE = 850_000  # in base 64 they are 1.13 MB, so that a page fits into a mail
+"""Most bytes of all pictures in a page."""
+QUALITIES = (82, 65, 45, 25)  # chosen: from unseen loss to blocks
+"""Qualities of WebP and JPEG, 0 to 100, tried until the page is small enough."""
+COARSE = 2.0  # a frame has about half their pixels across
+"""Factor on the size of painted pieces in still pictures."""
+LARGEST_SIDES = (860, 640)  # chosen: sharp on a screen 1200 wide, and below `LARGEST_PAGE`
+"""Largest sides of a picture, pixels."""
+MOST_CURVES = 3  # chosen: their legends, one below the other, fit above it
+"""Most curves of a panel."""
 WIDE = 0.5
 """Height of a picture over its width below which it stands above the histories, not beside them."""
-GIF_PICTURES = 60
-"""Pictures of a GIF: six seconds at ten a second."""
-_DPI = 90
-"""Resolution of a GIF, dots an inch (chosen: 790 pixels wide, as a slide shows)."""
-PANEL_HEIGHT = 98.0
-"""Height of a panel of histories, pixels: two with their legends are as high as the bodies beside them."""
-SCALE_COLOURS = 65
-"""Colours of the colour scale: more than an eye tells apart."""
+GIF_PICTURES = 60  # six seconds at ten a second
+"""Pictures of a GIF."""
+_DPI = 90  # chosen: 790 pixels wide, as a slide shows
+"""Resolution of a GIF, dots an inch."""
+PANEL_HEIGHT = 98.0  # two with their legends are as high as the bodies beside them
+"""Height of a panel of histories, pixels."""
+SCALE_COLOURS = 65  # more than an eye tells apart
+"""Colours of the colour scale."""
 NOTE = (
     "The bodies are cut open; sectors are mirrored to the half. Each element has the colour of its one value; "
     "displacements are to scale. The animation plays slower while bodies touch, as pictures are closer in time there. "

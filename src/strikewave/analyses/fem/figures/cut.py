@@ -28,27 +28,26 @@ from strikewave.reporting.numbers import ShownQuantity
 Array = NDArray[np.float64]
 Window = tuple[float, float, float, float]
 
-TILT = 0.3
-"""Tangent of the eye's height above the normal of the cut (chosen: 17 degrees show tops, and shorten lengths 4 %)."""
-SLENDER = 2.5
-"""Height of a picture over its width from which on it is laid down, or set in more columns (chosen: upright it would
-fill a screen and leave most of its width empty)."""
+TILT = 0.3  # chosen: 17 degrees show tops, and shorten lengths 4 %
+"""Tangent of the eye's height above the normal of the cut."""
+SLENDER = 2.5  # chosen: upright it would fill a screen and leave most of its width empty
+"""Height of a picture over its width from which on it is laid down, or set in more columns."""
 COVERED, LOADED = 0.99, 1e-4
 """Share of the loaded surface within the scale of colours over all instants: a single element at an edge would else
 darken all others; share of the largest value of a loaded face: faces before the wave would else fill the 99 %."""
-EDGEWISE = 0.03
-"""Cosine of the angle with the line of sight below which a face makes no outline: 1.7 degrees, less than the facets of
-a round body turn from one to the next."""
+EDGEWISE = 0.03  # 1.7 degrees, less than the facets of a round body turn from one to the next
+"""Cosine of the angle with the line of sight below which a face makes no outline."""
+# Chosen: on a Hertzian contact p = p0 (1 - r²/a²)^½ this is r < 0.95 a, so that the reach of the picture follows the
+# radius a.
 PRESSED = 0.3
-"""Share of the largest pressure above which a face counts as pressed (chosen: on a Hertzian contact p = p0 (1 -
-r²/a²)^½ this is r < 0.95 a, so that the reach of the picture follows the radius a)."""
-FACES_ACROSS = 12.0
-"""Smallest reach of a close-up over the size of the pressed faces (chosen: 24 elements across show a gradient)."""
+"""Share of the largest pressure above which a face counts as pressed."""
+FACES_ACROSS = 12.0  # chosen: 24 elements across show a gradient
+"""Smallest reach of a close-up over the size of the pressed faces."""
+# Chosen: the largest shear stress below a contact, at about half its radius, and the free surface beside it are seen.
 AROUND = 2.0
-"""Smallest reach of a close-up over that of the pressed faces (chosen: the largest shear stress below a contact, at
-about half its radius, and the free surface beside it are seen)."""
-ZONE_COARSE = 4.0
-"""Factor on the size of the pieces of a close-up: its faces are large, and few lie behind one another."""
+"""Smallest reach of a close-up over that of the pressed faces."""
+ZONE_COARSE = 4.0  # its faces are large, and few lie behind one another
+"""Factor on the size of the pieces of a close-up."""
 
 
 class Seen(NamedTuple):

@@ -42,21 +42,18 @@ from strikewave.reporting.style import (
 
 Array = NDArray[np.float64]
 
-MOST_CURVES = 8
-"""Most curves of one picture, those that reach farthest (chosen: a legend of two rows, and none alike of colour and
-dash)."""
-CUT_OFF = 3.0
-"""Reach of a part over that of every group from which on it is cut off (chosen: the groups, which a sensor measures,
-then fill at least a third of the axis)."""
-TINY = 1e-4
-"""Smallest share of the largest energy that is drawn: on an axis of 300 pixels a smaller one is a line at zero."""
-NEAR_LIMIT = 0.2
-"""Share of its limit from which on the balance error is drawn with the limit: below, the limit would flatten it."""
-AIR = 0.08
-"""Share of the range left free above and below groups that set the scale (chosen: more than the 0.05 of matplotlib, so
-that a curve that is cut off is seen to go on)."""
-PEAK_LABEL = 0.12
-"""Share of the axis left free above the forces (chosen: room for the label of the peak)."""
+MOST_CURVES = 8  # chosen: a legend of two rows, and none alike of colour and dash
+"""Most curves of one picture, those that reach farthest."""
+CUT_OFF = 3.0  # chosen: the groups, which a sensor measures, then fill at least a third of the axis
+"""Reach of a part over that of every group from which on it is cut off."""
+TINY = 1e-4  # on an axis of 300 pixels a smaller one is a line at zero
+"""Smallest share of the largest energy that is drawn."""
+NEAR_LIMIT = 0.2  # below, the limit would flatten it
+"""Share of its limit from which on the balance error is drawn with the limit."""
+AIR = 0.08  # chosen: more than the 0.05 of matplotlib, so that a curve that is cut off is seen to go on
+"""Share of the range left free above and below groups that set the scale."""
+PEAK_LABEL = 0.12  # chosen: room for the label of the peak
+"""Share of the axis left free above the forces."""
 _ENERGY_LOOKS = {
     "kinetic": (BLUE, "-"),
     "internal": (RED, "-"),
@@ -319,12 +316,12 @@ def _axis_words(axis: Array) -> str:
     return "xyz"[int(along[0])] if along.size else "(" + ", ".join(f"{v:.2g}" for v in axis) + ")"
 
 
-MARGIN_OF_BLOWS = 0.1
-"""Share of the contact time shown before and after it (chosen: both ends are seen, and the pulse fills the picture)."""
-MOST_BLOW_LABELS = 5
-"""Most blows that are all in the legend, else the first two and the last (chosen: it stays in the upper corner)."""
-MOST_BLOW_TICKS = 10
-"""Most blows that each have a tick (chosen: three-digit numbers stay apart in a third of the width of a page)."""
+MARGIN_OF_BLOWS = 0.1  # chosen: both ends are seen, and the pulse fills the picture
+"""Share of the contact time shown before and after it."""
+MOST_BLOW_LABELS = 5  # chosen: it stays in the upper corner
+"""Most blows that are all in the legend, else the first two and the last."""
+MOST_BLOW_TICKS = 10  # chosen: three-digit numbers stay apart in a third of the width of a page
+"""Most blows that each have a tick."""
 
 
 def blows_figure(runs: Sequence[FemRun]) -> Figure:

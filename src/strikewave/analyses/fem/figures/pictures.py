@@ -36,10 +36,10 @@ Array = NDArray[np.float64]
 
 Vector = tuple[float, float, float]
 
-ZONE_FACES = 16.0
-"""Largest radius of the zone of a contact over the size of its faces (chosen: 32 elements across show mesh lines)."""
-ROUNDING = 1e-9
-"""Share by which the radius of a zone exceeds the distance of a middle in it: beyond rounding, 1e-16, and unseen."""
+ZONE_FACES = 16.0  # chosen: 32 elements across show mesh lines
+"""Largest radius of the zone of a contact over the size of its faces."""
+ROUNDING = 1e-9  # beyond rounding, 1e-16, and unseen
+"""Share by which the radius of a zone exceeds the distance of a middle in it."""
 
 
 @dataclass(frozen=True)
@@ -199,8 +199,8 @@ def beyond_scale(values: Sequence[Array], scale: Any) -> str:
     return "both" if below and above else "min" if below else "max" if above else "neither"
 
 
-WIDEST = 4.0
-"""Largest height of a picture over its width (chosen: a bar of a round length fits below it)."""
+WIDEST = 4.0  # chosen: a bar of a round length fits below it
+"""Largest height of a picture over its width."""
 
 
 def window_about(hexahedra: Index, places: Sequence[Array], view: Camera) -> tuple[float, float, float, float]:
@@ -248,11 +248,11 @@ def frame_window(axes: Any, window: tuple[float, float, float, float], bar: bool
 
 PIECES_ACROSS = 90
 """Pieces across a picture; a larger face is divided (chosen: painting by distance then errs by 1 % of the width)."""
-MOST_PARTS = 200
-"""Most pieces along a side of a face: twice those of a face as wide as the picture."""
+MOST_PARTS = 200  # twice those of a face as wide as the picture
+"""Most pieces along a side of a face."""
+# The middle of a neighbour lies half a size away, so that the line stays on top while bodies in front still hide it.
 NEARER = 0.75
-"""Distance by which lines are painted nearer to the eye than the pieces they border, in sizes of a piece: the middle of
-a neighbour lies half a size away, so that the line stays on top while bodies in front still hide it."""
+"""Distance by which lines are painted nearer to the eye than the pieces they border, in sizes of a piece."""
 
 
 def paint_faces(

@@ -193,8 +193,8 @@ OUR_COLOUR, THEIR_COLOUR = BLUE, RED
 """Colours of strikewave and of LS-DYNA."""
 CONTACT_COLOURS = (*COLOURS, "#000000")
 """One for each contact that is drawn: those that reach farthest."""
-BESIDE_PULSE = 0.35
-"""Share of the pulse width shown before and after a pulse (chosen: both onsets are in view though one code is late)."""
+BESIDE_PULSE = 0.35  # chosen: both onsets are in view though one code is late
+"""Share of the pulse width shown before and after a pulse."""
 _ENERGY_COLOURS = {
     "kinetic": BLUE,
     "internal": RED,
