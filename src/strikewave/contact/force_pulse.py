@@ -111,8 +111,8 @@ def shape(n: float, e: float) -> tuple[Array, Array, Array]:
     """Return times, forces and slopes of the pulse of height 1 and area 1 at nodes that crowd at both ends."""
     chi = max(float(exact(e)), _ELASTIC)
     begun, ended = _half(n, chi, e, False), _half(n, chi, e, True)
-    whole = begun[0][-1] + ended[0][-1]
-    t = np.concatenate([begun[0], whole - ended[0][-2::-1]])
+    duration = begun[0][-1] + ended[0][-1]
+    t = np.concatenate([begun[0], duration - ended[0][-2::-1]])
     g = np.concatenate([begun[1], ended[1][-2::-1]])
     slope = np.concatenate([begun[2], ended[2][-2::-1]])
     peak, area = unit_impact(n, e)[0], 1.0 + e

@@ -246,8 +246,8 @@ def _write_mesh(file: Any, mesh: Mesh) -> None:
     steps = grid.create_group("Steps")
     steps.attrs["NSteps"] = np.int64(0)
     _growing(steps, "Values", np.float64)
-    whole = ("PartOffsets", "NumberOfParts", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
-    for name in (*whole, "CellDataOffsets/part"):
+    places = ("PartOffsets", "NumberOfParts", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets")
+    for name in (*places, "CellDataOffsets/part"):
         _growing(steps, name, np.int64)
     sizes = {"PointData": len(mesh.points), "CellData": cells}
     for field in FIELDS:

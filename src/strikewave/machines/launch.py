@@ -91,8 +91,8 @@ def _viscous_share(x: Array) -> Array:
     """Return (1 + W(-exp(-1 - x)))/sqrt(2 x) for x >= 0: speed in a viscous guide over that of a free fall."""
     p = np.sqrt(2.0 * x * _saturation(x))
     series = 1.0 + p * (-1 / 3 + p * (11 / 72 + p * (-43 / 540 + p * (769 / 17280 - p * 221 / 8505))))
-    whole = (1.0 + scipy.special.lambertw(-np.exp(-1.0 - x)).real) / np.sqrt(2.0 * np.where(x > 0.0, x, 1.0))
-    return np.where(p < _NEAR_BRANCH, np.sqrt(_saturation(x)) * series, whole)
+    closed_form = (1.0 + scipy.special.lambertw(-np.exp(-1.0 - x)).real) / np.sqrt(2.0 * np.where(x > 0.0, x, 1.0))
+    return np.where(p < _NEAR_BRANCH, np.sqrt(_saturation(x)) * series, closed_form)
 
 
 def corded_fall(

@@ -96,7 +96,7 @@ def strike(
     step = layered.grid.step
     every = round(kept_step(layered.grid) / step)
     rows = int(LONGEST_BLOW / step / every) + 1
-    taps, whole, places = going.recordings(rows, every, field)
+    taps, field_rows, places = going.recordings(rows, every, field)
     averages = empty_averages(taps.nodes[:-2], taps.nodes[-2:], every, rows)
     still = np.array([waves.force_and_velocity(going.tables, going.waves, *node)[1] for node in taps.nodes[:-2]])
     history, touches, switches = np.zeros((rows, COLUMNS)), np.zeros((_MOST_TOUCHES, 3)), np.zeros((_MOST_SWITCHES, 2))
@@ -104,7 +104,7 @@ def strike(
     machine, blow = going.strikers_alone(), going.blow(every)
     law, supports = system.chain.values[going.striker], going.supports
     why, steps, contacts, changed, u_end, net, energies, deepest = follow(
-        going.tables, going.waves, law, machine, supports, blow, (taps, whole), averages, notes
+        going.tables, going.waves, law, machine, supports, blow, (taps, field_rows), averages, notes
     )
     if why == CROWDED:
         raise IntegrationError("two strikers touch the object at once: take fewer strikers, or less engagement")
@@ -124,8 +124,8 @@ def strike(
         taps=_tap_histories(taps, averages, still, samples, every * step),
         rigid_acceleration=_mean_push(taps, averages, samples) / layered.assembly_mass + struck.sensed_gravity,
         field_position=places,
-        field_step=whole.every * step,
-        field_force=whole.force[: (steps - 1) // whole.every + 1].copy(),
+        field_step=field_rows.every * step,
+        field_force=field_rows.force[: (steps - 1) // field_rows.every + 1].copy(),
         frame=(going.speed, struck.gravity),
         touches=touches[: min(contacts, _MOST_TOUCHES)],
         switched=switches[: min(changed, _MOST_SWITCHES)],
@@ -173,18 +173,18 @@ class _Strike:
         coarse = every * max(1, round(FIELD_STEP / (every * grid.step)))
         taps = Recording(nodes, every, np.zeros((rows, len(nodes))), np.zeros((rows, len(nodes))))
         size = rows * every // coarse + 1
-        whole = Recording(watched, coarse, np.zeros((size, len(watched))), np.zeros((size, len(watched))))
-        return taps, whole, places
+        field_rows = Recording(watched, coarse, np.zeros((size, len(watched))), np.zeros((size, len(watched))))
+        return taps, field_rows, places
 
     def strikers_alone(self) -> Alone:
         """Return the machine without the object: system, state, modes, memory."""
-        whole, start, system = self.layout, self.start, _strikers_only(self.system)
+        machine, start, system = self.layout, self.start, _strikers_only(self.system)
         at = layout_of(system)
         y, mode, memory = np.zeros(at.states), np.empty(at.modes, dtype=np.int64), np.zeros(at.memories)
-        y[at.positions], y[at.speeds] = self.x[whole.strikers], self.v[whole.strikers]
-        y[at.turntable] = start.y[whole.turntable]
-        mode[at.mounts], mode[at.own_modes] = start.mode[whole.mounts], start.mode[whole.own_modes]
-        memory[at.approaches], memory[at.own_memory] = start.memory[whole.mounts], start.memory[whole.own_memory]
+        y[at.positions], y[at.speeds] = self.x[machine.strikers], self.v[machine.strikers]
+        y[at.turntable] = start.y[machine.turntable]
+        mode[at.mounts], mode[at.own_modes] = start.mode[machine.mounts], start.mode[machine.own_modes]
+        memory[at.approaches], memory[at.own_memory] = start.memory[machine.mounts], start.memory[machine.own_memory]
         memory[at.growths] = 1.0
         return system, y, mode, memory
 

@@ -64,7 +64,7 @@ _ENERGIES = (
 
 def ls_dyna_report(result: LsDynaResult) -> str:
     """Return the report as one HTML page: no script, nothing fetched."""
-    theirs, ours = result.found.ls_dyna, result.found.strikewave
+    theirs, ours = result.runs.ls_dyna, result.runs.strikewave
     sections = [_forces(result), _energies(result)]
     sections += [_fields(result)] if theirs.fields or (ours and ours.extremes) else []
     sections += [chapters.warnings(result.notices), _read(theirs)]
@@ -77,7 +77,7 @@ def ls_dyna_words(result: LsDynaResult) -> str:
     for name, pair in result.strongest_pair.items():
         theirs, ours = (text_of(pulse, "peak") for pulse in (pair.ls_dyna, pair.strikewave))
         peak, width, impulse = (text_of(pair.differences, what) for what in ("peak", "width", "impulse"))
-        of_sector = result.found.strikewave is not None and result.found.strikewave.as_meshed
+        of_sector = result.runs.strikewave is not None and result.runs.strikewave.as_meshed
         return (
             f"Contact {name}: LS-DYNA reaches {theirs}, strikewave {ours} ({peak}); pulse width {width}, impulse "
             f"{impulse}."
@@ -101,7 +101,7 @@ def _read(theirs: LsDynaRun) -> Section:
 
 
 def _forces(result: LsDynaResult) -> Section:
-    comparison, parts = result.found, list[Part]()
+    comparison, parts = result.runs, list[Part]()
     for pair in comparison.forces:
         caption = f"Magnitude of the contact force {pair.name}: strikewave solid, LS-DYNA dashed."
         parts.append(Picture(one_diagram(functools.partial(draw_force, pair=pair), WHOLE), caption))
@@ -140,7 +140,7 @@ def _table_of_both(caption: str, heads: list[str], kind: type, rows: Sequence[tu
 
 
 def _energies(result: LsDynaResult) -> Section:
-    figure = one_diagram(lambda axes: _draw_balances(axes, result.found), (WHOLE[0], HALF[1] * 1.2))
+    figure = one_diagram(lambda axes: _draw_balances(axes, result.runs), (WHOLE[0], HALF[1] * 1.2))
     picture = Picture(figure, "Energies: strikewave solid, LS-DYNA dashed.")
     return Section("Energies", _ENERGIES, [picture, energy_table(result)])
 
@@ -157,7 +157,7 @@ def _fields(result: LsDynaResult) -> Section:
         "Largest in each part at the instants of its fields; of an element with several points, their mean; stress and "
         "strain without deleted elements."
     )
-    return Section("Fields", text, [field_table(result.found)])
+    return Section("Fields", text, [field_table(result.runs)])
 
 
 def field_table(comparison: RunComparison) -> Table:
@@ -177,7 +177,7 @@ page = ls_dyna_report
 
 def picture(result: LsDynaResult) -> Figure:
     """Return the sheet of forces and energies."""
-    return comparison_sheet(result.found, result.title)
+    return comparison_sheet(result.runs, result.title)
 
 
 def draw_result(result: LsDynaResult, folder: Path) -> list[str]:

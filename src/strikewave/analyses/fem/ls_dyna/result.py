@@ -67,21 +67,21 @@ class StrikewaveBeside:
 
 @declare.dataclass
 class LsDynaResult(measured.AskedResult):
-    """A run of LS-DYNA, alone or compared with one of strikewave; ``found`` has both runs and their differences."""
+    """A run of LS-DYNA, alone or compared with one of strikewave; ``runs`` holds both and their differences."""
 
     command: ClassVar[str] = "ls-dyna"
 
-    found: RunComparison
+    runs: RunComparison
 
     @property
     def main_rows(self) -> str:  # type: ignore[override]  # which they are is known of the result alone
         """The contacts of both runs where they are compared, else those of LS-DYNA."""
-        return "pulses" if self.found.strikewave is None else "pairs"
+        return "pulses" if self.runs.strikewave is None else "pairs"
 
     @property
     def title(self) -> str:
         """Case of strikewave that it is compared with, or the name of its folder."""
-        theirs, ours = self.found.ls_dyna, self.found.strikewave
+        theirs, ours = self.runs.ls_dyna, self.runs.strikewave
         return f"LS-DYNA compared with strikewave: {ours.title}" if ours else f"LS-DYNA: {folder_name(theirs.folder)}"
 
     @declare.computed(declare.named(ForcePair, "strongest contact of both", headline="first", in_document=False))
@@ -101,23 +101,23 @@ class LsDynaResult(measured.AskedResult):
     @declare.computed(declare.named(ContactPulse, "contacts of LS-DYNA", label="contact", in_document=False))
     def pulses(self) -> dict[str, ContactPulse | None]:
         """Peak and impulse of each contact of LS-DYNA."""
-        return {contact.name: pulse_of(contact.first) for contact in self.found.ls_dyna.contacts}
+        return {contact.name: pulse_of(contact.first) for contact in self.runs.ls_dyna.contacts}
 
     @declare.computed(declare.named(ForcePair, "contacts of both runs", label="contact", in_document=False))
     def pairs(self) -> dict[str, ForcePair]:
         """The contacts of both runs."""
-        return {pair.name: pair for pair in self.found.forces}
+        return {pair.name: pair for pair in self.runs.forces}
 
     @declare.computed(declare.rows(ContactSide, "contacts of LS-DYNA", in_document=False))
     def sides(self) -> list[ContactSide]:
         """Each side of each contact of LS-DYNA."""
-        contacts = self.found.ls_dyna.contacts
+        contacts = self.runs.ls_dyna.contacts
         return [ContactSide(contact, side, pulse) for contact in contacts for side, pulse in contact.pulses.items()]
 
     @declare.computed(declare.part(ReadRun, "what was read of LS-DYNA", inline=True, headline="first"))
     def read(self) -> ReadRun:
         """Contents of the files of LS-DYNA."""
-        theirs = self.found.ls_dyna
+        theirs = self.runs.ls_dyna
         return ReadRun(
             folder=str(theirs.folder),
             files=[path.name for path in theirs.files],
@@ -132,7 +132,7 @@ class LsDynaResult(measured.AskedResult):
     @declare.computed(declare.part(StrikewaveBeside, "the run of strikewave that it is compared with", optional=True))
     def comparison(self) -> StrikewaveBeside | None:
         """The run of strikewave that it is compared with; None where there is none."""
-        ours, parts = self.found.strikewave, self.found.parts
+        ours, parts = self.runs.strikewave, self.runs.parts
         if ours is None:
             return None
         extremes = {name: StrikewavePart(parts.get(name), extreme) for name, extreme in ours.extremes.items()}
@@ -140,9 +140,9 @@ class LsDynaResult(measured.AskedResult):
 
     def preview(self) -> Curve | None:
         """Return the force of the first contact in LS-DYNA."""
-        if not self.found.ls_dyna.contacts:
+        if not self.runs.ls_dyna.contacts:
             return None
-        contact = self.found.ls_dyna.contacts[0]
+        contact = self.runs.ls_dyna.contacts[0]
         label = f"force of contact {contact.name}"
         return history_curve(contact.first.time, contact.first.size, *FORCE.units, label)
 

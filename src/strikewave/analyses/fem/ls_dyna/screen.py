@@ -52,13 +52,13 @@ class LsDynaCommand(Command[LsDynaResult]):
 
     def show(self, result: LsDynaResult) -> None:
         """Print contacts, energies, fields and differences."""
-        theirs = result.found.ls_dyna
+        theirs = result.runs.ls_dyna
         first, last = number(theirs.span[0], *MICROSECONDS.units), amount(MICROSECONDS, theirs.span[1])
         solids = f"; {len(theirs.fields.mesh.hexahedra)} solids, {theirs.frames} states" if theirs.fields else ""
         tell(f"read: {', '.join(path.name for path in theirs.files)}; from {first} to {last}{solids}")
-        for pair in result.found.forces:
+        for pair in result.runs.forces:
             report_table(pair_table(pair))
-        for run_table in (contact_table(result), energy_table(result), field_table(result.found)):
+        for run_table in (contact_table(result), energy_table(result), field_table(result.runs)):
             if run_table.rows:
                 report_table(run_table, keys=2)
 
