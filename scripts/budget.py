@@ -106,10 +106,13 @@ def lone_modules(package: Path) -> list[str]:
 
 
 def shapes(text: str) -> Iterator[tuple[int, str]]:
-    """Yield lines of code with their numbers, names and values taken out; imports, comments, empty lines left out."""
+    """Yield lines of code with their numbers, names and values taken out.
+
+    Imports, comments, empty lines and strings that describe what stands before them are left out.
+    """
     for number, line in enumerate(text.splitlines(), 1):
         code = line.partition("#")[0].strip()
-        if re.search(r"\w", code) and not code.startswith(("import ", "from ")):
+        if re.search(r"\w", code) and not code.startswith(("import ", "from ", '"""')):
             yield number, TOKEN.sub(lambda found: found[0] if keyword.iskeyword(found[0]) else "x", code)
 
 

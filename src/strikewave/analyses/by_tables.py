@@ -30,8 +30,8 @@ def run_any(name: str, changes: Sequence[str], output: Output, animate: bool = F
         return run_setup(load_setup(name, changes), changes, output)
     case = load_case(name, changes)
     if case.command == "fem":
-        from strikewave.analyses.fem.command import FemOptions
         from strikewave.analyses.fem.screen import run_element_case
+        from strikewave.reporting.options import FemOptions
 
         return run_element_case(case, changes, output, FemOptions(animate=animate))
     if case.command == "wave":

@@ -14,29 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.errors import nearest
-from strikewave.contact._chain_kernels import (
-    AHEAD,
-    BEHIND,
-    CONTACT,
-    FRICTION,
-    KIND,
-    OPEN,
-    PLACE,
-    PUSHING,
-    SLIDING,
-    SLIDING_BACK,
-    SLIDING_FORCE,
-    SPEED,
-    SPRING,
-    STICKING,
-    STICKING_FORCE,
-    STOP_LINK,
-    SWITCHES,
-    ChainSystem,
-    ChainTables,
-    Links,
-    shake,
-)
+from strikewave.contact import _chain_kernels as kernels
 from strikewave.contact._integrator import Control
 from strikewave.contact._law_kernels import COLUMNS, DAMPING, OFFSET, PRELOAD, SLOWEST, SPOT, STIFFNESS, YIELD_LOAD
 from strikewave.contact._pair_kernels import depths_at_yield, energies, spots
@@ -222,16 +200,16 @@ class ChainMotion:
 def contacts(motion: Motion, link: int) -> Array:
     """Return begin, end (s) and approach speed (m/s) of each contact of a link, shape (N, 3)."""
     changes = motion.changes
-    closed = np.concatenate([changes.mode[:, link] != OPEN, [False]])
+    closed = np.concatenate([changes.mode[:, link] != kernels.OPEN, [False]])
     edges = np.diff(closed.astype(int), prepend=0)
     begin, end = np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)
     time = np.append(changes.time, motion.end.time)
     return np.column_stack([time[begin], time[end], changes.memory[begin, link]])
 
 
-def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> Links:
+def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> kernels.Links:
     """Return links as the tables that the kernels take."""
-    kinds = {Spring: SPRING, Stop: STOP_LINK, ChainContact: CONTACT, Friction: FRICTION}
+    kinds = {Spring: kernels.SPRING, Stop: kernels.STOP_LINK, ChainContact: kernels.CONTACT, Friction: kernels.FRICTION}
     joins = np.zeros((len(links), 3), dtype=np.int64)
     values = np.zeros((len(links), COLUMNS))
     for i, link in enumerate(links):
@@ -243,19 +221,21 @@ def link_arrays(links: Sequence[Link], nodes: Sequence[str]) -> Links:
             continue
         values[i, YIELD_LOAD] = np.inf
         if isinstance(link, Friction):
-            values[i, [SLIDING_FORCE, STICKING_FORCE]] = link.sliding, link.holds
+            values[i, [kernels.SLIDING_FORCE, kernels.STICKING_FORCE]] = link.sliding, link.holds
             continue
         values[i, [STIFFNESS, DAMPING, OFFSET]] = link.stiffness, link.damping, link.offset
         values[i, PRELOAD] = link.preload if isinstance(link, Spring) else 0.0
-    return Links(joins, values)
+    return kernels.Links(joins, values)
 
 
-def compressions(links: Links, nodes: Array) -> Array:
+def compressions(links: kernels.Links, nodes: Array) -> Array:
     """Return the compression d = x_behind - x_ahead - offset of each link at given node positions, m."""
-    return np.asarray(nodes[links.joins[:, BEHIND]] - nodes[links.joins[:, AHEAD]] - links.values[:, OFFSET])
+    return np.asarray(
+        nodes[links.joins[:, kernels.BEHIND]] - nodes[links.joins[:, kernels.AHEAD]] - links.values[:, OFFSET]
+    )
 
 
-def first_depths(links: Links) -> Array:
+def first_depths(links: kernels.Links) -> Array:
     """Return the depth from which each contact yields at first, m; 0 where none does."""
     out = np.zeros(len(links.joins))
     depths_at_yield(links.values, out)
@@ -263,7 +243,7 @@ def first_depths(links: Links) -> Array:
 
 
 def first_modes(
-    links: Links, nodes: Array, deepest: Array | None = None, speeds: Array | None = None
+    links: kernels.Links, nodes: Array, deepest: Array | None = None, speeds: Array | None = None
 ) -> NDArray[np.int64]:
     """Return the mode of each link at given node positions: links that overlap at the start push already.
 
@@ -271,30 +251,30 @@ def first_modes(
     """
     left, flat = np.zeros((2, len(links.joins)))
     spots(links.values, first_depths(links) if deepest is None else deepest, left, flat)
-    pushing = (links.joins[:, KIND] == SPRING) | (compressions(links, nodes) > left)
-    modes = np.where(pushing, PUSHING, OPEN)
+    pushing = (links.joins[:, kernels.KIND] == kernels.SPRING) | (compressions(links, nodes) > left)
+    modes = np.where(pushing, kernels.PUSHING, kernels.OPEN)
     v = np.zeros(nodes.size) if speeds is None else speeds
-    slips = v[links.joins[:, BEHIND]] - v[links.joins[:, AHEAD]]
-    ways = np.select([slips > 0.0, slips < 0.0], [SLIDING, SLIDING_BACK], STICKING)
-    return np.where(links.joins[:, KIND] == FRICTION, ways, modes).astype(np.int64)
+    slips = v[links.joins[:, kernels.BEHIND]] - v[links.joins[:, kernels.AHEAD]]
+    ways = np.select([slips > 0.0, slips < 0.0], [kernels.SLIDING, kernels.SLIDING_BACK], kernels.STICKING)
+    return np.where(links.joins[:, kernels.KIND] == kernels.FRICTION, ways, modes).astype(np.int64)
 
 
 def stored_energy(
-    links: Links, nodes: Array, deepest: Array | None = None, mode: NDArray[np.int64] | None = None
+    links: kernels.Links, nodes: Array, deepest: Array | None = None, mode: NDArray[np.int64] | None = None
 ) -> float:
     """Return the energy stored in springs, stops and contacts at given node positions, J; see `first_modes`.
 
     Where modes are given, a contact that is open stores nothing, wherever its nodes are.
     """
-    kind, value = links.joins[:, KIND], links.values
+    kind, value = links.joins[:, kernels.KIND], links.values
     d = compressions(links, nodes)
     in_contacts = np.zeros(d.size)
     energies(value, d, first_depths(links) if deepest is None else deepest, in_contacts)
     if mode is not None:
-        in_contacts[mode[: d.size] == OPEN] = 0.0
+        in_contacts[mode[: d.size] == kernels.OPEN] = 0.0
     spring = value[:, PRELOAD] * d + 0.5 * value[:, STIFFNESS] * d**2
     stop = 0.5 * value[:, STIFFNESS] * np.maximum(d, 0.0) ** 2
-    kinds = [kind == SPRING, kind == CONTACT, kind == STOP_LINK]
+    kinds = [kind == kernels.SPRING, kind == kernels.CONTACT, kind == kernels.STOP_LINK]
     return float(np.sum(np.select(kinds, [spring, in_contacts, stop], 0.0)))
 
 
@@ -334,9 +314,9 @@ def simulate(
     links = link_arrays(chain.links, chain.nodes)
     shakes = _shakes(chain)
     bases = _bases_at(shakes, 0.0)  # for the speeds of bases that shake already
-    base = bases[PLACE]
+    base = bases[kernels.PLACE]
     table = np.column_stack([masses, np.full(masses.size, float(chain.gravity))])
-    system = ChainSystem(ChainTables(table, bases, links.joins, links.values), shakes)
+    system = kernels.ChainSystem(kernels.ChainTables(table, bases, links.joins, links.values), shakes)
     unknown = [name for name in (*positions, *speeds) if name not in names]
     if unknown:
         raise ValueError(f"no body {unknown[0]!r}; {nearest(unknown[0], names)}")
@@ -345,14 +325,14 @@ def simulate(
     period = shortest_time(chain, speed)
     energy = 0.5 * float(masses @ v**2) + 0.5 * float(masses.sum()) * speed**2
     scale = np.concatenate([np.full(x.size, speed * period), np.full(x.size, speed), np.full(len(chain.links), energy)])
-    speeds_of = np.concatenate([v, bases[SPEED]])
-    closing = speeds_of[links.joins[:, BEHIND]] - speeds_of[links.joins[:, AHEAD]]
+    speeds_of = np.concatenate([v, bases[kernels.SPEED]])
+    closing = speeds_of[links.joins[:, kernels.BEHIND]] - speeds_of[links.joins[:, kernels.AHEAD]]
     # what overlaps at the start approaches at its speed there
     memory = np.concatenate([np.maximum(closing, 0.0), first_depths(links), np.ones(len(chain.links))])
     y = np.concatenate([x, v, np.zeros(len(chain.links))])
     start = MotionState(0.0, y, first_modes(links, np.concatenate([x, base]), speeds=speeds_of), memory)
     control = Control(tolerance, scale, FIRST_STEP * period, _longest_step(chain, max(duration, period)), duration)
-    motion = integrate(system, start, control, (len(chain.links), SWITCHES * len(chain.links)))
+    motion = integrate(system, start, control, (len(chain.links), kernels.SWITCHES * len(chain.links)))
     _check_ends(chain, links, motion)
     return ChainMotion(chain, motion)
 
@@ -366,7 +346,7 @@ def _shakes(chain: Chain) -> Array:
 def _bases_at(shakes: Array, time: float) -> Array:
     """Return the table of bases at a time."""
     bases = np.zeros((4, len(shakes)))
-    shake(shakes, bases, time)
+    kernels.shake(shakes, bases, time)
     return bases
 
 
@@ -376,7 +356,7 @@ def _longest_step(chain: Chain, otherwise: float) -> float:
     return min(otherwise, 2.0 * np.pi / _STEPS_A_PERIOD / fastest) if fastest > 0.0 else otherwise
 
 
-def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
+def _check_ends(chain: Chain, links: kernels.Links, motion: Motion) -> None:
     """Refuse a motion that pressed a contact beyond the end of its law at the begin of a step, or at the end."""
     touches = [(i, link.contact) for i, link in enumerate(chain.links) if isinstance(link, ChainContact)]
     ending = [(i, contact) for i, contact in touches if not isinstance(contact, Contact)]
@@ -385,13 +365,13 @@ def _check_ends(chain: Chain, links: Links, motion: Motion) -> None:
     shakes, deepest = _shakes(chain), np.full(len(chain.links), -np.inf)
     steps = [(t, y) for record in motion.records() for t, y in zip(record.time, record.dense[:, 0], strict=True)]
     for time, state in (*steps, (motion.end.time, motion.end.y)):
-        nodes = np.append(state[: len(chain.bodies)], _bases_at(shakes, time)[PLACE])
+        nodes = np.append(state[: len(chain.bodies)], _bases_at(shakes, time)[kernels.PLACE])
         deepest = np.maximum(deepest, compressions(links, nodes))
     for i, contact in ending:
         check_end(contact, float(deepest[i]))
 
 
-def _speed_scale(chain: Chain, links: Links, nodes: Array, speeds: Array) -> float:
+def _speed_scale(chain: Chain, links: kernels.Links, nodes: Array, speeds: Array) -> float:
     """Return a speed that the bodies have or will get from stored energy and gravity, m/s."""
     masses = np.array(list(chain.bodies.values()))
     # bodies fall, at most, as far as they stand from what they meet

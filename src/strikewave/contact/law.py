@@ -11,45 +11,24 @@ from numpy.typing import ArrayLike, NDArray
 
 from strikewave.base.errors import IntegrationError, nearest
 from strikewave.base.texts import plain
+from strikewave.contact import _law_kernels as kernels
 from strikewave.contact import _pair_kernels
-from strikewave.contact._law_kernels import (
-    COLUMNS,
-    CRUSH,
-    DAMPER,
-    DAMPER_EXPONENT,
-    DAMPING,
-    ELASTOMER,
-    EXPONENT,
-    FOLLOWED,
-    FORM,
-    LIMIT,
-    LINE,
-    LOGARITHMIC,
-    NEVER_PULLS,
-    ON_APPROACH,
-    PLATEAU,
-    POINT,
-    POWER,
-    PULLS,
-    RETARDED,
-    SHAPE,
-    STEEPNESS,
-    STIFFNESS,
-    STYLE,
-    TANGENT,
-    YIELD_LOAD,
-)
 
 Array = NDArray[np.float64]
 
-STYLES = {"never-pulls": NEVER_PULLS, "on-approach": ON_APPROACH, "pulls": PULLS, "retarded": RETARDED}
+STYLES = {
+    "never-pulls": kernels.NEVER_PULLS,
+    "on-approach": kernels.ON_APPROACH,
+    "pulls": kernels.PULLS,
+    "retarded": kernels.RETARDED,
+}
 """Styles of a damper: it ends where it would pull; acts on approach alone; may pull; or goes as the slope of the
 elastic force, c F'(d) d', and ends where it would pull."""
-SHAPES = {"line": LINE, "point": POINT}
+SHAPES = {"line": kernels.LINE, "point": kernels.POINT}
 """Shapes of a contact whose pressure is capped."""
-CAPS = {**SHAPES, "crush": CRUSH}
+CAPS = {**SHAPES, "crush": kernels.CRUSH}
 """Caps of a force: the pressure of a contact of a shape, or the plateau of a cushion that crushes."""
-FORMS = {"tangent": TANGENT, "elastomer": ELASTOMER, "plateau": PLATEAU}
+FORMS = {"tangent": kernels.TANGENT, "elastomer": kernels.ELASTOMER, "plateau": kernels.PLATEAU}
 """Forms of a cushion that hardens; see `strikewave.contact._law_kernels.hardening`."""
 EXPONENT_RANGE = 0.1, 10.0  # chosen far beyond contacts, 1 to 3 or so, so that only a slip is refused
 """Range of the exponent of a power law."""
@@ -164,7 +143,7 @@ class HardeningContact:
     @property
     def end_depth(self) -> Array:
         """Indentation at which the law ends, 0.99 L, m."""
-        return np.asarray(FOLLOWED * np.asarray(self.limit, dtype=float))
+        return np.asarray(kernels.FOLLOWED * np.asarray(self.limit, dtype=float))
 
     @property
     def cap(self) -> PressureCap | None:
@@ -202,46 +181,61 @@ def not_negative(name: str, values: ArrayLike) -> Array:
 
 def check(contact: AnyContact) -> dict[int, Any]:
     """Return the numbers of a law by their place in a row of the kernels; refuse one out of range, with its index."""
-    row: dict[int, Any] = {DAMPING: not_negative("the hysteresis factor", contact.hysteresis_factor)}
+    row: dict[int, Any] = {kernels.DAMPING: not_negative("the hysteresis factor", contact.hysteresis_factor)}
     if isinstance(contact, LogarithmicContact):
-        row |= {FORM: LOGARITHMIC, STIFFNESS: positive("the slope", contact.slope)}
-        row[EXPONENT] = positive("the load", contact.load)
+        row |= {kernels.FORM: kernels.LOGARITHMIC, kernels.STIFFNESS: positive("the slope", contact.slope)}
+        row[kernels.EXPONENT] = positive("the load", contact.load)
         if contact.cap is not None:
             over = np.asarray(contact.cap.yield_load, dtype=float)
-            refuse("the yield load", over, over * math.e < row[EXPONENT], "below the end of the logarithmic law, B/e")
+            refuse(
+                "the yield load",
+                over,
+                over * math.e < row[kernels.EXPONENT],
+                "below the end of the logarithmic law, B/e",
+            )
     elif isinstance(contact, HardeningContact):
         row |= _hardening(contact) | _damper(contact)
     else:
         n = np.asarray(contact.exponent, dtype=float)
         low, high = EXPONENT_RANGE
         refuse("the exponent", n, (n >= low) & (n <= high), f"within {low:g} to {high:g}")
-        row |= {FORM: POWER, STIFFNESS: positive("the stiffness", contact.stiffness), EXPONENT: n}
+        row |= {
+            kernels.FORM: kernels.POWER,
+            kernels.STIFFNESS: positive("the stiffness", contact.stiffness),
+            kernels.EXPONENT: n,
+        }
         row |= _damper(contact)
-    row[YIELD_LOAD] = np.inf
+    row[kernels.YIELD_LOAD] = np.inf
     if contact.cap is not None:
-        row |= {YIELD_LOAD: positive("the yield load", contact.cap.yield_load), SHAPE: _one_of(CAPS, contact.cap.shape)}
+        row |= {
+            kernels.YIELD_LOAD: positive("the yield load", contact.cap.yield_load),
+            kernels.SHAPE: _one_of(CAPS, contact.cap.shape),
+        }
         if contact.cap.shape == "crush":
             if not isinstance(contact, Contact) or np.any(np.asarray(contact.exponent) != 1.0):
                 raise ValueError("what crushes is linear before: the exponent must be 1")
-            row[LIMIT] = limit = np.asarray(contact.cap.limit, dtype=float)
+            row[kernels.LIMIT] = limit = np.asarray(contact.cap.limit, dtype=float)
             first = np.asarray(contact.cap.yield_load) / contact.stiffness
             # the plateau ends at the share 1 - 1/D of the limit: it must begin before
-            allowed = f"at least {STEEPNESS:g} times the depth at which it begins to crush, load/stiffness"
-            refuse("the limit of the crush", limit, limit >= STEEPNESS * first, allowed)
+            allowed = f"at least {kernels.STEEPNESS:g} times the depth at which it begins to crush, load/stiffness"
+            refuse("the limit of the crush", limit, limit >= kernels.STEEPNESS * first, allowed)
     return row
 
 
 def _hardening(contact: HardeningContact) -> dict[int, Any]:
     """Return the numbers of a cushion by their place in a row."""
-    row: dict[int, Any] = {FORM: _one_of(FORMS, contact.form), STIFFNESS: positive("the stiffness", contact.stiffness)}
-    row[LIMIT] = limit = np.asarray(contact.limit, dtype=float)
+    row: dict[int, Any] = {
+        kernels.FORM: _one_of(FORMS, contact.form),
+        kernels.STIFFNESS: positive("the stiffness", contact.stiffness),
+    }
+    row[kernels.LIMIT] = limit = np.asarray(contact.limit, dtype=float)
     plateau = contact.form == "plateau"
     refuse("the limit", limit, (limit > 0.0) & (plateau | np.isfinite(limit)), "positive")
     if plateau:
-        row[EXPONENT] = load = positive("the force of the plateau", contact.plateau)
-        begins = load / row[STIFFNESS]
+        row[kernels.EXPONENT] = load = positive("the force of the plateau", contact.plateau)
+        begins = load / row[kernels.STIFFNESS]
         allowed = "beyond the begin of the plateau: limit (1 - 1/D) > plateau/stiffness"
-        refuse("the limit", limit, limit * (1.0 - 1.0 / STEEPNESS) > begins, allowed)
+        refuse("the limit", limit, limit * (1.0 - 1.0 / kernels.STEEPNESS) > begins, allowed)
     return row
 
 
@@ -252,9 +246,9 @@ def _damper(contact: Contact | HardeningContact) -> dict[int, Any]:
     if contact.cap is not None or np.any(np.asarray(contact.hysteresis_factor) != 0.0):
         raise ValueError("a contact has a damper, or hysteresis and a cap, not both")
     return {
-        DAMPER: not_negative("the coefficient of the damper", damper.coefficient),
-        DAMPER_EXPONENT: not_negative("the exponent of the damper", damper.exponent),
-        STYLE: _one_of(STYLES, damper.style),
+        kernels.DAMPER: not_negative("the coefficient of the damper", damper.coefficient),
+        kernels.DAMPER_EXPONENT: not_negative("the exponent of the damper", damper.exponent),
+        kernels.STYLE: _one_of(STYLES, damper.style),
     }
 
 
@@ -273,7 +267,7 @@ def rows_beside(contact: AnyContact, *others: ArrayLike) -> tuple[Array, tuple[i
     """Return a law as rows of numbers for the broadcast shape of its own numbers and others, and that shape."""
     numbers = check(contact)
     shape = np.broadcast_shapes(*(np.shape(value) for value in (*numbers.values(), *others)))
-    table = np.zeros((math.prod(shape), COLUMNS))
+    table = np.zeros((math.prod(shape), kernels.COLUMNS))
     for place, value in numbers.items():
         table[:, place] = np.broadcast_to(value, shape).reshape(-1)
     return table, shape
@@ -288,7 +282,7 @@ def single(contact: AnyContact) -> Array:
     """Return one law as a row of numbers, or raise ValueError where the contact holds several."""
     numbers = check(contact)
     if all(np.ndim(value) == 0 for value in numbers.values()):  # without broadcasting: bands take thousands of these
-        row = np.zeros(COLUMNS)
+        row = np.zeros(kernels.COLUMNS)
         for place, value in numbers.items():
             row[place] = value
         return row
@@ -337,6 +331,6 @@ def check_end(contact: AnyContact, deepest: float) -> None:
 def striking_law(contact: AnyContact) -> Array:
     """Return the law of a striker on a stack of layers as a row of numbers; refuse one that pulls."""
     row = single(contact)
-    if row[DAMPER] and row[STYLE] == PULLS:
+    if row[kernels.DAMPER] and row[kernels.STYLE] == kernels.PULLS:
         raise ValueError("a striker on a stack takes a damper that never pulls, or one that acts on approach")
     return row

@@ -20,36 +20,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from strikewave.base.errors import InputError
+from strikewave.fem import sections
 from strikewave.fem.mesh import Array, Index, Mesh
-from strikewave.fem.sections import (
-    BULGE,
-    CORE,
-    FLIPPED,
-    ON_SURFACE,
-    Grading,
-    PlaneMesh,
-    Sector,
-    Sizes,
-    Surface,
-    as_grading,
-    core_half_width,
-    disc_section,
-    extruded,
-    grid_section,
-    merged_nodes,
-    merged_sections,
-    mirror_axes,
-    mirrored,
-    nodes_between,
-    nodes_through,
-    part_mesh,
-    plane,
-    positive,
-    refuse_too_many,
-    renumbered,
-    ring_section,
-    shell_radii,
-)
+from strikewave.fem.sections import Grading, PlaneMesh, Sector, Sizes, Surface
 
 Vector = tuple[float, float, float]
 
@@ -60,16 +33,20 @@ def block(name: str, size: Vector, x: Sizes, y: Sizes, z: Sizes) -> Mesh:
     ``size`` is its width along x, depth along y and height along z, m; a position of a grading counts from the lower
     end. Sides are ``x-``, ``x+``, ``y-``, ``y+``, ``z-``, ``z+``.
     """
-    width, depth, height = (positive(f"{name}.size", value) for value in size)
-    across, deep, up = nodes_between(0.0, width, x), nodes_between(0.0, depth, y), nodes_between(0.0, height, z)
-    points, hexahedra = extruded(grid_section(across - 0.5 * width, deep - 0.5 * depth), up)
+    width, depth, height = (sections.positive(f"{name}.size", value) for value in size)
+    across, deep, up = (
+        sections.nodes_between(0.0, width, x),
+        sections.nodes_between(0.0, depth, y),
+        sections.nodes_between(0.0, height, z),
+    )
+    points, hexahedra = sections.extruded(sections.grid_section(across - 0.5 * width, deep - 0.5 * depth), up)
     ends = {"x": (-0.5 * width, 0.5 * width), "y": (-0.5 * depth, 0.5 * depth), "z": (0.0, height)}
     sides = {
-        f"{letter}{sign}": plane(axis, end, max(size))
+        f"{letter}{sign}": sections.plane(axis, end, max(size))
         for axis, (letter, pair) in enumerate(ends.items())
         for sign, end in zip("-+", pair, strict=True)
     }
-    return part_mesh(name, points, hexahedra, sides)
+    return sections.part_mesh(name, points, hexahedra, sides)
 
 
 @dataclass(frozen=True)
@@ -93,7 +70,7 @@ class FrameSize:
 
     def __post_init__(self) -> None:
         for name in ("width", "depth", "height", "left", "right", "bottom", "top"):
-            positive(name, getattr(self, name))
+            sections.positive(name, getattr(self, name))
         for name, walls in (("width", self.left + self.right), ("height", self.bottom + self.top)):
             if not walls < getattr(self, name):
                 raise InputError(name, getattr(self, name), f"above the thickness of its two walls, {walls:g} m")
@@ -107,21 +84,21 @@ def frame(name: str, size: FrameSize, x: Sizes, y: Sizes, z: Sizes, sector: Sect
     ``inner_bottom``, ``inner_top``; where it is cut, ``y-`` instead of ``front`` and ``x-`` instead of ``left`` and
     ``inner_left``. A quarter needs walls left and right that are alike.
     """
-    mirror_axes(sector)
+    sections.mirror_axes(sector)
     if sector == "quarter" and size.left != size.right:
         raise InputError("sector", sector, "whole or half: the walls left and right differ")
     low_x = 0.0 if sector == "quarter" else -0.5 * size.width
     low_y = -0.5 * size.depth if sector == "whole" else 0.0
-    up = nodes_through([0.0, size.bottom, size.height - size.top, size.height], z)
+    up = sections.nodes_through([0.0, size.bottom, size.height - size.top, size.height], z)
     inner_x = (size.left - 0.5 * size.width, 0.5 * size.width - size.right)
     inner_z = (size.bottom, size.height - size.top)
     walls = [0.0, *(wall - low_x for wall in inner_x if wall > low_x), 0.5 * size.width - low_x]
-    full = grid_section(up, nodes_through(walls, x) + low_x)
+    full = sections.grid_section(up, sections.nodes_through(walls, x) + low_x)
     middle = full.points[full.quads].mean(axis=1)
     low, high = np.array([inner_z, inner_x]).T
     opening = np.all((middle > low) & (middle < high), axis=1)
-    deep = nodes_between(0.0, 0.5 * size.depth - low_y, y) + low_y
-    points, hexahedra = extruded(PlaneMesh(full.points, full.quads[~opening]), deep)
+    deep = sections.nodes_between(0.0, 0.5 * size.depth - low_y, y) + low_y
+    points, hexahedra = sections.extruded(PlaneMesh(full.points, full.quads[~opening]), deep)
     scale = max(size.width, size.depth, size.height)
     left = {"x-": (0, 0.0)} if sector == "quarter" else {"left": (0, low_x), "inner_left": (0, inner_x[0])}
     places = {
@@ -135,8 +112,8 @@ def frame(name: str, size: FrameSize, x: Sizes, y: Sizes, z: Sizes, sector: Sect
         "inner_bottom": (2, inner_z[0]),
         "inner_top": (2, inner_z[1]),
     }
-    sides = {side: plane(axis, value, scale) for side, (axis, value) in places.items()}
-    return part_mesh(name, np.roll(points, -1, axis=1), hexahedra, sides)
+    sides = {side: sections.plane(axis, value, scale) for side, (axis, value) in places.items()}
+    return sections.part_mesh(name, np.roll(points, -1, axis=1), hexahedra, sides)
 
 
 def moved(mesh: Mesh, way: Vector) -> Mesh:
@@ -172,7 +149,7 @@ def renamed(mesh: Mesh, names: Mapping[str, str]) -> Mesh:
 Body = tuple[Array, Index]
 """Points and hexahedra."""
 
-CORNER = (7.0 * BULGE - 2.0) / 12.0  # its corner, where four elements meet, has the tetrahedron's arccos(-1/3)
+CORNER = (7.0 * sections.BULGE - 2.0) / 12.0  # its corner, where four elements meet, has the tetrahedron's arccos(-1/3)
 """Coefficient c of a core in a ball, x = u sqrt(1 - b (v^2 + w^2) / 2 + c v^2 w^2)."""
 
 
@@ -182,19 +159,21 @@ def cylinder(name: str, diameter: float, length: float, across: Sizes, along: Si
     Sizes ``across`` are over the distance from the axis, where only a fine zone at the axis is used; positions
     ``along`` z count from the bottom. Sides are ``bottom``, ``top``, ``round``, and ``y-`` and ``x-`` where it is cut.
     """
-    grading = as_grading(across)
-    radius = 0.5 * positive(f"{name}.diameter", diameter)
-    half_width, count = core_half_width(radius, grading)
-    heights = nodes_between(0.0, positive(f"{name}.length", length), along)
-    points, hexahedra = extruded(disc_section(shell_radii(half_width, radius, grading), count, sector), heights)
+    grading = sections.as_grading(across)
+    radius = 0.5 * sections.positive(f"{name}.diameter", diameter)
+    half_width, count = sections.core_half_width(radius, grading)
+    heights = sections.nodes_between(0.0, sections.positive(f"{name}.length", length), along)
+    points, hexahedra = sections.extruded(
+        sections.disc_section(sections.shell_radii(half_width, radius, grading), count, sector), heights
+    )
     scale = max(diameter, length)
     sides = {
-        "bottom": plane(2, 0.0, scale),
-        "top": plane(2, length, scale),
+        "bottom": sections.plane(2, 0.0, scale),
+        "top": sections.plane(2, length, scale),
         "round": _on_cylinder(radius),
         **_cuts(sector, scale),
     }
-    return part_mesh(name, points, hexahedra, sides)
+    return sections.part_mesh(name, points, hexahedra, sides)
 
 
 @dataclass(frozen=True)
@@ -225,30 +204,30 @@ def tube(name: str, size: TubeSize, across: Sizes, along: Sizes, sector: Sector 
     Sides are ``bottom``, ``top``, ``round``, ``inner_round``; ``inner_bottom`` and ``inner_top`` of closed ends; and
     ``y-`` and ``x-`` where it is cut.
     """
-    grading = as_grading(across)
+    grading = sections.as_grading(across)
     bore = 0.5 * size.inner
-    half_width, count = core_half_width(0.5 * size.outer, grading)
-    wall = ring_section(nodes_between(bore, 0.5 * size.outer, grading), count, sector)
+    half_width, count = sections.core_half_width(0.5 * size.outer, grading)
+    wall = sections.ring_section(sections.nodes_between(bore, 0.5 * size.outer, grading), count, sector)
     section = wall
     if size.bottom or size.top:
-        radii = shell_radii(min(half_width, CORE * bore), bore, grading)
-        section = merged_sections([wall, disc_section(radii, count, sector)])
-    heights = nodes_through(sorted({0.0, size.bottom, size.length - size.top, size.length}), along)
+        radii = sections.shell_radii(min(half_width, sections.CORE * bore), bore, grading)
+        section = sections.merged_sections([wall, sections.disc_section(radii, count, sector)])
+    heights = sections.nodes_through(sorted({0.0, size.bottom, size.length - size.top, size.length}), along)
     middle = 0.5 * (heights[:-1] + heights[1:])
     closed = (middle < size.bottom) | (middle > size.length - size.top)
-    in_wall = np.all(np.hypot(*section.points.T)[section.quads] > (1.0 - ON_SURFACE) * bore, axis=1)
-    points, hexahedra = extruded(section, heights, closed[:, None] | in_wall)
+    in_wall = np.all(np.hypot(*section.points.T)[section.quads] > (1.0 - sections.ON_SURFACE) * bore, axis=1)
+    points, hexahedra = sections.extruded(section, heights, closed[:, None] | in_wall)
     scale = max(size.outer, size.length)
     ends = {"inner_bottom": size.bottom, "inner_top": size.length - size.top if size.top else 0.0}
     sides = {
-        "bottom": plane(2, 0.0, scale),
-        "top": plane(2, size.length, scale),
+        "bottom": sections.plane(2, 0.0, scale),
+        "top": sections.plane(2, size.length, scale),
         "round": _on_cylinder(0.5 * size.outer),
         "inner_round": _on_cylinder(bore),
-        **{side: plane(2, z, scale) for side, z in ends.items() if z},
+        **{side: sections.plane(2, z, scale) for side, z in ends.items() if z},
         **_cuts(sector, scale),
     }
-    return part_mesh(name, points, hexahedra, sides)
+    return sections.part_mesh(name, points, hexahedra, sides)
 
 
 def half_cylinder(
@@ -261,26 +240,26 @@ def half_cylinder(
     is cut there. Sides are ``round``, ``top``, ``front`` (y-), ``back`` (y+); where it is cut, ``y-`` instead of
     ``front``, and ``x-``.
     """
-    grading = as_grading(sizes)
-    positive(f"{name}.length", length)
-    half_width, count = core_half_width(positive(f"{name}.radius", radius), grading)
-    arcs = shell_radii(half_width, 0.5 * math.pi * radius, grading)
-    straight = disc_section(_straightened(arcs, radius), count, "quarter")
+    grading = sections.as_grading(sizes)
+    sections.positive(f"{name}.length", length)
+    half_width, count = sections.core_half_width(sections.positive(f"{name}.radius", radius), grading)
+    arcs = sections.shell_radii(half_width, 0.5 * math.pi * radius, grading)
+    straight = sections.disc_section(_straightened(arcs, radius), count, "quarter")
     x, z = _bent(straight.points, radius).T
     section = PlaneMesh(np.column_stack([z, x]), straight.quads[:, ::-1])
-    if mirror_axes(sector):
-        section = merged_sections([section, mirrored(section, 1)])
+    if sections.mirror_axes(sector):
+        section = sections.merged_sections([section, sections.mirrored(section, 1)])
     low = -0.5 * length if sector == "whole" else 0.0
-    points, hexahedra = extruded(section, nodes_between(0.0, 0.5 * length - low, along) + low)
+    points, hexahedra = sections.extruded(section, sections.nodes_between(0.0, 0.5 * length - low, along) + low)
     points = np.roll(points, -1, axis=1)
     scale = max(radius, length)
     sides = {
-        "round": lambda at: np.abs(np.hypot(at[:, 0], at[:, 2]) - radius) <= ON_SURFACE * radius,
-        "top": plane(2, 0.0, scale),
-        "back": plane(1, 0.5 * length, scale),
-        **({"front": plane(1, low, scale)} if sector == "whole" else _cuts(sector, scale)),
+        "round": lambda at: np.abs(np.hypot(at[:, 0], at[:, 2]) - radius) <= sections.ON_SURFACE * radius,
+        "top": sections.plane(2, 0.0, scale),
+        "back": sections.plane(1, 0.5 * length, scale),
+        **({"front": sections.plane(1, low, scale)} if sector == "whole" else _cuts(sector, scale)),
     }
-    return part_mesh(name, points, hexahedra, sides)
+    return sections.part_mesh(name, points, hexahedra, sides)
 
 
 def half_space(name: str, radius: float, sizes: Sizes, sector: Sector = "whole") -> Mesh:
@@ -288,12 +267,12 @@ def half_space(name: str, radius: float, sizes: Sizes, sector: Sector = "whole")
 
     Sides are ``top``, ``round``, and ``y-`` and ``x-`` where it is cut.
     """
-    grading = as_grading(sizes)
-    half_width, count = core_half_width(positive(f"{name}.radius", radius), grading)
-    body = _mirrored(_half_ball(shell_radii(half_width, radius, grading), count), 2)
-    points, hexahedra = renumbered(*_sector(body, sector))
-    sides = {"top": plane(2, 0.0, radius), "round": _on_ball(radius), **_cuts(sector, radius)}
-    return part_mesh(name, points, hexahedra, sides)
+    grading = sections.as_grading(sizes)
+    half_width, count = sections.core_half_width(sections.positive(f"{name}.radius", radius), grading)
+    body = _mirrored(_half_ball(sections.shell_radii(half_width, radius, grading), count), 2)
+    points, hexahedra = sections.renumbered(*_sector(body, sector))
+    sides = {"top": sections.plane(2, 0.0, radius), "round": _on_ball(radius), **_cuts(sector, radius)}
+    return sections.part_mesh(name, points, hexahedra, sides)
 
 
 def ball(name: str, radius: float, sizes: Sizes, sector: Sector = "whole", lower_half: bool = False) -> Mesh:
@@ -303,24 +282,26 @@ def ball(name: str, radius: float, sizes: Sizes, sector: Sector = "whole", lower
     gives a ball with a cube at its centre instead of one at its lowest point. Sides are ``round``, ``top`` of a lower
     half, and ``y-`` and ``x-`` where it is cut.
     """
-    grading = as_grading(sizes)
-    half_width, count = core_half_width(positive(f"{name}.radius", radius), grading)
+    grading = sections.as_grading(sizes)
+    half_width, count = sections.core_half_width(sections.positive(f"{name}.radius", radius), grading)
     if grading.fine is None:
-        upper = _half_ball(shell_radii(half_width, radius, grading), count)
+        upper = _half_ball(sections.shell_radii(half_width, radius, grading), count)
         body = _mirrored(upper, 2)
     else:
         equator = 0.5 * math.pi * radius
-        body = _bent_half_ball(shell_radii(half_width, equator, grading), count)
-        upper = _mirrored(_bent_half_ball(shell_radii(0.5 * equator, equator, Grading(grading.coarse)), count), 2)
+        body = _bent_half_ball(sections.shell_radii(half_width, equator, grading), count)
+        upper = _mirrored(
+            _bent_half_ball(sections.shell_radii(0.5 * equator, equator, Grading(grading.coarse)), count), 2
+        )
     if not lower_half:
         body = _merged([body, upper])
-    points, hexahedra = renumbered(*_sector(body, sector))
+    points, hexahedra = sections.renumbered(*_sector(body, sector))
     sides = {
         "round": _on_ball(radius),
-        **({"top": plane(2, 0.0, radius)} if lower_half else {}),
+        **({"top": sections.plane(2, 0.0, radius)} if lower_half else {}),
         **_cuts(sector, radius),
     }
-    return part_mesh(name, points, hexahedra, sides)
+    return sections.part_mesh(name, points, hexahedra, sides)
 
 
 def _half_ball(depths: Array, count: int) -> Body:
@@ -328,7 +309,7 @@ def _half_ball(depths: Array, count: int) -> Body:
 
     The first depth is the half-width of the core, the last the radius; ``count`` elements lie along the half-width.
     """
-    refuse_too_many(4.0 * count**2 * (count + 3.0 * len(depths)))
+    sections.refuse_too_many(4.0 * count**2 * (count + 3.0 * len(depths)))
     u, v, w = np.meshgrid(*3 * [np.linspace(0.0, 1.0, count + 1)], indexing="ij")
     core = depths[0] * np.stack([_bulging(u, v, w), _bulging(v, w, u), _bulging(w, u, v)], axis=-1)
     slant = np.tan(0.25 * math.pi * np.linspace(0.0, 1.0, count + 1))
@@ -342,7 +323,7 @@ def _half_ball(depths: Array, count: int) -> Body:
 
 def _bulging(u: Array, v: Array, w: Array) -> Array:
     """Return the coordinate of a cube's point along u whose faces bulge; see `BULGE` and `CORNER`."""
-    return u * np.sqrt(1.0 - BULGE * (v**2 + w**2) / 2.0 + CORNER * v**2 * w**2)
+    return u * np.sqrt(1.0 - sections.BULGE * (v**2 + w**2) / 2.0 + CORNER * v**2 * w**2)
 
 
 def _bent_half_ball(arcs: Array, count: int) -> Body:
@@ -386,18 +367,18 @@ def _merged(bodies: Sequence[Body]) -> Body:
     """Return one body of several, coincident nodes merged."""
     shift = np.cumsum([0, *(len(points) for points, _ in bodies)])
     hexahedra = np.concatenate([body[1] + n for body, n in zip(bodies, shift, strict=False)])
-    return merged_nodes(np.concatenate([points for points, _ in bodies]), hexahedra)
+    return sections.merged_nodes(np.concatenate([points for points, _ in bodies]), hexahedra)
 
 
 def _mirrored(body: Body, axis: int) -> Body:
     """Return a body mirrored where a coordinate is 0, its volumes positive again."""
     points, hexahedra = body
-    return points * np.where(np.arange(3) == axis, -1.0, 1.0), hexahedra[:, FLIPPED]
+    return points * np.where(np.arange(3) == axis, -1.0, 1.0), hexahedra[:, sections.FLIPPED]
 
 
 def _sector(quarter: Body, sector: Sector) -> Body:
     """Return the whole, half or quarter body of a quarter."""
-    for axis in mirror_axes(sector):
+    for axis in sections.mirror_axes(sector):
         quarter = _merged([quarter, _mirrored(quarter, axis)])
     return quarter
 
@@ -405,12 +386,12 @@ def _sector(quarter: Body, sector: Sector) -> Body:
 def _cuts(sector: Sector, scale: float) -> dict[str, Surface]:
     """Return the cut faces of a sector."""
     cut = {"whole": (), "half": (1,), "quarter": (1, 0)}[sector]
-    return {("x-", "y-")[axis]: plane(axis, 0.0, scale) for axis in cut}
+    return {("x-", "y-")[axis]: sections.plane(axis, 0.0, scale) for axis in cut}
 
 
 def _on_cylinder(radius: float) -> Surface:
-    return lambda points: np.abs(np.hypot(points[:, 0], points[:, 1]) - radius) <= ON_SURFACE * radius
+    return lambda points: np.abs(np.hypot(points[:, 0], points[:, 1]) - radius) <= sections.ON_SURFACE * radius
 
 
 def _on_ball(radius: float) -> Surface:
-    return lambda points: np.abs(np.linalg.norm(points, axis=1) - radius) <= ON_SURFACE * radius
+    return lambda points: np.abs(np.linalg.norm(points, axis=1) - radius) <= sections.ON_SURFACE * radius

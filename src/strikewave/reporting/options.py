@@ -351,6 +351,22 @@ ElementDevice = Annotated[
         show_default=False,
     ),
 ]
+
+
+@dataclass(frozen=True)
+class FemOptions:
+    """Options of a run of elements besides its case and its output."""
+
+    threads: Annotated[
+        int,
+        typer.Option("--threads", metavar="COUNT", min=1, help="Threads, one a core at most; they change no number."),
+    ] = 1
+    device: ElementDevice = None
+    restart: Annotated[bool, typer.Option("--restart", help="Continue an interrupted run.")] = False
+    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.html.")] = False
+    animate: Annotated[bool, typer.Option("--animate", help="Write animation.html and animation.gif too.")] = False
+
+
 KeptRuns = Annotated[
     Path | None,
     typer.Option(

@@ -29,31 +29,7 @@ from strikewave.base.declare import KEY, MAIN
 from strikewave.base.shock_quantities import EXACT_LENGTH, RATIO, STEP
 from strikewave.contact._law_kernels import COLUMNS, depth_at_yield
 from strikewave.contact.law import indentation_under, striking_law
-from strikewave.waves._kernels import (
-    BONDED,
-    BRANCHES,
-    CONTACT,
-    DAMPING,
-    DATUM,
-    DEEPEST,
-    ELASTIC,
-    GROWTH,
-    INERTIA,
-    JOINT_STATES,
-    JOINT_VALUES,
-    MASS,
-    MOST_BRANCHES,
-    OPEN,
-    OSCILLATOR,
-    PRELOAD,
-    RESISTANCE,
-    SEEN,
-    STIFFNESS,
-    UNILATERAL,
-    Averages,
-    Tables,
-    WaveState,
-)
+from strikewave.waves import _kernels as kernels
 from strikewave.waves.layers import Joint, Stack
 
 Array = NDArray[np.float64]
@@ -137,48 +113,52 @@ def choose_grid(stack: Stack, mismatch: float, largest: float, smallest: float) 
     return best
 
 
-def tables_of(stack: Stack, grid: TimeGrid) -> Tables:
+def tables_of(stack: Stack, grid: TimeGrid) -> kernels.Tables:
     """Return the stack on a grid as the kernels take it; refuse a joint with more branches than they hold."""
     dt = grid.step
     nodes = np.array(grid.counts, dtype=np.int64) + 1
     impedance = np.array([layer.impedance for layer in stack.layers])
     joints = max(len(stack.joints), 1)
     kind = np.zeros(len(stack.joints), dtype=np.int64)
-    value, branch = np.zeros((joints, JOINT_VALUES)), np.zeros((joints, MOST_BRANCHES, 2))
+    value, branch = np.zeros((joints, kernels.JOINT_VALUES)), np.zeros((joints, kernels.MOST_BRANCHES, 2))
     law = np.zeros((joints, COLUMNS))
     for i, joint in enumerate(stack.joints):
         kind[i] = _fill_joint(joint, dt, value[i], branch[i])
         if joint.contact is not None:
             law[i] = striking_law(joint.contact)
     start = np.concatenate([[0], np.cumsum(nodes)[:-1]])
-    return Tables(dt, impedance, nodes, start, kind, value, branch, law, _end_coefficients(stack, dt))
+    return kernels.Tables(dt, impedance, nodes, start, kind, value, branch, law, _end_coefficients(stack, dt))
 
 
 def _fill_joint(joint: Joint, dt: float, value: Array, branch: Array) -> int:
     """Fill the values and branches of a joint and return its kind."""
-    value[STIFFNESS], value[DAMPING], value[PRELOAD] = joint.stiffness, joint.damping, joint.preload
+    value[kernels.STIFFNESS], value[kernels.DAMPING], value[kernels.PRELOAD] = (
+        joint.stiffness,
+        joint.damping,
+        joint.preload,
+    )
     if joint.contact is not None:
-        value[DATUM] = indentation_under(joint.contact, joint.preload)
-        return CONTACT
+        value[kernels.DATUM] = indentation_under(joint.contact, joint.preload)
+        return kernels.CONTACT
     if joint.mass > 0.0:
-        value[RESISTANCE] = 2.0 * joint.mass / dt
-        return MASS
+        value[kernels.RESISTANCE] = 2.0 * joint.mass / dt
+        return kernels.MASS
     if joint.attached > 0.0:
-        value[RESISTANCE], value[INERTIA] = 0.5 * dt * joint.stiffness, 2.0 * joint.attached / dt
-        return OSCILLATOR
+        value[kernels.RESISTANCE], value[kernels.INERTIA] = 0.5 * dt * joint.stiffness, 2.0 * joint.attached / dt
+        return kernels.OSCILLATOR
     if joint.unilateral:
-        return UNILATERAL
+        return kernels.UNILATERAL
     if math.isinf(joint.stiffness):
-        return BONDED
+        return kernels.BONDED
     springs = [(0.5 * dt * joint.stiffness, 0.0)]
     springs += [(0.5 * dt * part.stiffness, 0.5 * dt / part.relaxation) for part in joint.branches]
-    if len(springs) > MOST_BRANCHES:
-        raise ValueError(f"a joint has at most {MOST_BRANCHES - 1} Maxwell branches, got {len(joint.branches)}")
+    if len(springs) > kernels.MOST_BRANCHES:
+        raise ValueError(f"a joint has at most {kernels.MOST_BRANCHES - 1} Maxwell branches, got {len(joint.branches)}")
     for k, (r, h) in enumerate(springs):
         branch[k] = r / (1.0 + h), (1.0 - h) / (1.0 + h)
-    value[BRANCHES] = len(springs)
-    value[RESISTANCE] = joint.damping + branch[:, 0].sum()
-    return ELASTIC
+    value[kernels.BRANCHES] = len(springs)
+    value[kernels.RESISTANCE] = joint.damping + branch[:, 0].sum()
+    return kernels.ELASTIC
 
 
 def _end_coefficients(stack: Stack, dt: float) -> Array:
@@ -199,7 +179,7 @@ def _end_coefficients(stack: Stack, dt: float) -> Array:
     return np.array([share, 2.0 * resistance / z * share, resistance, beta, sigma, 0.0, 0.0, 0.0])
 
 
-def state_at_rest(stack: Stack, grid: TimeGrid) -> WaveState:
+def state_at_rest(stack: Stack, grid: TimeGrid) -> kernels.WaveState:
     """Return the state before the load: no force anywhere, each layer at its own speed, gaps open.
 
     A mass between two layers moves with the second one, a mass at the end with the last.
@@ -208,12 +188,12 @@ def state_at_rest(stack: Stack, grid: TimeGrid) -> WaveState:
     z = np.repeat([layer.impedance for layer in stack.layers], nodes)
     v = np.repeat([layer.speed for layer in stack.layers], nodes)
     joints = max(len(stack.joints), 1)
-    state = WaveState(
+    state = kernels.WaveState(
         0.5 * z * v,
         -0.5 * z * v,
         np.full(nodes.size, -1, dtype=np.int64) % nodes,
-        np.zeros((joints, JOINT_STATES)),
-        np.zeros((joints, MOST_BRANCHES)),
+        np.zeros((joints, kernels.JOINT_STATES)),
+        np.zeros((joints, kernels.MOST_BRANCHES)),
         np.zeros(2),
         np.array([-1, 0]),
         np.zeros((MOST_EVENTS, 3)),
@@ -223,10 +203,10 @@ def state_at_rest(stack: Stack, grid: TimeGrid) -> WaveState:
         if joint.mass > 0.0 or joint.attached > 0.0:
             inertia = 2.0 * (joint.mass or joint.attached) / grid.step * stack.layers[i + 1].speed
             state.joint[i, 0 if joint.mass > 0.0 else 1] = inertia
-        state.joint[i, OPEN] = float(joint.gap > SEEN)
+        state.joint[i, kernels.OPEN] = float(joint.gap > kernels.SEEN)
         if joint.contact is not None:
             deepest = max(depth_at_yield(striking_law(joint.contact)), indentation_under(joint.contact, joint.preload))
-            state.joint[i, DEEPEST], state.joint[i, GROWTH] = deepest, 1.0
+            state.joint[i, kernels.DEEPEST], state.joint[i, kernels.GROWTH] = deepest, 1.0
     if stack.end.kind in ("mass", "oscillator"):
         inertia = 2.0 * stack.end.value / grid.step * stack.layers[-1].speed
         state.end[:] = (-inertia, 0.0) if stack.end.kind == "mass" else (0.0, inertia)
@@ -308,9 +288,9 @@ def error_bound(stack: Stack, grid: TimeGrid, integrals: Array, places: Sequence
     return ErrorBound(velocity, acceleration)
 
 
-def empty_averages(taps: NDArray[np.int64], faces: NDArray[np.int64], every: int, rows: int) -> Averages:
+def empty_averages(taps: NDArray[np.int64], faces: NDArray[np.int64], every: int, rows: int) -> kernels.Averages:
     """Return averages about rows of kept steps before anything ran."""
-    return Averages(taps, faces, every, np.zeros((rows, len(taps))), np.zeros((rows, len(faces))))
+    return kernels.Averages(taps, faces, every, np.zeros((rows, len(taps))), np.zeros((rows, len(faces))))
 
 
 def mean_acceleration(mean_velocity: Array, before: Array, step: float) -> Array:

@@ -17,31 +17,7 @@ from strikewave.base.errors import MISSING, InputError, InputErrors, nearest
 from strikewave.base.quantities import Value
 from strikewave.cases.case import Case
 from strikewave.cases.stack_of_case import once
-from strikewave.cases.tables.fem import (
-    AnyBoundaryTable,
-    AnyPart,
-    AnyShaped,
-    Ball,
-    BilinearTable,
-    Block,
-    Cylinder,
-    DrivenSide,
-    ElasticTable,
-    FemTable,
-    FilePart,
-    FixedSide,
-    FramePart,
-    GuidedSide,
-    HalfCylinder,
-    HalfSpace,
-    JohnsonCookTable,
-    MeshTable,
-    PressedSide,
-    ShapedPart,
-    SymmetrySide,
-    Tube,
-    ZerilliArmstrongTable,
-)
+from strikewave.cases.tables import fem as tables
 from strikewave.fem.mesh import FACES, Mesh, joined
 from strikewave.fem.model import (
     AnyBoundary,
@@ -111,10 +87,10 @@ ELASTIC = {"density": "a density", "modulus": "Young's modulus", "poissons_ratio
 """Constants that every solid has, in words."""
 _KINDS: dict[type, tuple[type[Elastic], tuple[str, ...]]] = {
     type(None): (Elastic, ()),
-    ElasticTable: (Elastic, ()),
-    BilinearTable: (Bilinear, ("yield_strength",)),
-    JohnsonCookTable: (JohnsonCook, ()),
-    ZerilliArmstrongTable: (ZerilliArmstrong, ()),
+    tables.ElasticTable: (Elastic, ()),
+    tables.BilinearTable: (Bilinear, ("yield_strength",)),
+    tables.JohnsonCookTable: (JohnsonCook, ()),
+    tables.ZerilliArmstrongTable: (ZerilliArmstrong, ()),
 }
 """Solid of each table, and its further constants from the material."""
 
@@ -154,7 +130,7 @@ def build_model(case: Case, threads: int = 1) -> Model:
     )
 
 
-def check_elements(case: Case) -> tuple[MeshTable, FemTable]:
+def check_elements(case: Case) -> tuple[tables.MeshTable, tables.FemTable]:
     """Check all that can be checked without a mesh, and return the tables."""
     if case.mesh is None or case.fem is None:
         hint = f"this case has none: `strikewave {case.command}` runs it" if case.machine or case.stack.layer else ""
@@ -211,7 +187,7 @@ def part_of(side: str) -> str:
     return side.partition(".")[0]
 
 
-def solid_of(part: AnyPart) -> AnySolid:
+def solid_of(part: tables.AnyPart) -> AnySolid:
     """Return the solid of a part; constants that it does not give are those of its material."""
     path, table = f"mesh.part.{part.name}", part.solid
     row = material(part.material, f"{path}.material") if part.material else None
@@ -238,7 +214,7 @@ def solid_of(part: AnyPart) -> AnySolid:
         raise error.at(f"{path}.solid.{field}") from None
 
 
-def _controls(fem: FemTable, parts: Sequence[AnyPart], threads: int) -> Controls:
+def _controls(fem: tables.FemTable, parts: Sequence[tables.AnyPart], threads: int) -> Controls:
     return Controls(
         duration=fem.duration.si,
         interval=fem.interval.si,
@@ -253,17 +229,17 @@ def _controls(fem: FemTable, parts: Sequence[AnyPart], threads: int) -> Controls
     )
 
 
-def _boundary(row: AnyBoundaryTable, path: str) -> AnyBoundary:
+def _boundary(row: tables.AnyBoundaryTable, path: str) -> AnyBoundary:
     side = side_name(row.side)
-    if isinstance(row, FixedSide):
+    if isinstance(row, tables.FixedSide):
         return Fixed(side)
-    if isinstance(row, SymmetrySide):
+    if isinstance(row, tables.SymmetrySide):
         return Symmetry(side)
-    if isinstance(row, GuidedSide):
+    if isinstance(row, tables.GuidedSide):
         return Guided(row.side, direction(row.axis, f"{path}.axis"))
-    if isinstance(row, DrivenSide):
+    if isinstance(row, tables.DrivenSide):
         return Driven(side, direction(row.direction, f"{path}.direction"), _curve(row.time, row.velocity, path))
-    if isinstance(row, PressedSide):
+    if isinstance(row, tables.PressedSide):
         return Pressure(side, _curve(row.time, row.pressure, path))
     return NonReflecting(side)
 
@@ -281,7 +257,7 @@ def _curve(time: Sequence[Value], value: Sequence[Value], path: str) -> TimeCurv
     return TimeCurve(instants, tuple(x.si for x in value))
 
 
-def _rigid(part: AnyPart) -> Rigid:
+def _rigid(part: tables.AnyPart) -> Rigid:
     """Return which ways a rigid part may move."""
     if part.rigid == "free":
         return Rigid(part.name)
@@ -289,9 +265,11 @@ def _rigid(part: AnyPart) -> Rigid:
     return Rigid(part.name, along, (False, False, False))  # type: ignore[arg-type]
 
 
-def _check_rigid(fem: FemTable, rigid: Collection[str]) -> None:
+def _check_rigid(fem: tables.FemTable, rigid: Collection[str]) -> None:
     """Refuse a boundary that holds or drives a rigid part, and ties of one."""
-    conditions = [(f"boundary.{k}.side", x.side) for k, x in enumerate(fem.boundary) if not isinstance(x, PressedSide)]
+    conditions = [
+        (f"boundary.{k}.side", x.side) for k, x in enumerate(fem.boundary) if not isinstance(x, tables.PressedSide)
+    ]
     ties = [(f"tie.{k}.{key}", getattr(x, key)) for k, x in enumerate(fem.tie) for key in ("side", "onto")]
     for field, side in (*conditions, *ties):
         if part_of(side) in rigid:
@@ -299,7 +277,7 @@ def _check_rigid(fem: FemTable, rigid: Collection[str]) -> None:
             raise InputError(f"fem.{field}", side, "a side of a part that deforms", hint)
 
 
-def _check_points(mesh: Mesh, fem: FemTable) -> None:
+def _check_points(mesh: Mesh, fem: tables.FemTable) -> None:
     """Refuse a point farther from its part than an element there."""
     for row in fem.point:
         nodes, place = mesh.nodes_of(row.part), np.array(vector(row.place))
@@ -313,7 +291,7 @@ def _check_points(mesh: Mesh, fem: FemTable) -> None:
             raise InputError(f"fem.point.{row.name}.place", got, f"in {row.part}, from ({low}) to ({high}) mm")
 
 
-def _sides(fem: FemTable) -> Iterator[tuple[str, str]]:
+def _sides(fem: tables.FemTable) -> Iterator[tuple[str, str]]:
     """Yield every side that [fem] names, with the path of the field."""
     for k, pair in enumerate(fem.contact):
         yield f"fem.contact.{k}.first", pair.first
@@ -326,7 +304,7 @@ def _sides(fem: FemTable) -> Iterator[tuple[str, str]]:
             yield f"fem.{kind}.{k}.side", row.side
 
 
-def _check_sides(mesh: Mesh, fem: FemTable) -> None:
+def _check_sides(mesh: Mesh, fem: tables.FemTable) -> None:
     """Refuse unknown sides, and pairs that share nodes."""
     for path, name in _sides(fem):
         part, _, side = side_name(name).partition(".")
@@ -447,11 +425,11 @@ def _in_elements(places: Array, corners: Array) -> NDArray[np.bool_]:
     return np.asarray(np.min(mine, axis=0) > INSIDE * np.min(depths, axis=0))
 
 
-def built_parts(table: MeshTable) -> list[Mesh]:
+def built_parts(table: tables.MeshTable) -> list[Mesh]:
     """Return the meshes of all parts, in their order; parts of a file come where the first of them stands."""
     meshes, read_files = [], set()
     for part in table.part:
-        if not isinstance(part, FilePart):
+        if not isinstance(part, tables.FilePart):
             mesh = _with_part_path(part, functools.partial(_MAKERS[type(part)], part))
             if part.turn is not None:
                 axis = direction(part.turn.axis, f"mesh.part.{part.name}.turn.axis")
@@ -459,12 +437,12 @@ def built_parts(table: MeshTable) -> list[Mesh]:
             meshes.append(moved(mesh, vector(part.at)) if part.at is not None else mesh)
         elif part.file not in read_files:
             read_files.add(part.file)
-            rows = [row for row in table.part if isinstance(row, FilePart) and row.file == part.file]
+            rows = [row for row in table.part if isinstance(row, tables.FilePart) and row.file == part.file]
             meshes.append(_from_file(rows))
     return meshes
 
 
-def _from_file(rows: Sequence[FilePart]) -> Mesh:
+def _from_file(rows: Sequence[tables.FilePart]) -> Mesh:
     """Return the parts of a mesh in a file under the names of their rows."""
     from strikewave.fem.mesh_files import read_mesh
 
@@ -491,9 +469,9 @@ def _from_file(rows: Sequence[FilePart]) -> Mesh:
     return renamed(mesh, names)
 
 
-def estimated_elements(table: MeshTable) -> float:
+def estimated_elements(table: tables.MeshTable) -> float:
     """Return about how many elements the parts of our own shapes will have, without making any."""
-    shaped = [part for part in table.part if not isinstance(part, FilePart)]
+    shaped = [part for part in table.part if not isinstance(part, tables.FilePart)]
     for part in shaped:
         longest = max((getattr(part, key) for key in LENGTHS if hasattr(part, key)), key=lambda length: length.si)
         most = longest.si * (2.0 if hasattr(part, "radius") else 1.0)
@@ -503,29 +481,29 @@ def estimated_elements(table: MeshTable) -> float:
     return sum(_with_part_path(part, functools.partial(_estimate, part)) for part in shaped)
 
 
-def exact_volume(part: AnyPart) -> float | None:
+def exact_volume(part: tables.AnyPart) -> float | None:
     """Return the volume, m^3, of a shape or its sector with its round faces; None for a part of a file."""
-    if isinstance(part, FilePart):
+    if isinstance(part, tables.FilePart):
         return None
-    if isinstance(part, Block):
+    if isinstance(part, tables.Block):
         whole = part.width.si * part.depth.si * part.height.si
-    elif isinstance(part, FramePart):
+    elif isinstance(part, tables.FramePart):
         opening = (part.width.si - part.left.si - part.right.si) * (part.height.si - part.bottom.si - part.top.si)
         whole = part.depth.si * (part.width.si * part.height.si - opening)
-    elif isinstance(part, Cylinder):
+    elif isinstance(part, tables.Cylinder):
         whole = 0.25 * math.pi * part.diameter.si**2 * part.length.si
-    elif isinstance(part, Tube):
+    elif isinstance(part, tables.Tube):
         open_length = part.length.si - sum(end.si for end in (part.bottom, part.top) if end)
         whole = 0.25 * math.pi * (part.outer_diameter.si**2 * part.length.si - part.inner_diameter.si**2 * open_length)
-    elif isinstance(part, HalfCylinder):
+    elif isinstance(part, tables.HalfCylinder):
         whole = 0.5 * math.pi * part.radius.si**2 * part.length.si
     else:
-        half = isinstance(part, HalfSpace) or part.part_of == "lower half"
+        half = isinstance(part, tables.HalfSpace) or part.part_of == "lower half"
         whole = (2.0 if half else 4.0) / 3.0 * math.pi * part.radius.si**3
     return SHARE[part.sector] * whole
 
 
-def _with_part_path(part: AnyPart, make: Callable[[], Any]) -> Any:
+def _with_part_path(part: tables.AnyPart, make: Callable[[], Any]) -> Any:
     """Make a part; an error of its room gets the path of the part."""
     path = f"mesh.part.{part.name}"
     try:
@@ -536,7 +514,7 @@ def _with_part_path(part: AnyPart, make: Callable[[], Any]) -> Any:
         raise error.at(f"{path}.{field}") from None
 
 
-def _grading(part: ShapedPart, at: float = 0.0) -> Grading:
+def _grading(part: tables.ShapedPart, at: float = 0.0) -> Grading:
     """Return the sizes along a line, finest at a place on it, m."""
     if part.finest is None:
         return Grading(part.size.si)
@@ -544,7 +522,7 @@ def _grading(part: ShapedPart, at: float = 0.0) -> Grading:
     return Grading(part.size.si, part.finest.si, (at,), extent, part.growth.si if part.growth else GROWTH)
 
 
-def _lines(part: Block | FramePart) -> list[tuple[float, Grading]]:
+def _lines(part: tables.Block | tables.FramePart) -> list[tuple[float, Grading]]:
     """Return length and sizes along x, y and z of a part that is fine about the middle of its upper or lower side."""
     across = zip(_cuts(part), (part.width.si, part.depth.si), strict=True)
     lines = [(0.5 * length, 0.0) if cut else (length, 0.5 * length) for cut, length in across]
@@ -553,41 +531,43 @@ def _lines(part: Block | FramePart) -> list[tuple[float, Grading]]:
     return [(length, _grading(part, at)) for length, at in lines]
 
 
-def _cuts(part: Block | FramePart) -> tuple[bool, bool]:
+def _cuts(part: tables.Block | tables.FramePart) -> tuple[bool, bool]:
     """Return whether a part is cut where x is 0, and where y is 0."""
     return part.sector == "quarter", part.sector != "whole"
 
 
-def _along(part: Cylinder | Tube) -> Grading:
+def _along(part: tables.Cylinder | tables.Tube) -> Grading:
     return _grading(part, part.length.si if part.fine_at == "top" else 0.0)
 
 
-def _block(part: Block) -> Mesh:
+def _block(part: tables.Block) -> Mesh:
     (width, x), (depth, y), (height, z) = _lines(part)
     aside, behind = (0.5 * length if cut else 0.0 for cut, length in zip(_cuts(part), (width, depth), strict=True))
     return moved(block(part.name, (width, depth, height), x, y, z), (aside, behind, 0.0))
 
 
-def _frame(part: FramePart) -> Mesh:
+def _frame(part: tables.FramePart) -> Mesh:
     sizes = (part.width, part.depth, part.height, part.left, part.right, part.bottom, part.top)
     x, y, z = (grading for _, grading in _lines(part))
     return frame(part.name, FrameSize(*(size.si for size in sizes)), x, y, z, part.sector)
 
 
-def _tube(part: Tube) -> Mesh:
+def _tube(part: tables.Tube) -> Mesh:
     bottom, top = (end.si if end else 0.0 for end in (part.bottom, part.top))
     size = TubeSize(part.inner_diameter.si, part.outer_diameter.si, part.length.si, bottom, top)
     return tube(part.name, size, _grading(part), _along(part), part.sector)
 
 
 _MAKERS: dict[type, Callable[[Any], Mesh]] = {
-    Block: _block,
-    Cylinder: lambda p: cylinder(p.name, p.diameter.si, p.length.si, _grading(p), _along(p), p.sector),
-    Tube: _tube,
-    HalfCylinder: lambda p: half_cylinder(p.name, p.radius.si, p.length.si, _grading(p), Grading(p.size.si), p.sector),
-    FramePart: _frame,
-    HalfSpace: lambda p: half_space(p.name, p.radius.si, _grading(p), p.sector),
-    Ball: lambda p: ball(p.name, p.radius.si, _grading(p), p.sector, p.part_of == "lower half"),
+    tables.Block: _block,
+    tables.Cylinder: lambda p: cylinder(p.name, p.diameter.si, p.length.si, _grading(p), _along(p), p.sector),
+    tables.Tube: _tube,
+    tables.HalfCylinder: lambda p: half_cylinder(
+        p.name, p.radius.si, p.length.si, _grading(p), Grading(p.size.si), p.sector
+    ),
+    tables.FramePart: _frame,
+    tables.HalfSpace: lambda p: half_space(p.name, p.radius.si, _grading(p), p.sector),
+    tables.Ball: lambda p: ball(p.name, p.radius.si, _grading(p), p.sector, p.part_of == "lower half"),
 }
 """Function that makes the mesh of each shape."""
 
@@ -597,24 +577,24 @@ def _count(length: float, sizes: Grading) -> int:
     return len(nodes_between(0.0, length, sizes)) - 1
 
 
-def _estimate(part: AnyShaped) -> float:
+def _estimate(part: tables.AnyShaped) -> float:
     """Return about how many elements a part will have: a round part has a core, and a ring as deep as its radius."""
-    if isinstance(part, Block | FramePart):
+    if isinstance(part, tables.Block | tables.FramePart):
         return float(math.prod(_count(length, sizes) for length, sizes in _lines(part)))
     sizes, share = _grading(part), SHARE[part.sector]
-    if isinstance(part, Tube):
+    if isinstance(part, tables.Tube):
         inner, outer = 0.5 * part.inner_diameter.si, 0.5 * part.outer_diameter.si
         wall = _count(max(outer - inner, sizes.finest), sizes)
         return share * math.pi * (inner + outer) / sizes.coarse * wall * _count(part.length.si, _along(part))
-    radius = 0.5 * part.diameter.si if isinstance(part, Cylinder) else part.radius.si
+    radius = 0.5 * part.diameter.si if isinstance(part, tables.Cylinder) else part.radius.si
     # the core is as large as the fine extent, or half the radius where that is more
     core = max(1.0, sizes.extent / sizes.finest, LARGEST_FINE_CORE * radius / sizes.coarse)
     ring = _count(radius, sizes)
     # four rings of core x ring elements around a core of 2 x 2 squares of core elements
     disc = share * 4.0 * core * (core + 2.0 * ring)
-    if isinstance(part, Cylinder):
+    if isinstance(part, tables.Cylinder):
         return disc * _count(part.length.si, _along(part))
-    if isinstance(part, HalfCylinder):
+    if isinstance(part, tables.HalfCylinder):
         return 0.5 * disc * part.length.si / sizes.coarse
     dome = share * 4.0 * core**2 * (core + 3.0 * ring)
-    return dome if isinstance(part, HalfSpace) or part.part_of == "lower half" else 2.0 * dome
+    return dome if isinstance(part, tables.HalfSpace) or part.part_of == "lower half" else 2.0 * dome

@@ -3,29 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
 from strikewave.base.errors import InputError
-from strikewave.reporting.options import CaseName, Changes, ElementDevice
+from strikewave.reporting.options import CaseName, Changes, FemOptions
 from strikewave.reporting.output_options import Output, RunOutput
-
-
-@dataclass(frozen=True)
-class FemOptions:
-    """Options of a run of elements besides its case and its output."""
-
-    threads: Annotated[
-        int,
-        typer.Option("--threads", metavar="COUNT", min=1, help="Threads, one a core at most; they change no number."),
-    ] = 1
-    device: ElementDevice = None
-    restart: Annotated[bool, typer.Option("--restart", help="Continue an interrupted run.")] = False
-    no_report: Annotated[bool, typer.Option("--no-report", help="Write no report.html.")] = False
-    animate: Annotated[bool, typer.Option("--animate", help="Write animation.html and animation.gif too.")] = False
 
 
 def fem(

@@ -17,7 +17,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from strikewave.analyses.fem.build import build_model, exact_volume
-from strikewave.analyses.fem.command import FemOptions
 from strikewave.analyses.fem.notices import model_notices
 from strikewave.analyses.fem.result import Energies, FemSolution, largest_words, of_blow
 from strikewave.analyses.fem.run import check_model, first_step, run_model
@@ -42,6 +41,7 @@ from strikewave.fem.solve import Checkpoint, Progress, RunOptions, frame_instant
 from strikewave.fem.vtkhdf import FieldWriter
 from strikewave.reporting.bands import NO_BAND_OF_ELEMENTS
 from strikewave.reporting.faces import amount, columns_of, text_of
+from strikewave.reporting.options import FemOptions
 from strikewave.reporting.output_options import Output
 from strikewave.reporting.run_and_write import Command, case_folder, run_and_write
 from strikewave.reporting.terminal import (
