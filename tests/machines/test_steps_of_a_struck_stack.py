@@ -607,7 +607,8 @@ def test_blow_is_followed_half_a_ms_after_its_last_release_and_10_ms_at_most(mon
         patch.setattr(one_blow, "FIELD_STEP", 0.4 * STEP)  # no finer than what is kept
         strike(*about_to_strike(), field=True)
 
-    def asked(tables, state, law, machine, supports, blow, recordings, averages, history, *_):
+    def asked(tables, state, law, machine, supports, blow, recordings, averages, notes):
+        history = notes.history
         assert blow.settle == 0.5e-3
         assert (len(history) - 1) * blow.every * tables.step == pytest.approx(10e-3, rel=1e-12)
         assert len(recordings[0].force) == len(history)
