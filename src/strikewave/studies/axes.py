@@ -156,11 +156,6 @@ def case_at(
 def plain_log_ticks(axis: Any) -> None:
     """Write 1, 2, 5, 10 along a logarithmic axis: as plain numbers they are read at a glance, powers are not.
 
-    Parameters
-    ----------
-    axis : matplotlib Axis
-        Such as ``axes.xaxis``, after its scale was set.
-
     Examples
     --------
     >>> from matplotlib.figure import Figure

@@ -65,23 +65,7 @@ def picture_section(title: str, figure: Figure, caption: str) -> Section:
 def study_page(
     study: Study, summary_text: str, outcome: Sequence[Section], plan: Section, kind: str, status: Tag | None = None
 ) -> str:
-    """Return the report of a study as one HTML page: no script, nothing fetched, the same bytes each time.
-
-    Parameters
-    ----------
-    study : Study
-        Study that the page reports.
-    words : str
-        Summary of the outcome.
-    outcome : sequence of Section
-        Picture and results; the warnings follow.
-    plan : Section
-        Section on the runs; the inputs of the case follow.
-    kind : str
-        Kind of study, with its article.
-    status : Tag, optional
-        How it went, where that is more than its checks say.
-    """
+    """Return the report of a study as one HTML page; ``kind`` is what it is, with its article."""
     sections = [*outcome, chapters.warnings(study.notices), plan, chapters.inputs(study.case)]
     summary = chapters.Summary(f"Report of {kind}", summary_text, study.highlights(), status)
     return chapters.result_page(study, summary, sections)

@@ -26,17 +26,7 @@ _OPTION = re.compile(r"--(?:to|free|try|set|check-on|filter|vary|analysis)(?:: |
 
 
 def read_study(path: Path, form: Form[Stated], allowed: str) -> Stated:
-    """Return the tables of the file of a study.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    form : Form
-        Form of the file.
-    allowed : str
-        Kind of file that is allowed.
-    """
+    """Return the tables of the file of a study."""
     return form.read(read_small_file(path, "FILE", allowed), f"{path.name}: ")
 
 

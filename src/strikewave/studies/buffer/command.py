@@ -112,7 +112,7 @@ def command(
     They are ranked by what the sensor reads of a blow, and by the bandwidth that is left. The blow is that of a machine
     case or a layered bar at the sensor's tap, or a record. With --json, no files are written unless --out is given.
     """
-    from strikewave.studies.buffer.report import BufferCommand, rank_buffers, source_of_case, source_of_record
+    from strikewave.studies.buffer.report import BufferCommand, source_of_case, source_of_record
     from strikewave.studies.buffer.stacks import BufferGoal, StackChoices, all_stacks
     from strikewave.studies.engine.runner import Workers
 
@@ -127,5 +127,4 @@ def command(
         stated, options = measurement.calibration(), measurement.reading()
         source = source_of_record(record, stated, options, (case, mounted.sensor, changes), mounted.stated())
     pool = Workers(running.workers, cluster=running.cluster).pool()
-    ranking = BufferCommand(source, blow, choice, goal, pool, place=running.store, fresh=running.fresh)
-    return rank_buffers(ranking, output)
+    return BufferCommand(source, blow, choice, goal, pool, place=running.store, fresh=running.fresh).run(output)

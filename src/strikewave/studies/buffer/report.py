@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -185,16 +185,6 @@ class BlowSource(NamedTuple):
     found: Sequence[HealthNotice] = ()
 
 
-def rank_buffers(command: BufferCommand, output: Output) -> int:
-    """Rank the stacks, write and print them, and return the exit code."""
-    source = command.source
-    if source.case is not None:
-        command = dataclasses.replace(command, source=source._replace(case=output.tested(source.case)))
-    else:
-        command = dataclasses.replace(command, test=output.stated_test())
-    return run_and_write(command, output, f"buffer-{_called(source)}", None)
-
-
 def source_of_record(
     file: str,
     stated: dict[str, dict[str, Any]],
@@ -234,14 +224,25 @@ class BufferCommand(ResumableCommand[BufferStudy]):
     pool: Pool
     test: Mapping[str, str] = dataclasses.field(default_factory=dict)
 
+    def run(self, output: Output) -> int:
+        """Rank the stacks, write and print them, and return the exit code."""
+        source = self.source
+        if source.case is not None:
+            self.source = source._replace(case=output.tested(source.case))
+        else:
+            self.test = output.stated_test()
+        name = source.record.stem if source.record is not None else (source.case.name if source.case else "") or "case"
+        return run_and_write(self, output, f"buffer-{name}", None)
+
     def solved(self, store: RunStore) -> BufferStudy:
         """Return the study, with bars on stderr."""
         source = self.source
         if source.reading is not None:
             blows = _recorded(source.record, source.reading, source.found)
         else:
+            assert source.case is not None
             with progress_bar("blows") as report:
-                blows = _blows(source, self.blow, report)
+                blows = blows_of(source.case, source.site.table, self.blow, report)
         try:
             with progress_bar("stacks") as report:
                 advance = share_reporter(report)
@@ -259,7 +260,37 @@ class BufferCommand(ResumableCommand[BufferStudy]):
 
     def show(self, result: BufferStudy) -> None:
         """Print the ranking."""
-        _print(result)
+        motion, site = result.motion, result.site
+        rigid = "" if motion.rigid_peak is None else f", rigid-body peak {amount(SURFACE, motion.rigid_peak, digits=5)}"
+        if motion.recorded is not None:
+            largest = amount(SURFACE, motion.largest_sample, digits=5)
+            rigid += f" (largest sample {largest}: readings below have its noise too)"
+        tell(
+            f"{site.table.name}, {text_of(result.sensor, 'mass')}, on {text_of(result.sensor, 'area')} of gasket; "
+            f"{motion.name}: surface {amount(SURFACE, motion.peak, digits=5)}{rigid}",
+            "  ",
+        )
+        shown = distinct(result.candidates, LEADING)
+        shown += [c for c in (result.robust, result.direct) if c is not None and c not in shown]
+        rows = [stack for stack in result.stacks if stack in shown or stack is result.present]
+        title = f"{result.keeping} stacks keep {amount(READING, result.limit, digits=5)}; {result.order} ({MARKED})"
+        print_rows(title, stack_columns("screen", rows))
+        if len(result.candidates) > len(shown):
+            tell(
+                f"stacks with peak and bandwidth of one above within {percent(ALIKE, 0)} are left out here; --json and "
+                "the files have all"
+            )
+        first = result.candidates[0]
+        parts = [f"{first.rigid_ratio:.3g} times the rigid-body peak"] if math.isfinite(first.rigid_ratio) else []
+        if math.isfinite(first.velocity_error):
+            parts += [f"velocity change off by {percent(first.velocity_error, 1, '+')}"]
+        elif first.ringing > RINGING or not first.whole:
+            parts += ["velocity change not known: the history ends while it still rings"]
+        parts += [
+            f"{text_of(first, 'sag')} of sag",
+            f"loss factors held to {percent(first.loss_error)} from 1 to 100 kHz",
+        ]
+        tell(f"{first.name}: {', '.join(parts)}")
 
     def draw(self, result: BufferStudy, folder: Path) -> list[str]:
         """Write the page, peak over bandwidth, histories and transmissibility."""
@@ -296,11 +327,6 @@ def source_of_case(
     return BlowSource(case, mounting_site_of(table, case, footprint))
 
 
-def _blows(source: BlowSource, blow: str, report: Callable[[float], None]) -> Blows:
-    assert source.case is not None
-    return blows_of(source.case, source.site.table, blow, report)
-
-
 def _reading(file: str, stated: dict[str, dict[str, Any]], options: Any) -> tuple[ChannelReading, list[HealthNotice]]:
     """Return one channel of a file, and what its examination suspects; one that it calls bad is refused."""
     _, reading = measured.read_channels(file, stated, options)
@@ -333,40 +359,3 @@ def _recorded(path: Path | None, reading: ChannelReading, findings: Sequence[Hea
     name = f"{path.name if path else ''} {channel.name}".strip()
     motion = BaseMotion(name, values, channel.step, channel.start + first * channel.step, recorded=blow)
     return Blows((motion,), 0, tuple(warnings))
-
-
-def _called(source: BlowSource) -> str:
-    if source.record is not None:
-        return source.record.stem
-    return (source.case.name if source.case else "") or "case"
-
-
-def _print(study: BufferStudy) -> None:
-    motion, site = study.motion, study.site
-    rigid = "" if motion.rigid_peak is None else f", rigid-body peak {amount(SURFACE, motion.rigid_peak, digits=5)}"
-    if motion.recorded is not None:
-        largest = amount(SURFACE, motion.largest_sample, digits=5)
-        rigid += f" (largest sample {largest}: readings below have its noise too)"
-    tell(
-        f"{site.table.name}, {text_of(study.sensor, 'mass')}, on {text_of(study.sensor, 'area')} of gasket; "
-        f"{motion.name}: surface {amount(SURFACE, motion.peak, digits=5)}{rigid}",
-        "  ",
-    )
-    shown = distinct(study.candidates, LEADING)
-    shown += [c for c in (study.robust, study.direct) if c is not None and c not in shown]
-    rows = [stack for stack in study.stacks if stack in shown or stack is study.present]
-    title = f"{study.keeping} stacks keep {amount(READING, study.limit, digits=5)}; {study.order} ({MARKED})"
-    print_rows(title, stack_columns("screen", rows))
-    if len(study.candidates) > len(shown):
-        tell(
-            f"stacks with peak and bandwidth of one above within {percent(ALIKE, 0)} are left out here; --json and the "
-            "files have all"
-        )
-    first = study.candidates[0]
-    parts = [f"{first.rigid_ratio:.3g} times the rigid-body peak"] if math.isfinite(first.rigid_ratio) else []
-    if math.isfinite(first.velocity_error):
-        parts += [f"velocity change off by {percent(first.velocity_error, 1, '+')}"]
-    elif first.ringing > RINGING or not first.whole:
-        parts += ["velocity change not known: the history ends while it still rings"]
-    parts += [f"{text_of(first, 'sag')} of sag", f"loss factors held to {percent(first.loss_error)} from 1 to 100 kHz"]
-    tell(f"{first.name}: {', '.join(parts)}")

@@ -109,25 +109,7 @@ def design_buffer(
     pool: Pool | None = None,
     advance: Advance | None = None,
 ) -> BufferStudy:
-    """Rank all stacks of a choice for a sensor, a blow, and a limit on what it may read.
-
-    Parameters
-    ----------
-    site : MountingSite
-        The sensor.
-    blows : Blows
-        The blow, and the others of its run, which the best stack is tried on too.
-    choice : StackChoices
-        Choices that stacks may be made of.
-    goal : BufferGoal
-        The limit, and what decides among those that keep it.
-    store : RunStore, optional
-        Stacks that were run.
-    pool : Pool, optional
-        Who runs the others; this process where it is left out.
-    advance : callable, optional
-        Called as stacks come back.
-    """
+    """Rank all stacks of a choice for a sensor, a blow, and a limit on what it may read."""
     every = all_stacks(choice)
     small = [stack for stack in every if not _too_large(site.mounting(stack))]
     with given_or_temporary(store) as open_store, pool or ProcessPool(1) as open_pool:

@@ -155,15 +155,6 @@ class StudyVariable:
 def read_variable(case: Case, text: str, points: int = POINTS) -> StudyVariable:
     """Read what is varied.
 
-    Parameters
-    ----------
-    case : Case
-        Whose quantity or word it is.
-    text : str
-        As typed.
-    points : int, optional
-        Values of a range that names no number of them.
-
     Examples
     --------
     >>> from strikewave import load_case

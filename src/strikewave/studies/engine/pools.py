@@ -222,15 +222,6 @@ class Each(Generic[Asked, Answer]):
 def each_on(pool: Pool, function: Callable[[Asked], Answer], items: Sequence[Asked]) -> list[Answer]:
     """Return the result of each item, in their order: for runs that nobody keeps; `carry_out` is for those of a store.
 
-    Parameters
-    ----------
-    pool : Pool
-        Who computes them; with processes, function and items are picklable.
-    function : callable
-        Computes one; what it raises is raised.
-    items : sequence
-        Items to compute.
-
     Examples
     --------
     >>> with ThreadPool(2) as pool:

@@ -113,19 +113,7 @@ def _outcome(question: Question[Any]) -> RunOutcome:
 def answers(
     questions: Sequence[Question[Answer]], store: RunStore, pool: Pool, advance: Advance | None = None
 ) -> list[Answer | Failure]:
-    """Return the answers to questions, in their order; those that a store has are not sought again.
-
-    Parameters
-    ----------
-    questions : sequence of Question
-        Questions to answer; equal ones are answered once.
-    store : RunStore
-        Known answers.
-    pool : Pool
-        Who finds the others.
-    advance : callable, optional
-        Called as answers come back.
-    """
+    """Return the answers to questions, in their order; those that a store has are not sought again."""
     outcomes = store.documents(carry_out(Answering(), questions, store, pool, advance).keys)
     return [
         Failure(failure) if failure else _written_as(question.answered_by).validate_python(json.loads(document))

@@ -123,26 +123,7 @@ class Finished(NamedTuple):
 def carry_out(
     job: Work[Asked], rows: Sequence[Asked], store: RunStore, pool: Pool, advance: Advance | None = None
 ) -> Finished:
-    """Run all rows of a job that a store does not have, and keep them there.
-
-    Parameters
-    ----------
-    job : Work
-        Work that is run, such as a `Job`.
-    rows : sequence
-        Where; equal ones are run once.
-    store : RunStore
-        Store of the finished runs.
-    pool : Pool
-        Who runs them; whoever made it ends it.
-    advance : callable, optional
-        Called as batches come back.
-
-    Returns
-    -------
-    Finished
-        Keys by which the store has the rows.
-    """
+    """Run all rows of a job that a store does not have, equal ones once; whoever made the pool ends it."""
     work = _Unfinished(job, rows, store, advance)
     work.all_on(pool)
     return Finished(work.keys, work.reused)

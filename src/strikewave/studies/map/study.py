@@ -353,21 +353,7 @@ def make_map(
     pool: Pool | None = None,
     advance: Advance | None = None,
 ) -> MapStudy:
-    """Make a map: every cell run fast, and the nearest even setting tried in full.
-
-    Parameters
-    ----------
-    plan : MapPlan
-        Plan of the map.
-    wanted : float
-        Coefficient of variation below which blows count as even.
-    store : RunStore, optional
-        Finished cells; what it holds is not run again.
-    pool : Pool, optional
-        Who runs them, and is ended here; this process where it is left out.
-    advance : callable, optional
-        Called as cells come back.
-    """
+    """Make a map: every cell run fast, the nearest even setting tried in full; the pool is ended here."""
     check_plan(plan, 1 if pool is None else pool.width)
     case = plan.case
     machine_of(case)

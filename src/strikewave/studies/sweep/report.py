@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, NamedTuple
+from typing import ClassVar
 
 from strikewave.base.errors import InputError
 from strikewave.base.result import RUN_BROKEN, RUN_FAILED
@@ -156,61 +156,27 @@ class SweepCommand(StudyCommand[SweepStudy]):
         return self._with_runs(folder, self.store.hand_over(folder, map(bytes.fromhex, result.keys)))
 
 
-class SweepEstimate(NamedTuple):
-    """How much there is to do.
-
-    Attributes
-    ----------
-    runs, finished : int
-        In all, and those that a store has.
-    run_seconds : float
-        About how long one takes, s; NaN where none is left.
-    seconds : float
-        About how long all that are left take on so many processes, s.
-    workers : int
-        Processes.
-    """
-
-    runs: int
-    finished: int
-    run_seconds: float
-    seconds: float
-    workers: int
-
-    @property
-    def words(self) -> str:
-        """What is to be done, in words.
-
-        Examples
-        --------
-        >>> SweepEstimate(100, 40, 0.5, 15.0, 2).words
-        '100 runs, 40 of them finished: about 15 s for the others, 0.5 s each on 2 processes'
-        """
-        done = f"{self.runs} runs, {self.finished} of them finished" if self.finished else f"{self.runs} runs"
-        if self.finished == self.runs:
-            return f"{done}: nothing is left"
-        processes = f"{self.workers} processes" if self.workers > 1 else "one process"
-        others = " for the others" if self.finished else ""
-        return f"{done}: about {lasting(self.seconds)}{others}, {self.run_seconds:.2g} s each on {processes}"
-
-
-def estimated(plan: SweepPlan, store: RunStore, workers: int) -> SweepEstimate:
-    """Return how much there is to do on so many processes, by some runs that are made and thrown away."""
-    known = store.known()
-    keys = {plan.job.key(row): row for row in plan.rows}
-    left = [row for key, row in keys.items() if key not in known]
-    each = seconds_each(plan.job, left) if left else float("nan")
-    seconds = each * len(left) / workers if left else 0.0
-    return SweepEstimate(len(keys), len(keys) - len(left), each, seconds, workers)
-
-
 def show_estimate(command: SweepCommand, changes: Sequence[str], workers: int, output: Output) -> int:
     """Print how many runs a sweep has and about how long it takes, and return the exit code.
 
-    What is finished is looked for where the sweep itself would: in a folder of its own, or beside the result.
+    Some runs are made and thrown away. What is finished is looked for where the sweep itself would: in a folder of its
+    own, or beside the result.
     """
-    folder = output.place(command.usual_folder(changes)).folder
+    plan, folder = command.plan, output.place(command.usual_folder(changes)).folder
     place = runs_beside(folder.absolute()) if command.place is None and folder is not None else command.place
     with RunStore(place if place is not None and place.is_dir() else None, option="--dry-run") as store:
-        estimate = estimated(command.plan, store, workers)
-    return print_estimate(estimate._asdict(), f"{command.plan.words}. {estimate.words}.", output)
+        known = store.known()
+    keys = {plan.job.key(row): row for row in plan.rows}  # equal rows are run once
+    left = [row for key, row in keys.items() if key not in known]
+    finished = len(keys) - len(left)
+    each = seconds_each(plan.job, left) if left else float("nan")
+    seconds = each * len(left) / workers if left else 0.0
+    text = f"{len(keys)} runs, {finished} of them finished" if finished else f"{len(keys)} runs"
+    if left:
+        others = " for the others" if finished else ""
+        processes = f"{workers} processes" if workers > 1 else "one process"
+        text += f": about {lasting(seconds)}{others}, {each:.2g} s each on {processes}"
+    else:
+        text += ": nothing is left"
+    counts = {"runs": len(keys), "finished": finished, "run_seconds": each, "seconds": seconds, "workers": workers}
+    return print_estimate(counts, f"{plan.words}. {text}.", output)

@@ -222,17 +222,7 @@ class SweepRequest:
 
 
 def read_request(name: str, changes: Sequence[str], typed: SweepRequest) -> SweepRequest:
-    """Return what is asked for of a case, or of a study file with what was typed beside it.
-
-    Parameters
-    ----------
-    name : str
-        Case file, built-in case, or study file.
-    changes : sequence of str
-        Changes of the case, after those of the file.
-    typed : SweepRequest
-        Typed request.
-    """
+    """Return what is asked for of a case, or of a study file with what was typed beside it."""
     text, _ = read_case_text(name)
     document = _document(text)
     if name in bundled_cases() or not states_a_study(document, ("vary",)):
@@ -518,19 +508,7 @@ class SweepStudy(Study):
 def make_sweep(
     plan: SweepPlan, store: RunStore, pool: Pool | None = None, advance: Advance | None = None
 ) -> SweepStudy:
-    """Make a sweep: all runs that a store does not have yet.
-
-    Parameters
-    ----------
-    plan : SweepPlan
-        Plan of the sweep.
-    store : RunStore
-        Finished runs.
-    pool : Pool, optional
-        Who runs them, and is ended here; this process where it is left out.
-    advance : callable, optional
-        Called as runs come back.
-    """
+    """Make a sweep: all runs that a store does not have yet; the pool is ended here."""
     not_judged = plan.evaluation.not_judged(plan.case)
     with at_work(store, pool) as (open_store, open_pool):
         runs = finished_runs(plan.job, plan.rows, open_store, open_pool, advance, not_judged=not_judged)
