@@ -54,12 +54,11 @@ def _options(
     """Predict, measure and design high-g impact tests."""
 
 
+# on matrices as small as ours threads wait, and by turning, which takes fifteen times as long on cores with other work
 LINEAR_ALGEBRA_THREADS = "1"
-"""Threads of linear algebra, where nothing else is asked for: on matrices as small as ours they wait, and by turning,
-which takes fifteen times as long where the cores have other work."""
-YOUNG_OBJECTS = 50_000
-"""Objects after which the garbage collector looks for circles. At Python's own 700 it looks a thousand times while
-modules are imported and pictures drawn, which takes 9 % of a run with its files."""
+"""Threads of linear algebra, where nothing else is asked for."""
+YOUNG_OBJECTS = 50_000  # at Python's own 700 the collector takes 9 % of a run with its files
+"""Objects after which the garbage collector looks for circles."""
 
 
 def main() -> None:
@@ -78,10 +77,7 @@ def main() -> None:
 
 
 def _open_closed_streams() -> None:
-    """Let what the caller closed lead nowhere: else the next file that is opened takes its number, and what is printed.
-
-    The system gives the lowest number that is free.
-    """
+    """Let streams that the caller closed lead nowhere: else the next file that is opened takes their output."""
     for number, name in enumerate(("stdin", "stdout", "stderr")):
         if getattr(sys, name) is None:
             os.open(os.devnull, os.O_RDWR)
@@ -97,25 +93,22 @@ COMPILER_SETTINGS = ".numba_config.yaml"
 """File from which numba takes settings, wherever a program is run."""
 
 
-def _leave_settings_beside() -> None:
-    """Take no settings of libraries from the folder that the program is run in, which holds data."""
-    if Path(COMPILER_SETTINGS).exists():
-        asked = "no settings of numba in the folder that strikewave is run in: they would change what is computed"
-        raise InputError("folder", COMPILER_SETTINGS, asked)
-    if Path("matplotlibrc").exists():
-        import matplotlib
-
-        matplotlib.rcdefaults()
-
-
 def _run() -> int:
     """Run and return the exit code."""
     try:
-        _leave_settings_beside()
+        # no settings of libraries are taken from the folder that the program is run in, which holds data
+        if Path(COMPILER_SETTINGS).exists():
+            allowed = "no settings of numba in the folder that strikewave is run in: they would change what is computed"
+            raise InputError("folder", COMPILER_SETTINGS, allowed)
+        if Path("matplotlibrc").exists():
+            import matplotlib
+
+            matplotlib.rcdefaults()
         code = int(app(prog_name="strikewave", standalone_mode=False) or 0)
         sys.stdout.flush()
     except (Stopped, typer.Abort, KeyboardInterrupt) as stop:
-        complain(f"stopped; {_what_stands(stop)}")
+        cause = stop.__cause__ or stop  # typer makes one of its own of Ctrl-C
+        complain(f"stopped; {next(iter(getattr(cause, '__notes__', ())), 'nothing was written')}")
         return exit_code(stop.__cause__ or stop)
     except StrikewaveError as error:
         complain(str(error))
@@ -144,7 +137,7 @@ def _run() -> int:
 
 
 def _drop_output() -> None:
-    """Let what was printed and not taken lead nowhere, so that Python does not try once more at its end."""
+    """Let output that nobody took lead nowhere, so that Python does not try once more at its end."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
@@ -153,19 +146,13 @@ LIMITS = {*FULL, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EROFS, errno.EIO
 
 
 def _limit_line(error: Exception) -> str | None:
-    """Return the line for what the system refused; None where it is another error."""
+    """Return the line on a limit of the system; None where it is another error."""
     if not isinstance(error, OSError) or error.errno not in LIMITS:
         return None
     if error.filename is not None:
         return f"{error.filename}: {refusal(error, Path(os.fsdecode(error.filename)))}"
     _drop_output()
     return f"the system refused what was to be printed or written: {error.strerror}"
-
-
-def _what_stands(stop: BaseException) -> str:
-    """Say what a run that was stopped left, as it noted itself."""
-    cause = stop.__cause__ or stop  # typer makes one of its own of Ctrl-C
-    return next(iter(getattr(cause, "__notes__", ())), "nothing was written")
 
 
 REFUSED_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)
@@ -185,7 +172,7 @@ def shortened(word: str) -> str:
 
 
 def usage_line(error: Exception) -> str | None:
-    """Return the line that tells of an error that typer found; None for any other error."""
+    """Return the line on an error that typer found; None for any other error."""
     if isinstance(error, OSError) and error.errno in REFUSED_NAMES:
         return f"{show(str(error.filename))}: {error.strerror}"
     if not hasattr(error, "format_message"):
@@ -233,7 +220,7 @@ def _path_of(words: list[str]) -> str:
 
 
 def _of_option(error: typer.BadParameter, option: TyperArgument | TyperOption | Any, help_of: str) -> InputError | None:
-    """Return what is wrong with the value of an option; None where typer does not say what came."""
+    """Return the error of the value of an option; None where typer does not state the value."""
     is_argument = option.param_type_name == "argument"
     field = (option.metavar or option.name.upper()).strip("[].") if is_argument else option.opts[-1]
     choices = option.type_descriptor.choices
@@ -246,15 +233,10 @@ def _of_option(error: typer.BadParameter, option: TyperArgument | TyperOption | 
     got = reasons[0]["input"]
     if choices:
         return wrong_choice(got, field, choices)
-    return InputError(field, _number(got), _number_words(option), help_of)
-
-
-def _number_words(option: Any) -> str:
-    """Return what a number may be."""
-    what = "a whole number" if option.type_descriptor.annotation in (int, list[int]) else "a number"
-    if option.min is None:
-        return what
-    return f"{what}, at least {option.min}" if option.max is None else f"{what} from {option.min} to {option.max}"
+    allowed = "a whole number" if option.type_descriptor.annotation in (int, list[int]) else "a number"
+    if option.min is not None:
+        allowed += f", at least {option.min}" if option.max is None else f" from {option.min} to {option.max}"
+    return InputError(field, _number(got), allowed, help_of)
 
 
 def _number(text: str) -> int | float | str:

@@ -21,7 +21,7 @@ from strikewave.base.output_folder import write_atomically
 from strikewave.base.quantities import PROVENANCES, StatedValue, Value
 from strikewave.base.result import Notice
 from strikewave.base.texts import command_line, file_word
-from strikewave.cases.case import Case, comment_lines, document_of, dump_case, load_case, own_case, parse_case
+from strikewave.cases.case import comment_lines, document_of, dump_case, load_case, own_case, parse_case
 from strikewave.cases.files import bundled_cases, read_case_text
 from strikewave.cases.performed_test import example_file
 from strikewave.cases.tables.common import EXAMPLE as TEST_EXAMPLE
@@ -33,13 +33,13 @@ from strikewave.reporting.terminal import print_json, print_rows, say, show_noti
 from strikewave.specifications.budget_file import example_budget
 
 HOPKINSON = "hopkinson"
-"""Stands for the example of a set-up of split bars, and is the command that it is for."""
+"""Word for the example of a set-up of split bars, and the command that runs it."""
 TEST = "test"
-"""Stands for a file of a test to fill in, which ``--test`` takes."""
+"""Word for a file of a test to fill in, which ``--test`` takes."""
 FELT = "felt"
-"""Stands for a drop table on a felt pad, none of whose values is published: it is no built-in case."""
+"""Word for a drop table on a felt pad, none of whose values is published: it is no built-in case."""
 BUDGET = "budget"
-"""Stands for an uncertainty budget to fill in, which ``--uncertainty`` takes."""
+"""Word for an uncertainty budget to fill in, which ``--uncertainty`` takes."""
 HEADER = """\
 # A case of your own, begun from {origin}. Replace what you know of your machine: a value that you type alone, such as
 # mass = "1.2 kg", is yours (provenance user); {{ value = "1.2 kg", provenance = "measured", tolerance = "5 gram",
@@ -51,11 +51,9 @@ HEADER = """\
 
 
 def _complete(incomplete: str) -> list[str]:
-    """Return what a case may begin from."""
-    return [
-        *complete_case(incomplete),
-        *(name for name in (FELT, HOPKINSON, TEST, BUDGET) if name.startswith(incomplete)),
-    ]
+    """Return the names that a case may begin from."""
+    others = [name for name in (FELT, HOPKINSON, TEST, BUDGET) if name.startswith(incomplete)]
+    return [*complete_case(incomplete), *others]
 
 
 def new_case(
@@ -89,9 +87,8 @@ def new_case(
         raise InputError("FILE", path, "a file in a folder that exists")
     if origin == TEST:
         write_atomically(path, example_file())
-        _tell(
-            shown, [path], "record", "fill in what you have", ["record", "FILES", "--spec", "NAME", "--test", str(path)]
-        )
+        line = ["record", "FILES", "--spec", "NAME", "--test", str(path)]
+        _tell(shown, [path], "record", "fill in what you have", line)
         return 0
     if origin == BUDGET:
         write_atomically(path, example_budget())
@@ -101,7 +98,9 @@ def new_case(
         record = _write_example(path)
         _tell(shown, [path, record], HOPKINSON, "a measured shot; name your bars and files")
         return 0
-    case = own_case(_felt_start() if origin == FELT else load_case(origin), path.stem, origin)
+    felt = resources.files("strikewave.cases") / "felt_start.toml"
+    begun = parse_case(felt.read_text("utf-8")) if origin == FELT else load_case(origin)
+    case = own_case(begun, path.stem, origin)
     comments = functools.partial(comment_lines, kind=case.machine.kind if case.machine else "")
     text = HEADER.format(origin=origin) + dump_case(case, comments)
     parse_case(text)  # refuses a name that no result folder may have
@@ -110,13 +109,8 @@ def new_case(
     return 0
 
 
-def _felt_start() -> Case:
-    """Return the drop table on felt."""
-    return parse_case((resources.files("strikewave.cases") / "felt_start.toml").read_text("utf-8"))
-
-
 def _tell(shown: Shown, paths: Sequence[Path], command: str, words: str, line: Sequence[str] = ()) -> None:
-    """Say which files were written, and what to do next."""
+    """Name the files that were written, and the next command."""
     if shown.json:
         print_json({**head({}), "written": [str(path) for path in paths], "command": command})
     else:
@@ -175,10 +169,15 @@ def validate_case(case: CaseName, *, changes: Changes = None, shown: Shown) -> i
 
 
 def _show(name: str, title: str, values: Mapping[str, Value], notices: Sequence[Notice], json: bool) -> None:
-    """Print the values of a case with their provenance, and what a user should know of them."""
-    counted = Counter[str](value.provenance for value in values.values())
+    """Print the values of a case with their provenance, and notices on them."""
+    counted = Counter[str]([value.provenance for value in values.values()])
     if json:
-        checked = CheckedCase(name, dict(counted), {path: _stated(value) for path, value in values.items()})
+        stated = {}
+        for path, value in values.items():
+            band = value.tolerance
+            width = (None, None) if band is None else (value.half_width, band.distribution)
+            stated[path] = StatedValue(value.si, value.typed, value.provenance, value.note, *width)
+        checked = CheckedCase(name, dict(counted), stated)
         warnings = [notice.document() for notice in notices]
         print_json({**head({"value": "SI"}, warnings), **declare.content(checked)})
         return
@@ -197,13 +196,6 @@ def _typed(value: Value) -> str:
     return f"{value.typed} ± {band.typed}" + (f" ({band.distribution})" if band.distribution != "normal" else "")
 
 
-def _stated(value: Value) -> StatedValue:
-    """Return what the JSON document has of a value."""
-    band = value.tolerance
-    width = (None, None) if band is None else (value.half_width, band.distribution)
-    return StatedValue(value.si, value.typed, value.provenance, value.note, *width)
-
-
 @declare.dataclass
 class CaseDifference:
     """A field in which two cases differ."""
@@ -215,7 +207,7 @@ class CaseDifference:
 
 @declare.dataclass
 class CaseDifferences:
-    """What two cases differ in."""
+    """The differences of two cases."""
 
     a: str = declare.word("first case")
     b: str = declare.word("second case")

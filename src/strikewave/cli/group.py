@@ -67,7 +67,7 @@ PANELS: dict[str, dict[str, tuple[str, str]]] = {
 The summary is the first line of the command's docstring. It stands here too, because reading it there would import the
 module; a test holds both equal.
 """
-WIDEST = 28
+WIDEST = 28  # chosen: half a line of 80 is left for the words
 """Characters of an option in the help; the words of a longer one begin on the next line."""
 KEPT_HYPHEN = "\u2011"
 """A hyphen that no line ends at."""
@@ -140,10 +140,14 @@ class SectionedCommand(WholeWords, TyperCommand):
     """A command whose help shows its options in sections: those of a panel of their own after the others."""
 
     def invoke(self, ctx: Context) -> Any:
-        """Run the command, which knows what its arguments name: that is what its result is of."""
-        arguments = [ctx.params.get(str(one.name)) for one in self.params if one.param_type_name == "argument"]
-        named = [word for given in arguments for word in ([given] if isinstance(given, str | Path) else given or ())]
-        with working_on([str(word) for word in named if isinstance(word, str | Path)]):
+        """Run the command, which knows the inputs of its result: its arguments name them."""
+        inputs: list[str] = []
+        for parameter in self.params:
+            if parameter.param_type_name == "argument":
+                value = ctx.params.get(str(parameter.name))
+                words = [value] if isinstance(value, str | Path) else value or ()
+                inputs += [str(word) for word in words if isinstance(word, str | Path)]
+        with working_on(inputs):
             return super().invoke(ctx)
 
     def format_options(self, ctx: Context, formatter: HelpFormatter) -> None:
@@ -206,12 +210,9 @@ class CommandGroup(WholeWords, TyperGroup):
 def spread(command: Callable[..., int]) -> Callable[..., int]:
     """Return a command whose groups are spread into their options, in their place; called, it puts them together again.
 
-    Parameters
-    ----------
-    command : callable
-        A parameter annotated with a dataclass is a group; the fields of the dataclass are annotated as parameters of a
-        command are, and have defaults where not required. Its ``panel``, a class variable, heads them in the help. The
-        command runs in the context that its method ``in_force`` returns, if it has one.
+    A parameter annotated with a dataclass is a group; the fields of the dataclass are annotated as parameters of a
+    command are, and have defaults where not required. Its ``panel``, a class variable, heads them in the help. The
+    command runs in the context that its method ``in_force`` returns, if it has one.
 
     Examples
     --------

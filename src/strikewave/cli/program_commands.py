@@ -48,31 +48,19 @@ def show_help(
 
 CORE = "core"
 DEVELOPERS = ("dev", "docs", "package")
-"""Extras of who changes strikewave itself: nobody misses them who uses it."""
+"""Extras for work on strikewave itself: no user misses them."""
 PROGRAMS = {
     "CalculiX": (("ccx",), "the same elements by another code, in tests"),
     "gmsh": (("gmsh",), "meshes of solids from CAD (strikewave fem)"),
     "Jupyter": (("jupyter-lab", "jupyter"), "notebooks"),
 }
-"""Programs that are called by name: what finds each, and what for."""
-REPEATS = 3
-"""Times of which the shortest counts: other work on the machine only makes one longer."""
+"""Programs that are called by name: their commands, and their purpose."""
+REPEATS = 3  # other work on the machine only makes a time longer
+"""Times of which the shortest counts."""
 
 
 class Package(NamedTuple):
-    """A package that strikewave asks for.
-
-    Attributes
-    ----------
-    extra : str
-        The extra that asks for it, or core.
-    name : str
-        Its name.
-    asked : str
-        The versions that do.
-    found : str
-        The version at hand; empty where it is missing.
-    """
+    """A package that strikewave, or an extra of it, asks for: the versions that do, and the one at hand or nothing."""
 
     extra: str
     name: str
@@ -81,14 +69,14 @@ class Package(NamedTuple):
 
 
 def packages() -> list[Package]:
-    """Return what strikewave asks for, as its own metadata state it.
+    """Return the packages that strikewave asks for, by its own metadata.
 
     Examples
     --------
-    >>> next(one for one in packages() if one.name == "numpy").extra
+    >>> next(package for package in packages() if package.name == "numpy").extra
     'core'
     """
-    found = []
+    listed = []
     for line in importlib.metadata.requires("strikewave") or ():
         requirement, _, marker = line.partition(";")
         name, asked = re.fullmatch(r"([\w.-]+)(.*)", requirement.strip()).groups()  # type: ignore[union-attr]
@@ -99,8 +87,8 @@ def packages() -> list[Package]:
             version = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
             version = ""
-        found.append(Package(extra[1] if extra else CORE, name, asked.strip(), version))
-    return found
+        listed.append(Package(extra[1] if extra else CORE, name, asked.strip(), version))
+    return listed
 
 
 def programs() -> dict[str, str]:
@@ -130,15 +118,7 @@ def kept_kernels() -> tuple[str | None, int, int]:
 
 
 class Speed(NamedTuple):
-    """How fast a kernel is.
-
-    Attributes
-    ----------
-    work : str
-        Unit of work that is counted.
-    rate : float
-        How many a second, on one core.
-    """
+    """Speed of a kernel: units of its work a second, on one core."""
 
     work: str
     rate: float
@@ -226,28 +206,13 @@ def examine(
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 PACKED = ".xz"
-"""Ending of what is packed where it is kept."""
+"""Ending of a file that is packed here and unpacked where it is copied to."""
 
 
 def copy_examples(folder: Path) -> list[Path]:
-    """Copy notebooks, sample records with their credit, studies, and the built-in cases; the folder appears whole.
+    """Copy notebooks, sample records with their credit, studies, and the built-in cases, and return the files.
 
-    Parameters
-    ----------
-    folder : Path
-        Not there yet, or empty.
-
-    Returns
-    -------
-    list of Path
-        The files, relative to the folder.
-
-    Examples
-    --------
-    >>> with tempfile.TemporaryDirectory() as place:
-    ...     files = copy_examples(Path(place) / "mine")
-    >>> Path("notebooks/first-blow.ipynb") in files, Path("cases/li-ma-2019.toml") in files
-    (True, True)
+    The folder, which is not there yet or empty, appears whole.
     """
     if folder.is_symlink() or (folder.exists() and (not folder.is_dir() or any(folder.iterdir()))):
         raise InputError("FOLDER", folder, "a folder that is not there yet, or empty", "choose another name")
