@@ -1,4 +1,4 @@
-"""What decks of all codes have in common: what holds nodes, curves that reach far enough, numbers in columns."""
+"""Parts of decks of all codes: sets, held nodes, curves that reach far enough, numbers in columns."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ LARGEST_ID = 99_999_999
 ROWS = 4096
 """Rows that are written at once: half a megabyte of text, so that a deck of any size takes little memory."""
 ALIGNED = 1e-9
-"""How far held directions may lie off the axes: rounding of unit vectors; what is tilted at all gets axes of its
+"""Largest deviation of held directions from the axes: rounding of unit vectors; what is tilted gets axes of its
 own."""
 NEVER = 1e20
 """Stands for infinity: in the columns of any deck, and beyond any temperature or heat."""
@@ -62,7 +62,7 @@ class Deck:
 
 @dataclass(frozen=True)
 class Heading:
-    """What a deck is called.
+    """The name of a deck.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ class Restraint:
 
     @property
     def is_local(self) -> bool:
-        """Whether the axes are other than the global ones."""
+        """True if the axes are other than the global ones."""
         return not np.array_equal(self.axes, np.eye(3))
 
 

@@ -72,7 +72,7 @@ class Axis:
 
     @property
     def label(self) -> str:
-        """What of what, and the unit in which it is shown.
+        """Its name, such as speed of the machine, and the unit in which it is shown.
 
         Examples
         --------

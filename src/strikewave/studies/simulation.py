@@ -1,4 +1,4 @@
-"""What a case gives that can be measured: numbers by name, histories by part; and how accurately studies run it."""
+"""A run of a case as measurements see it: numbers by name, histories by part; and how accurately studies run it."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Simulation:
 
     @functools.cached_property
     def verdict(self) -> Verdict:
-        """What the checks of the run came to, by the limits of its analysis."""
+        """The verdict of the run, by the limits of its analysis."""
         if self.case.command == "run":
             from strikewave.analyses.machine.notices import run_verdict
 

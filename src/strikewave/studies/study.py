@@ -1,4 +1,4 @@
-"""What results of studies share: what was asked above the case, files, and the frame of the page."""
+"""The base of results of studies: the request above the case, files, and the frame of the page."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What files that state a study have in common: how they are read, and what settings, files and errors they name."""
+"""Study files: how they are read, and the settings, files and errors that they name."""
 
 from __future__ import annotations
 

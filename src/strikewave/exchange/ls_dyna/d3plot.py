@@ -45,7 +45,7 @@ TITLE = 72
 HEADING, PART_TITLES, LISTS = 90000, 90001, (90001, 90002, 90020)
 """Kinds of titles: of the run, of parts, and all that are lists of numbers and titles (parts, contacts, fluids)."""
 KINDS = range(90000, 1_000_000)
-"""Where kinds of titles lie; as a time, none of these words is above 1e-38."""
+"""Range of the kinds of titles; as a time, none of these words is above 1e-38."""
 CONTROL = {
     "dimensions": 15, "nodes": 16, "globals": 18, "temperatures": 19, "coordinates": 20, "velocities": 21,
     "accelerations": 22, "solids": 23, "solid_numbers": 27, "beams": 28, "beam_numbers": 30, "shells": 31,
@@ -131,7 +131,7 @@ class D3plot:
 
 
 class _StateLayout(NamedTuple):
-    """Where things stand in a state, in words, and where states begin in the first file, bytes."""
+    """Places of things in a state, in words, and the begin of the states in the first file, bytes."""
 
     real: np.dtype[Any]
     begin: int

@@ -1,4 +1,4 @@
-"""What a folder of LS-DYNA holds: contact forces, energies and fields of a run; SI."""
+"""A folder of LS-DYNA: contact forces, energies and fields of a run; SI."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class Force:
 
 @declare.dataclass
 class ContactPulse:
-    """What a contact force comes to."""
+    """Peak, impulse and times of a contact force."""
 
     peak: float = declare.number(
         Quantity("N", "kN"),
@@ -134,7 +134,7 @@ class LsDynaContact:
 
     @declare.computed(declare.named(ContactPulse, "what the force on each side comes to", key="sides"))
     def pulses(self) -> dict[str, ContactPulse | None]:
-        """What the force on each side comes to; None where nothing touched."""
+        """The pulse of the force on each side; None where nothing touched."""
         return {side: pulse_of(force) for side, force in sorted(self.sides.items())}
 
     @property
@@ -150,7 +150,7 @@ class LsDynaContact:
 
 @dataclass(frozen=True)
 class LsDynaRun:
-    """What a folder holds.
+    """The run that a folder holds.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a buffer design stands on: sensor, footprint, motion of the surface in each blow, and moduli of gaskets."""
+"""The site of a buffer: sensor, footprint, motion of the surface in each blow, and moduli of gaskets."""
 
 from __future__ import annotations
 
@@ -137,7 +137,7 @@ def gasket(layer: GasketLayer, area: float, stiffer: float = 1.0) -> Gasket:
 
 @declare.dataclass(eq=False)
 class BaseMotion:
-    """How the surface below the sensor moves in one blow.
+    """The motion of the surface below the sensor in one blow.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What page and screen say of a buffer design, and the command that makes one."""
+"""Page, screen and command of a buffer design."""
 
 from __future__ import annotations
 
@@ -176,7 +176,7 @@ any blow and its ringing, and few enough for a run of each stack."""
 
 
 class BlowSource(NamedTuple):
-    """Where sensor and blow come from: the case, the sensor's table, its site, the record's path and reading."""
+    """The source of sensor and blow: the case, the site of the sensor, path and reading of a record."""
 
     case: Case | None
     site: MountingSite

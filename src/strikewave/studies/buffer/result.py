@@ -56,7 +56,7 @@ MARKED = "*: Pareto-optimal in peak and bandwidth"
 
 @declare.dataclass
 class GasketMaterial:
-    """What is known of the material of a gasket."""
+    """The material of a gasket, and how well its moduli are known."""
 
     status: str = declare.word("how the moduli are known")
     source: str = declare.word("from whom")
@@ -117,7 +117,7 @@ class BufferStudy(ShownResult):
 
     @declare.computed(declare.word("how many stacks keep it", headline="stacks that keep the limit", in_document=False))
     def keeping(self) -> str:
-        """How many of the stacks keep the limit."""
+        """The number of stacks that keep the limit, of all."""
         return f"{sum(candidate.keeps for candidate in self.candidates)} of {len(self.candidates)}"
 
     kept = declare.computed(declare.word("whether one keeps it"))(lambda one: not one.broken)
@@ -187,7 +187,7 @@ class BufferStudy(ShownResult):
 
     @property
     def test(self) -> Mapping[str, str]:
-        """What the case says of the test, or what was asked."""
+        """The statements about the test: those of the case, or those asked for."""
         return self.case.test.stated() if self.case else (self.origin or UNKNOWN).test
 
     @property
@@ -205,12 +205,12 @@ class BufferStudy(ShownResult):
 
     @property
     def broken(self) -> bool:
-        """Whether no stack keeps the limit."""
+        """True if no stack keeps the limit."""
         return self.best is None
 
     @property
     def order(self) -> str:
-        """What the ranking goes by, in words; that nothing is robust, or carries the pulse, is said here too."""
+        """The order of the ranking in words, with a note where nothing is robust, or carries the pulse."""
         if not any(candidate.keeps for candidate in self.candidates):
             return "first by peak"
         order = f"first by {self.goal.rank}"

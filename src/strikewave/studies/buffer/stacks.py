@@ -88,7 +88,7 @@ class BufferGoal:
 
 @declare.dataclass
 class Leading:
-    """What is computed only of the first of a ranking and of Pareto-optimal stacks; peaks as `true_peak`."""
+    """Numbers of the first of a ranking and of Pareto-optimal stacks alone; peaks as `true_peak`."""
 
     softer: float = declare.number(
         OTHER_PEAK,
@@ -167,7 +167,7 @@ class BufferCandidate:
         )
     )
     def name(self) -> str:
-        """What it is called: its gaskets from the surface to the sensor."""
+        """Its name: its gaskets from the surface to the sensor."""
         return self.label or " | ".join(str(layer) for layer in self.stack) or "direct"
 
     @declare.computed(declare.rows(StackGasket, "gaskets, from the surface up", optional=True))
@@ -238,7 +238,7 @@ class BufferCandidate:
 
     @property
     def robust(self) -> bool:
-        """Whether it is known to keep the limit whatever the moduli."""
+        """True if it is known to keep the limit whatever the moduli."""
         return self.leading is not None and self.leading.robust
 
 

@@ -78,7 +78,7 @@ class _OfStack:
 
 @dataclass(frozen=True, eq=False)
 class AskedStack(_OfStack):
-    """What a sensor reads on a stack; a `Question` of a study."""
+    """The reading of a sensor on a stack, as a `Question`."""
 
     answered_by: ClassVar[type] = BufferCandidate
 
@@ -89,7 +89,7 @@ class AskedStack(_OfStack):
 
 @dataclass(frozen=True, eq=False)
 class AskedCloser(_OfStack):
-    """What is computed only of leading stacks; a `Question` of a study."""
+    """The further numbers of a leading stack, as a `Question`."""
 
     answered_by: ClassVar[type] = Leading
 

@@ -310,7 +310,7 @@ EVALUATED: Mapping[str, Callable[[CaseEvaluation, Case], Evaluated]] = {
     "fem": _simulated,
     "impact": _impact,
 }
-"""How each analysis is made."""
+"""Functions that make the analyses."""
 
 
 class KeptNumber(NamedTuple):
@@ -326,12 +326,12 @@ class KeptNumber(NamedTuple):
 
     @property
     def called(self) -> str:
-        """What it is called."""
+        """Its name for a reader."""
         return self.quantity.label
 
     @property
     def label(self) -> str:
-        """What it is called, with the unit in which it is shown."""
+        """Its name with the unit in which it is shown."""
         return headed(self.called, self.si, self.quantity.usual)
 
     @property
@@ -359,7 +359,7 @@ class OfKept:
 
     @property
     def given_units(self) -> declare.GivenUnits:
-        """What the number measures."""
+        """The quantity that the number measures."""
         return {OF_NUMBER.given_by: self.kept.quantity}
 
 

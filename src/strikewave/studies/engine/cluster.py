@@ -113,7 +113,7 @@ class ClusterPool(Pool):
 
     @property
     def width(self) -> int:
-        """How many batches run at a time: the threads of all workers."""
+        """The number of batches that run at a time: the threads of all workers."""
         if time.monotonic() > self._counted + WIDTH_SECONDS:
             with contextlib.suppress(Exception):  # on the way to a scheduler that is gone
                 self._width = max(sum(self._client.nthreads().values()), 1)

@@ -1,4 +1,4 @@
-"""What is done with each of many cases: what is kept of it, and the key that tells it from all others."""
+"""The evaluation of one of many cases, its outcome, and the key that tells it from all others."""
 
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ class KeptHistory(NamedTuple):
 
 @dataclass(frozen=True)
 class RunOutcome:
-    """What a run came to.
+    """The outcome of a run.
 
     Attributes
     ----------
@@ -191,11 +191,11 @@ class RunOutcome:
 
 
 class Evaluation(Protocol):
-    """What is computed of a case: picklable, and its ``repr`` tells it from all others."""
+    """A computation on a case: picklable, and its ``repr`` tells it from all others."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of its numbers."""
+        """The names of its numbers."""
         ...
 
     def __call__(self, case: Case) -> RunOutcome:
@@ -204,7 +204,7 @@ class Evaluation(Protocol):
 
 
 class Variation(Protocol):
-    """What is varied: picklable."""
+    """A source of cases, one for each row: picklable."""
 
     def case_of(self, row: Row) -> Case:
         """Return the case of a row."""
@@ -220,7 +220,7 @@ class Job:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the numbers of its runs."""
+        """The names of the numbers of its runs."""
         return self.evaluation.names
 
     def key(self, row: Row) -> bytes:

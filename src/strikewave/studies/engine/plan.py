@@ -1,4 +1,4 @@
-"""What a study varies, as it is typed, and which cases it runs: grids, even designs, draws within tolerances."""
+"""The plan of a study: what it varies, as it is typed, and its rows: grids, even designs, draws within tolerances."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _RANGE = re.compile(
 
 @declare.dataclass
 class StudyVariable:
-    """What is varied: a quantity with its values, or one of some words.
+    """A quantity with its values, or a word of the case with its choices.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ class StudyVariable:
 
     @declare.computed(declare.word("whether it is spaced by its logarithm", optional=True))
     def log(self) -> bool | None:
-        """Whether its range is logarithmic; None of a list."""
+        """True if its range is logarithmic; None of a list."""
         return self.axis.log if self.is_range else None
 
     @declare.computed(declare.word("its values where they are a list, SI", optional=True))
@@ -91,7 +91,7 @@ class StudyVariable:
 
     @declare.computed(declare.word("how it is spaced", column=MAIN, tables="grid range", in_document=False))
     def spacing(self) -> str:
-        """Whether it is of words, a list, or a range, and how that is spaced."""
+        """Its kind: words, a list, or a range with its spacing."""
         return "words" if self.words else "logarithmic" if self.log else "linear" if self.is_range else "list"
 
     @declare.computed(
@@ -105,7 +105,7 @@ class StudyVariable:
 
     @declare.computed(declare.count("how many", label="count", column=MAIN, tables="grid", in_document=False))
     def count(self) -> int:
-        """How many values."""
+        """The number of its values."""
         return len(self.axis.values)
 
     def at(self, share: float) -> float:
@@ -148,7 +148,7 @@ class StudyVariable:
 
     @property
     def label(self) -> str:
-        """What of what, and the unit in which it is shown; words have none."""
+        """Its name, such as speed of the machine, and the unit in which it is shown; words have none."""
         return self.axis.label.removesuffix(" (1)") if self.words else self.axis.label
 
 
@@ -253,7 +253,7 @@ GRID, HYPERCUBE, SOBOL, TOLERANCES = DESIGNS = {
     "sobol": "Sobol's sequence, scrambled",
     "tolerances": "drawn within the tolerances of the case",
 }
-"""How rows are chosen, in words. Sources: ``mckay-1979`` for hypercubes, ``joe-kuo-2008`` for Sobol's sequence."""
+"""Designs by which rows are chosen, in words. Sources: ``mckay-1979`` (hypercubes), ``joe-kuo-2008`` (Sobol)."""
 MOST_RUNS = 1_000_000
 """Most runs of a study: rows and keys of so many take 400 MB."""
 MOST_SEED = 2**63 - 1
@@ -288,7 +288,7 @@ class StudyPlan:
 
     @property
     def job(self) -> Job:
-        """What is run."""
+        """The job that runs the rows."""
         return Job(self.variation, self.evaluation)
 
     def known(self, store: RunStore) -> int:

@@ -1,4 +1,4 @@
-"""Who runs the jobs of a study: this process, processes of this machine, or any executor that is given.
+"""Pools that run the jobs of a study: this process, processes of this machine, or any executor.
 
 Processes import nothing from the folder they run in, are not torn by Ctrl-C, are ended at once when one is wanted, and
 end with the process that started them, even where that is killed.
@@ -28,14 +28,14 @@ Batch = Callable[[Sequence[Asked]], list[Answer]]
 QUEUED = 2
 """Batches that are out, for each that runs at a time: the next one waits where the last one ends."""
 MOST_DEATHS = 3
-"""How often a process may end with a run: then the run has ended it, not someone who needed the memory."""
+"""Ends of a process with a run after which the run is to blame, not someone who needed the memory."""
 
 INTERRUPTS = (signal.SIGINT, *OTHERS)
 """Signals that the parent alone answers; SIGTERM still ends a process that is ready, as the pool itself may want it."""
 
 
 class Loss(enum.Enum):
-    """What ended a batch before its time."""
+    """Causes that end a batch before its time."""
 
     BY_ANY = enum.auto()
     """One of the batches that were out, or someone else: its process ended, and with it all others."""
@@ -46,13 +46,13 @@ class Loss(enum.Enum):
 
 
 class Pool(ABC):
-    """What runs batches; a context manager."""
+    """A runner of batches; a context manager."""
 
     _width: int
 
     @property
     def width(self) -> int:
-        """How many batches run at a time."""
+        """The number of batches that run at a time."""
         return self._width
 
     @abstractmethod

@@ -26,7 +26,7 @@ Answer = TypeVar("Answer")
 
 
 class Question(Protocol[Answer_co]):
-    """What is asked: picklable."""
+    """A question about a case: picklable."""
 
     @property
     def answered_by(self) -> Any:
@@ -78,7 +78,7 @@ class OfCase(Generic[Answer]):
 
 @dataclass(frozen=True)
 class Failure:
-    """Why a question has no answer."""
+    """The reason why a question has no answer."""
 
     reason: str
 

@@ -56,11 +56,11 @@ Asked_contra = TypeVar("Asked_contra", contravariant=True)
 
 
 class Work(Protocol[Asked_contra]):
-    """What a process is given with its rows, or with whatever else tells its runs apart: picklable."""
+    """The work of a process on its rows, or on whatever else tells its runs apart: picklable."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the numbers of its runs."""
+        """The names of the numbers of its runs."""
         ...
 
     def key(self, asked: Asked_contra, /) -> bytes:
@@ -73,7 +73,7 @@ class Work(Protocol[Asked_contra]):
 
 
 class StudyProgress(NamedTuple):
-    """How far a job is: runs in all, finished, of these failed, and how many are finished in a second."""
+    """Progress of a job: runs in all, finished, of these failed, and how many are finished in a second."""
 
     total: int
     done: int
@@ -232,7 +232,7 @@ def seconds_each(job: Work[Asked], rows: Sequence[Asked]) -> float:
 
 
 class _Unfinished(Generic[Asked]):
-    """What is left of a job, and what is out; keys are made as rows are taken, while processes run those before."""
+    """The rest of a job, and its batches that are out; keys are made while processes run the rows before."""
 
     def __init__(self, job: Work[Asked], rows: Sequence[Asked], store: RunStore, advance: Advance | None) -> None:
         self._job, self._store, self._advance = job, store, advance

@@ -217,12 +217,12 @@ class RunStore:
 
     @property
     def empty(self) -> bool:
-        """Whether it has nothing to go on with: no finished run, and no state of one."""
+        """True if it has nothing to go on with: no finished run, and no state of one."""
         return not self.known() and not any(self.folder.glob(STATE.format("*")))
 
     @property
     def fruitless(self) -> bool:
-        """Whether no run has come to anything."""
+        """True if no run has come to anything."""
         with self._in_words():
             return self._base.execute("SELECT 1 FROM runs WHERE failure = '' LIMIT 1").fetchone() is None
 

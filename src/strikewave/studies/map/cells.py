@@ -135,7 +135,7 @@ MEAN_PEAK = Quantity("m/s^2", "g")
 
 @declare.dataclass
 class MapCell:
-    """What is kept of a cell, or of all cells as arrays; NaN where there is nothing."""
+    """The numbers of a cell, or of all cells as arrays; NaN where there is nothing."""
 
     cv: float = declare.number(
         VARIATION._replace(label="CV of the peaks"),
@@ -184,7 +184,7 @@ FIELDS = tuple(declare.declarations(MapCell))
 
 @declare.dataclass
 class FullRun:
-    """What a full run of a setting of the map comes to."""
+    """The result of a full run at a setting of the map."""
 
     cv: float = declare.number(VARIATION, "coefficient of variation in a full run there")
     peak: float = declare.number(MEAN_PEAK, "mean rigid peak in it")
@@ -206,7 +206,7 @@ class EvenSetting:
 
     @property
     def values(self) -> tuple[float, ...]:
-        """Of each axis, SI."""
+        """The values along the axes, SI."""
         return tuple(self.settings.values())
 
 
@@ -221,7 +221,7 @@ class Refusal:
 
 @declare.dataclass
 class SettingOfCase:
-    """Where the case stands along an axis."""
+    """The place of the case along an axis."""
 
     value: float = declare.word("setting of the case, SI")
     provenance: str = declare.word("where it comes from")
@@ -229,7 +229,7 @@ class SettingOfCase:
 
 @declare.dataclass
 class Present:
-    """Where the case stands, and what its blows come to."""
+    """The place of the case, and the result of its blows."""
 
     settings: dict[str, SettingOfCase] = declare.named(SettingOfCase, "settings of the case", inline=True)
     result: dict[str, float] = declare.part(MapCell, "what its blows come to")
@@ -257,7 +257,7 @@ REASONS = (
     "the turntable stalls, or the motion could not be followed",
     "the train is too short to tell: it must last six turns of strikers that differ",
 )
-"""Why a cell has no result, by code."""
+"""Reasons why a cell has no result, by code."""
 NO_MACHINE, NOT_RIGID, EDGE, CROWDED, LOST, SHORT = range(1, 7)
 """Codes of the reasons but the first, which stands for none."""
 
@@ -271,7 +271,7 @@ quarter, which may have settled later."""
 
 @dataclass(frozen=True)
 class CellEvaluation:
-    """What is kept of a cell; so many blows of the machine, and of the train that names its regime."""
+    """The numbers of a cell, of so many blows of the machine, and of the train that names its regime."""
 
     blows: int
     train: int

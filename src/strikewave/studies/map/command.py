@@ -18,7 +18,7 @@ SIZE = Size(*POINTS)
 
 @dataclass(frozen=True)
 class MapAxes:
-    """What a map goes over.
+    """Axes of a map, as options.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What page and screen say of a map: where blows are equal, what trains settle to; and the command that makes one."""
+"""Page, screen and command of a map: where blows are equal, and what trains settle to."""
 
 from __future__ import annotations
 

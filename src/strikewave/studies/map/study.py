@@ -128,17 +128,17 @@ class MapStudy(Study):
 
     @property
     def paths(self) -> tuple[str, ...]:
-        """What the axes are of."""
+        """The paths of the axes."""
         return tuple(axis.path for axis in self.plan.axes)
 
     @property
     def broken(self) -> bool:
-        """Whether no setting of the map has equal blows, or none that a full run confirms."""
+        """True if no setting of the map has equal blows, or none that a full run confirms."""
         return self.setting is None
 
     @property
     def here(self) -> tuple[float, ...]:
-        """Where the case stands on each axis, SI."""
+        """The place of the case on each axis, SI."""
         values = self.case.values()
         return tuple(values[axis.path].si for axis in self.plan.axes)
 
@@ -164,7 +164,7 @@ class MapStudy(Study):
 
     @declare.computed(declare.part(Present, "the case itself", key="present"))
     def present_setting(self) -> Present:
-        """Where the case stands, and what its blows come to."""
+        """The place of the case, and the result of its blows."""
         values = self.case.values()
         pairs = zip(self.paths, self.here, strict=True)
         return Present({path: SettingOfCase(at, values[path].provenance) for path, at in pairs}, self.present)
@@ -181,7 +181,7 @@ class MapStudy(Study):
 
     @declare.computed(declare.count("cells without a result, by reason"))
     def failures(self) -> dict[str, int]:
-        """How many cells have no result, by reason."""
+        """The number of cells without a result, by reason."""
         codes = self.field("reason").astype(int)
         return {text: int((codes == k).sum()) for k, text in enumerate(REASONS) if k and (codes == k).any()}
 
@@ -280,7 +280,7 @@ class MapStudy(Study):
 
     @property
     def scales(self) -> tuple[float, ...]:
-        """What a step along each axis is measured by: the value of the case, or the axis's range where that is 0."""
+        """The scale of a step along each axis: the value of the case, or the axis's range where that is 0."""
         pairs = zip(self.here, self.plan.axes, strict=True)
         return tuple(abs(at) or axis.values[-1] - axis.values[0] or 1.0 for at, axis in pairs)
 
@@ -300,7 +300,7 @@ class MapStudy(Study):
 
     @property
     def even(self) -> bool:
-        """Whether the blows of the case itself all come and are even, by the fast run."""
+        """True if the blows of the case itself all come and are even, by the fast run."""
         return self.present["cv"] <= self.wanted and self.present["missed"] == 0
 
     def at(self, values: tuple[float, ...]) -> str:

@@ -1,1 +1,1 @@
-"""How much blows scatter within tolerances."""
+"""Scatter of blows within the tolerances of a case."""

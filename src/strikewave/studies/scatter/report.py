@@ -1,4 +1,4 @@
-"""What page and screen say of a scatter study: how much blows scatter, and by which tolerance; and its command."""
+"""Page, screen and command of a scatter study: how much blows scatter, and by which tolerance."""
 
 from __future__ import annotations
 

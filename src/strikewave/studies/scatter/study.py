@@ -100,7 +100,7 @@ class RunResult:
 
     @property
     def struck(self) -> NDArray[np.bool_]:
-        """Which of the blows struck."""
+        """True for each blow that struck."""
         return np.array([kind != "missed" for kind in self.kinds], dtype=bool)
 
     def figure(self, name: str, later: bool = False) -> Array:
@@ -174,7 +174,7 @@ def of_blows(train: Sequence[Blow]) -> RunResult:
 
 @dataclass(frozen=True)
 class TrainEvaluation:
-    """What is kept of a full run: kind and figures of each blow."""
+    """The numbers of a full run: kind and figures of each blow."""
 
     names: tuple[str, ...] = ("largest_displacement",)
 
@@ -240,7 +240,7 @@ def kept_runs(store: RunStore, keys: Sequence[bytes]) -> list[RunResult]:
 
 
 METHODS = ("alone", "sobol", "none")
-"""How shares are computed; see `strikewave.uncertainty.shares`."""
+"""Methods by which shares are computed; see `strikewave.uncertainty.shares`."""
 RUNS = 500
 """Runs where none are asked for. Chosen: a minute at 0.1 s each; a CV between runs is then known to 6 % of itself."""
 FEWEST = 10
@@ -346,7 +346,7 @@ class RunStatistic:
 
     @property
     def given_units(self) -> declare.GivenUnits:
-        """What the figure measures."""
+        """The quantity that the figure measures."""
         return {OF_FIGURE.given_by: self.quantity}
 
 
@@ -411,7 +411,7 @@ class PeakBand:
 
 @declare.dataclass
 class Tolerance:
-    """What is drawn, and how; what a table of shares says of it."""
+    """A tolerance: how it is drawn, and its row in a table of shares."""
 
     path: str = declare.word("path of what scatters", label="tolerance", column=KEY, tables="drawn alone sobol")
     value: str = declare.word(
@@ -454,7 +454,7 @@ class LargestShare:
 
 @declare.dataclass
 class FoundShares:
-    """How shares were found, and what they are."""
+    """Shares in each quantity, and the method that found them."""
 
     method: str = declare.word("how shares were found: alone, sobol or none")
     of: tuple[Shares, ...] = declare.rows(Shares, "shares in each quantity")
@@ -508,7 +508,7 @@ class ScatterStudy(Study):
 
     @declare.computed(declare.named(NominalFigure, "figures of the run without scatter"))
     def dynamics_alone(self) -> dict[str, NominalFigure]:
-        """What the blows of the nominal run are."""
+        """The figures of the nominal run."""
         still = self.nominal_run
         return {
             name: NominalFigure(
@@ -554,12 +554,12 @@ class ScatterStudy(Study):
 
     @property
     def without_limit(self) -> list[bool]:
-        """Which of the runs keep no limit of the scatter within a run: they failed, or missed a blow."""
+        """True for each run that keeps no limit of the scatter within a run: it failed, or missed a blow."""
         return [bool(run.failure) or "missed" in run.kinds for run in self.runs]
 
     @declare.computed(declare.named(OddBlows, "blows that are not full", key="kinds", label="kind"))
     def odd_blows(self) -> dict[str, OddBlows]:
-        """How many blows were missed, double and glancing, and in how many runs."""
+        """The numbers of blows that were missed, double and glancing, and of the runs that have them."""
         counts = {kind: [run.kinds.count(kind) for run in self.completed] for kind in ("missed", "double", "glancing")}
         return {kind: OddBlows(sum(of_runs), sum(map(bool, of_runs))) for kind, of_runs in counts.items()}
 

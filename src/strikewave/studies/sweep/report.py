@@ -1,4 +1,4 @@
-"""What page and screen say of a sweep, and the command that makes one."""
+"""Page, screen and command of a sweep."""
 
 from __future__ import annotations
 

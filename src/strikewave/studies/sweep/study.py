@@ -102,7 +102,7 @@ class SweepPlan(StudyPlan):
 
     @property
     def words(self) -> str:
-        """What is run, in words."""
+        """The runs in words: how many, of which analysis, over what."""
         over = first_few([variable.path for variable in self.variables], 3)
         runs = "one run" if len(self.rows) == 1 else f"{len(self.rows)} runs"
         return f"{runs} ({self.evaluation.analysis}), {self.design}, over {over}"
@@ -187,7 +187,7 @@ FORM = Form(SweepFile, "study", 'machine.speed="500 rpm"')
 
 @dataclass(frozen=True)
 class SweepRequest:
-    """What is asked for; what is empty is left to the file, or to the usual.
+    """A sweep as it is asked for; what is empty is left to the file, or to the default.
 
     Attributes
     ----------
@@ -297,7 +297,7 @@ class EffectShare(OfKept):
 
     @property
     def stands_out(self) -> bool:
-        """Whether the share is beyond chance."""
+        """True if the share is beyond chance."""
         return self.share > self.share_by_chance
 
 
@@ -335,7 +335,7 @@ class SweepStudy(Study):
 
     @property
     def case(self) -> Case:
-        """What was varied."""
+        """The case that is varied."""
         return self.plan.case
 
     @property
@@ -380,12 +380,12 @@ class SweepStudy(Study):
 
     @declare.computed(declare.word("why runs failed, by their numbers from 1", key="failures"))
     def failures_by_run(self) -> dict[str, str]:
-        """Why runs failed."""
+        """The reasons of runs that failed, by their numbers."""
         return {str(k): failure for k, failure in enumerate(self.failures, 1) if failure}
 
     @declare.computed(declare.named(NumberEffects, "main effects on each number, by its name", key="effects"))
     def number_effects(self) -> dict[str, NumberEffects]:
-        """What the document has of the main effects."""
+        """The main effects on each number, for the document."""
         return {
             number.name: NumberEffects({path: self._effect(number, path) for path in self.effects[number.name]})
             for number in self.plan.kept
@@ -436,7 +436,7 @@ class SweepStudy(Study):
 
     @property
     def reasons(self) -> dict[str, int]:
-        """Why runs failed, the most frequent reason first."""
+        """The reasons of runs that failed, the most frequent first."""
         return dict(Counter(filter(None, self.failures)).most_common())
 
     def number(self, name: str) -> Array:
