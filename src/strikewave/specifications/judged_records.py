@@ -130,6 +130,7 @@ def direction_clauses(shocks: Sequence[CountedShock], directions: Sequence[str],
     A shock that can not be judged, or whose direction is not stated, may be one of those that lack: it fails no count.
     """
     limits = Limits(count.low, count.high, count.status)
+    asked = f"{count.low:g} are asked for" if math.isinf(count.high) else f"{count.low:g} to {count.high:g} are"
     if not directions:
         return [not_judged("shocks by direction", limits, "1", "no direction is stated (--direction)")]
     clauses: list[Clause] = []
@@ -144,7 +145,7 @@ def direction_clauses(shocks: Sequence[CountedShock], directions: Sequence[str],
             every = _blows(here, (PASS, CANNOT_TELL, FAIL))
             verdict = CANNOT_TELL if passed < limits.low <= possible else FAIL
             without = f", and {_of_files(loose)} no direction" if loose and verdict == CANNOT_TELL else ""
-            reason = f"{passed} of {every} shocks pass{without}; {_asked_for(limits)}"
+            reason = f"{passed} of {every} shocks pass{without}; {asked}"
             clause = replace(clause, verdict=verdict, reason=reason)
         clauses.append(clause)
     if loose:
@@ -170,10 +171,6 @@ def _blows(shocks: Sequence[CountedShock], verdicts: Sequence[str]) -> int:
         channels = counts.setdefault(shock.file, {})
         channels[shock.channel] = channels.get(shock.channel, 0) + (shock.verdict in verdicts)
     return sum(min(channels.values()) for channels in counts.values())
-
-
-def _asked_for(limits: Limits) -> str:
-    return f"{limits.low:g} are asked for" if math.isinf(limits.high) else f"{limits.low:g} to {limits.high:g} are"
 
 
 Array = NDArray[np.float64]
@@ -434,6 +431,7 @@ def shock_of(
         for name, value in values.items()
         if name != "width" or value > 0.0
     }
+    noise_across = _noise_before(beside, time < pulse.begin - LEFT_BEFORE * (pulse.end - pulse.begin))
     share = 0.0 if known is None else known.figures["peak"].expanded / abs(pulse.peak)
     return Shock(
         np.asarray(sign * (channel.values[low:high] - pulse.offset), dtype=np.float64),
@@ -445,10 +443,7 @@ def shock_of(
         math.nan if filter_ is None else filter_.half_power(channel.step),
         troubles or {},
         beside,
-        math.hypot(
-            _noise_before(beside, time < pulse.begin - LEFT_BEFORE * (pulse.end - pulse.begin)),
-            0.0 if known is None else known.amount,
-        ),
+        math.hypot(noise_across, 0.0 if known is None else known.amount),
         share,
         1.0 if filter_ is None else before_filter(reading, pulse).through(filter_).width,
     )

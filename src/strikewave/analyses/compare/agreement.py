@@ -286,14 +286,10 @@ def verdict_notices(judged: SpecificationVerdict) -> tuple[Notice, ...]:
         if clause.verdict in (FAIL, CANNOT_TELL):
             code = "spec-" + "-".join(clause.clause.split()[:2])
             severity = FAILED if clause.verdict == FAIL else WARNING
-            notices.append(Notice(code, clause_words(clause), clause.value, _nearest_limit(clause), severity))
+            ends = [end for end in (clause.low, clause.high) if math.isfinite(end)]
+            limit = min(ends, key=lambda end: abs(end - clause.value), default=math.nan)
+            notices.append(Notice(code, clause_words(clause), clause.value, limit, severity))
     return tuple(notices)
-
-
-def _nearest_limit(clause: Clause) -> float:
-    """Return the limit that is nearest to the value."""
-    ends = [end for end in (clause.low, clause.high) if math.isfinite(end)]
-    return min(ends, key=lambda end: abs(end - clause.value), default=math.nan)
 
 
 RULES = {"correlation": by_correlation, "onset": by_onset, "peak": by_peak}  # how two histories are aligned

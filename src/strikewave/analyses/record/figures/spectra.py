@@ -187,20 +187,12 @@ def srs_figure(
     figure = new_figure()
     axes: Any = figure.add_subplot()
     if expanded is not None and np.any(np.isfinite(expanded)):
-        _draw_doubt(axes, spectra[0], expanded, side, unit)
+        values, (scale, _) = spectra[0].side(side), response_unit(spectra[0].kind, unit)
+        low, high = np.maximum(values - expanded, LEAST_DRAWN * values), values + expanded
+        place, label = np.asarray(spectra[0].frequency) / axis_unit("Hz", "Hz")[0], f"{side} ± U (k = 2)"
+        axes.fill_between(place, low / scale, high / scale, color=ORANGE, alpha=0.35, linewidth=0.0, label=label)
     draw_srs(axes, spectra, labels, unit)
     return figure
-
-
-def _draw_doubt(axes: Any, one: Spectrum, expanded: Array, side: str, unit: str) -> None:
-    """Draw a spectrum with its expanded uncertainty to both sides as a band."""
-    scale, _ = response_unit(one.kind, unit)
-    hertz_size, _ = axis_unit("Hz", "Hz")
-    values = one.side(side)
-    low, high = np.maximum(values - expanded, LEAST_DRAWN * values), values + expanded
-    place = np.asarray(one.frequency) / hertz_size
-    label = f"{side} ± U (k = 2)"
-    axes.fill_between(place, low / scale, high / scale, color=ORANGE, alpha=0.35, linewidth=0.0, label=label)
 
 
 def draw_srs(axes: Any, spectra: Sequence[Spectrum], labels: Sequence[str] = (), unit: str = "m/s^2") -> None:
@@ -256,7 +248,10 @@ def tripartite(pseudo: Spectrum) -> Figure:
     (hertz_size, _), (speed, _) = axis_unit("Hz", "Hz"), axis_unit("m/s", "m/s")
     frequency, values = pseudo.frequency[positive] / hertz_size, pseudo.maximax[positive] / speed
     x = (float(np.log10(frequency[0])), float(np.log10(frequency[-1])) + 0.02)
-    y = _paper(np.log10(values), x)
+    height = np.log10(values)
+    top = float(height.max()) + 0.35
+    bottom = max(float(height.min()) - 0.2, top - (x[1] - x[0]))  # no deeper than wide
+    y = min(bottom, top - 1.5), top
     wide = 6.0
     figure = new_figure((wide + 2.0, wide * (y[1] - y[0]) / (x[1] - x[0]) + 1.6))
     axes: Any = figure.add_subplot()
@@ -271,13 +266,6 @@ def tripartite(pseudo: Spectrum) -> Figure:
     log_axis(axes.xaxis, hertz_ticks())
     log_axis(axes.yaxis, number_tick)
     return figure
-
-
-def _paper(height: Array, x: tuple[float, float]) -> tuple[float, float]:
-    """Return the decades of pseudo-velocity shown: all of the curve, as far as it is no deeper than wide."""
-    top = float(height.max()) + 0.35
-    bottom = max(float(height.min()) - 0.2, top - (x[1] - x[0]))
-    return min(bottom, top - 1.5), top
 
 
 def _rulings(axes: Any, x: tuple[float, float], y: tuple[float, float], along: Array, height: Array) -> None:
