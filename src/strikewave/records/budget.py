@@ -126,11 +126,11 @@ def law_of_propagation(model: Model, inputs: Sequence[InputQuantity]) -> Propaga
     >>> both.estimate.tolist(), both.contributions.round(9).tolist()
     ([12.0], [[1.2], [1.2]])
     """
-    middle = np.array([one.estimate for one in inputs])
-    changes = np.diag([one.standard for one in inputs])
-    found = model(np.vstack([middle[None, :], middle + changes, middle - changes]))
+    middle = np.array([quantity.estimate for quantity in inputs])
+    changes = np.diag([quantity.standard for quantity in inputs])
+    rows = model(np.vstack([middle[None, :], middle + changes, middle - changes]))
     count = len(inputs)
-    return Propagated(found[0], 0.5 * (found[1 : count + 1] - found[count + 1 :]))
+    return Propagated(rows[0], 0.5 * (rows[1 : count + 1] - rows[count + 1 :]))
 
 
 def monte_carlo(
@@ -150,7 +150,7 @@ def monte_carlo(
     stable = False
     tail = 0.5 * (1.0 - PROBABILITY)
     while not stable and TRIALS * len(batches) < most:
-        batch = model(np.column_stack([one.drawn(generator, TRIALS) for one in inputs]))
+        batch = model(np.column_stack([quantity.drawn(generator, TRIALS) for quantity in inputs]))
         batches.append(batch)
         ends = np.quantile(batch, [tail, 1.0 - tail], axis=0)
         figures.append(np.array([np.mean(batch, axis=0), np.std(batch, axis=0, ddof=1), *ends]))
@@ -281,13 +281,12 @@ class Budget:
     @property
     def amount(self) -> float:
         """Standard uncertainty of an acceleration of any size by what is added to it in amounts, not in shares."""
-        amounts = [one.input.standard for one in self.contributions if one.kind in ADDED and not one.relative]
-        return math.hypot(*amounts)
+        return math.hypot(*(c.input.standard for c in self.contributions if c.kind in ADDED and not c.relative))
 
     @declare.computed(declare.word("what nobody stated"))
     def not_stated(self) -> tuple[str, ...]:
         """What a budget holds as a rule, and this one does not."""
-        stated = {one.kind for one in self.contributions}
+        stated = {contribution.kind for contribution in self.contributions}
         if "acceleration" in stated:
             return ()
         return tuple(topic for topic, kinds in TOPICS.items() if not stated & set(kinds))
@@ -295,7 +294,7 @@ class Budget:
     @property
     def indicative(self) -> tuple[str, ...]:
         """Names of contributions whose numbers are from memory."""
-        return tuple(one.name for one in self.contributions if one.status == "indicative")
+        return tuple(contribution.name for contribution in self.contributions if contribution.status == "indicative")
 
     @property
     def share(self) -> float | None:
@@ -306,7 +305,7 @@ class Budget:
     @property
     def names(self) -> tuple[str, ...]:
         """Names of its contributions, those that the record tells first."""
-        return RECORD, SAMPLING, *(one.name for one in self.contributions)
+        return RECORD, SAMPLING, *(contribution.name for contribution in self.contributions)
 
 
 def of_share(share: float) -> Budget:
@@ -339,21 +338,21 @@ def changed(stretch: BlowStretch, contributions: Sequence[Contribution], drawn: 
     """
     values = np.broadcast_to(stretch.values, (drawn.shape[0], stretch.values.size))
     columns: dict[str, list[tuple[Contribution, Array]]] = {kind: [] for kind in KINDS}
-    for one, column in zip(contributions, drawn.T, strict=True):
-        columns[one.kind].append((one, column))
+    for contribution, column in zip(contributions, drawn.T, strict=True):
+        columns[contribution.kind].append((contribution, column))
     spectral = [pair for kind in SPECTRAL for pair in columns[kind]]
     if spectral:
         values = _filtered(stretch, spectral)
     for _, e in columns["linearity"]:
         values = values * (1.0 + e[:, None] * values / stretch.peak)
-    for one, e in columns["coupling"]:
+    for contribution, e in columns["coupling"]:
         before = np.cumsum(values, axis=1) * stretch.step
-        values = values + e[:, None] * before / one.time_constant
+        values = values + e[:, None] * before / contribution.time_constant
     place = np.arange(stretch.values.size)
     ramp = np.clip((place - stretch.begin) / (stretch.end - stretch.begin), 0.0, 1.0)
     for kind, shape in (("offset", np.ones(place.size)), ("drift", ramp)):
-        for one, e in columns[kind]:
-            values = values + e[:, None] * (stretch.peak if one.relative else 1.0) * shape
+        for contribution, e in columns[kind]:
+            values = values + e[:, None] * (stretch.peak if contribution.relative else 1.0) * shape
     return np.asarray(values)
 
 
@@ -368,15 +367,15 @@ def _filtered(stretch: BlowStretch, spectral: Sequence[tuple[Contribution, Array
     frequency = rfftfreq(length, stretch.step)
     logarithm: Array = np.zeros((1, frequency.size))
     phase: Array = np.ones((1, 1))
-    for one, e in spectral:
-        if one.kind == "sampling":
+    for contribution, e in spectral:
+        if contribution.kind == "sampling":
             phase = phase * np.exp(-2.0j * np.pi * frequency * e[:, None])
         else:
-            logarithm = logarithm + one.logarithm(e, frequency)
+            logarithm = logarithm + contribution.logarithm(e, frequency)
     return np.asarray(irfft(spectrum * np.exp(logarithm) * phase, length, axis=1)[:, :size])
 
 
 def factors_of(kinds: Sequence[str], contributions: Sequence[Contribution], drawn: Array) -> Array:
     """Return what contributions of some kinds multiply the record, or its time, by: a factor for each row of draws."""
-    factors = [1.0 + e for one, e in zip(contributions, drawn.T, strict=True) if one.kind in kinds]
+    factors = [1.0 + e for contribution, e in zip(contributions, drawn.T, strict=True) if contribution.kind in kinds]
     return np.asarray(np.prod(factors, axis=0)) if factors else np.ones(drawn.shape[0])

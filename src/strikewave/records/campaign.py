@@ -57,8 +57,8 @@ def compare(files: Sequence[FileReading]) -> list[FileReading]:
     copies = functools.partial(_copies, paths=[file.path for file in files])
     for number in sorted({reading.number for file in files for reading in file.channels}):
         for judge in (_without_blow, copies, _unlike_others, _other_gain, _outlying):
-            found = ((k, file.numbered(number)) for k, file in enumerate(changed))
-            readings = [(k, reading) for k, reading in found if reading is not None]
+            numbered = ((k, file.numbered(number)) for k, file in enumerate(changed))
+            readings = [(k, reading) for k, reading in numbered if reading is not None]
             for compared in _in_one_unit(readings) if judge in OF_SIZES else [readings]:
                 for k, finding in list(judge(compared)):
                     changed[k] = _with(changed[k], number, finding)
@@ -121,7 +121,7 @@ def _scaled(ratio: float, scatter: float) -> tuple[str, float] | None:
     """Return which setting gives such a ratio of peaks most nearly, and its factor; None where none does."""
     reach = min(max(OfSiblings.NEAR_FACTOR, 3.0 * scatter), OfSiblings.MOST_NEAR)
     settings = [(what, exact) for what, factors in FACTORS.items() for f in factors for exact in (f, 1.0 / f)]
-    nearest = min(settings, key=lambda one: abs(math.log(ratio / one[1])))
+    nearest = min(settings, key=lambda setting: abs(math.log(ratio / setting[1])))
     return nearest if abs(math.log(ratio / nearest[1])) < reach else None
 
 
@@ -204,10 +204,10 @@ def _outlying(readings: list[tuple[int, ChannelReading]]) -> Iterator[tuple[int,
         places, values = _values(readings, name)
         if len(values) < FEWEST_FOR_OUTLIERS:
             continue
-        found = outliers(values, OfSiblings.FALSE_ALARM / len(COMPARED))
-        usual = float(np.median(np.delete(values, found)))
-        spread = float(np.std(np.delete(values, found), ddof=1))  # above zero: equal values have no outlier
-        for k in found:
+        odd = outliers(values, OfSiblings.FALSE_ALARM / len(COMPARED))
+        usual = float(np.median(np.delete(values, odd)))
+        spread = float(np.std(np.delete(values, odd), ddof=1))  # above zero: equal values have no outlier
+        for k in odd:
             if abs(values[k] - usual) < OfSiblings.LEAST_OUTLIER * abs(usual):
                 continue
             file, reading = readings[places[k]]

@@ -334,8 +334,8 @@ def mains_period(times: Array, widths: Array, locked: bool = False) -> float:
         return math.nan
     middle = float(np.median(gaps))
     period = min(MAINS, key=lambda mains: abs(middle / mains - 1.0))
-    whole = period if period > WHOLE_PERIOD else 2.0 * period
-    if float(np.median(widths)) < OfTrains.CONDUCTS * whole:
+    full_period = period if period > WHOLE_PERIOD else 2.0 * period
+    if float(np.median(widths)) < OfTrains.CONDUCTS * full_period:
         return math.nan
     if not locked:
         return period if abs(middle / period - 1.0) < OfTrains.MAINS_SHARE else math.nan

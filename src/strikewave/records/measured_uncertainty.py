@@ -83,7 +83,7 @@ class FigureUncertainty:
     @property
     def by_law(self) -> float:
         """The standard uncertainty by the law of propagation."""
-        return math.sqrt(math.fsum(one.standard**2 for one in self.contributions if math.isfinite(one.standard)))
+        return math.sqrt(math.fsum(line.standard**2 for line in self.contributions if math.isfinite(line.standard)))
 
 
 @dataclass(frozen=True)
@@ -103,12 +103,12 @@ class BlowUncertainty:
         Both standard uncertainties are as far apart, and the coverage factor is that of the trials.
         """
         figures = {}
-        for name, one in self.figures.items():
+        for name, figure in self.figures.items():
             other = checked.figures[name]
             if other.method == BY_TRIALS and other.by_law > 0.0:
-                standard, k = one.by_law * other.standard / other.by_law, other.coverage
-                one = replace(one, standard=standard, expanded=k * standard, coverage=k, method=BY_TRIALS)
-            figures[name] = one
+                standard, k = figure.by_law * other.standard / other.by_law, other.coverage
+                figure = replace(figure, standard=standard, expanded=k * standard, coverage=k, method=BY_TRIALS)
+            figures[name] = figure
         return replace(self, figures=figures)
 
 
@@ -187,10 +187,10 @@ def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
     count = len(contributions)
     stretch, where = measured.stretch, measured.where
     plain = read_off(stretch.values[None, :], where)
-    shaping = [k for k, one in enumerate(contributions) if one.kind in CHANGING]
+    shaping = [k for k, contribution in enumerate(contributions) if contribution.kind in CHANGING]
 
     def figures(drawn: Array) -> Array:
-        found = np.empty((drawn.shape[0], len(BUDGETED)))
+        rows_of_figures = np.empty((drawn.shape[0], len(BUDGETED)))
         block = max(LARGEST // stretch.values.size, 1)
         for first in range(0, drawn.shape[0], block):
             rows = drawn[first : first + block, :count]
@@ -200,8 +200,8 @@ def _model(measured: _Measured, contributions: Sequence[Contribution]) -> Model:
                 shapes = read_off(changed(stretch, chosen, rows[:, shaping]), where)
             gain, clock = (factors_of(kinds, contributions, rows) for kinds in (GAINS, ("clock",)))
             scale = np.column_stack([gain, clock, gain * clock])
-            found[first : first + block] = (measured.figures + shapes - plain) * scale
-        return np.asarray(found + drawn[:, count:])
+            rows_of_figures[first : first + block] = (measured.figures + shapes - plain) * scale
+        return np.asarray(rows_of_figures + drawn[:, count:])
 
     return figures
 
@@ -230,21 +230,20 @@ class _Inputs(NamedTuple):
     def quantities(self) -> list[InputQuantity]:
         """All inputs, those added to each figure last."""
         together = np.sqrt(np.sum([np.nan_to_num(each) ** 2 for _, each in self.added], axis=0))
-        return [one.input for one in self.contributions] + [
-            InputQuantity(name, float(each)) for name, each in zip(BUDGETED, together, strict=True)
-        ]
+        added = [InputQuantity(name, float(each)) for name, each in zip(BUDGETED, together, strict=True)]
+        return [contribution.input for contribution in self.contributions] + added
 
 
 def _inputs(channel: Channel, pulse: RecordedPulse, budget: Budget, measured: _Measured) -> _Inputs:
-    told = np.array(astuple(pulse.uncertainty), dtype=np.float64)
+    of_record = np.array(astuple(pulse.uncertainty), dtype=np.float64)
     peak = measured.stretch.peak
-    noises = [one for one in budget.contributions if one.kind == "noise"]
-    added = [(RECORD, told)]
-    added += [(one.name, _by_noise(measured, one.input.standard * (peak if one.relative else 1.0))) for one in noises]
-    others = tuple(one for one in budget.contributions if one.kind != "noise")
-    kinds = {one.kind for one in budget.contributions}
+    added = [(RECORD, of_record)]
+    for noise in (c for c in budget.contributions if c.kind == "noise"):
+        added.append((noise.name, _by_noise(measured, noise.input.standard * (peak if noise.relative else 1.0))))
+    others = tuple(c for c in budget.contributions if c.kind != "noise")
+    kinds = {c.kind for c in budget.contributions}
     stated = [bool(kinds & set(IN_PLACE[name])) for name in BUDGETED]
-    return _Inputs((sampling(channel.step), *others), tuple(added), np.isnan(told) & ~np.array(stated))
+    return _Inputs((sampling(channel.step), *others), tuple(added), np.isnan(of_record) & ~np.array(stated))
 
 
 def blow_uncertainty(
@@ -275,10 +274,10 @@ def _summed(
             standard, method = float(simulated.standard[k]), BY_TRIALS
             middle = float(measured.figures[k])
             expanded = max(middle - float(simulated.low[k]), float(simulated.high[k]) - middle)
-        rows = [(one.name, abs(float(propagated.contributions[i, k]))) for i, one in enumerate(inputs.contributions)]
-        rows += [(one, float(each[k])) for one, each in inputs.added]
+        rows = [(c.name, abs(float(propagated.contributions[i, k]))) for i, c in enumerate(inputs.contributions)]
+        rows += [(source, float(each[k])) for source, each in inputs.added]
         total = math.fsum(u**2 for _, u in rows if math.isfinite(u)) or math.inf
-        shares = [BudgetLine(one, u, u**2 / total) for one, u in rows]
+        shares = [BudgetLine(source, u, u**2 / total) for source, u in rows]
         shares.sort(key=lambda row: -row.standard if math.isfinite(row.standard) else 0.0)
         coverage = expanded / standard if standard > 0.0 else COVERAGE
         value = float(measured.figures[k]) * (1.0 if name == "width" else measured.sign)
@@ -324,7 +323,7 @@ class SpectrumUncertainty:
         return self._only(row)
 
     def _only(self, which: int | slice) -> SpectrumUncertainty:
-        parts = [SpectrumPart(one.name, one.standard[which]) for one in self.contributions]
+        parts = [SpectrumPart(part.name, part.standard[which]) for part in self.contributions]
         return SpectrumUncertainty(self.standard[which], contributions=parts)
 
 
@@ -357,23 +356,23 @@ def spectrum_uncertainty(
     begin, end = (0.0, 1.0) if blow is None else ((t - channel.start) / channel.step for t in (blow.begin, blow.end))
     stretch = BlowStretch(values, channel.step, float(np.max(np.abs(values))), begin, end)
 
-    def by(one: Contribution) -> Array:
+    def by(contribution: Contribution) -> Array:
         """Return the standard uncertainty by a contribution."""
-        size = one.input.standard
-        if one.kind in GAINS:
+        size = contribution.input.standard
+        if contribution.kind in GAINS:
             return size * plain
-        if one.kind == "clock":
+        if contribution.kind == "clock":
             slope = np.gradient(plain, np.log(frequency), axis=-1) if frequency.size > 1 else np.zeros_like(plain)
             return size * np.abs(slope)
-        if one.kind == "noise":
-            size *= stretch.peak if one.relative else 1.0
+        if contribution.kind == "noise":
+            size *= stretch.peak if contribution.relative else 1.0
             return _by_draws(values, spectrum, lambda generator: size * generator.standard_normal(values.size))
-        pair = changed(stretch, [one], np.array([[size], [-size]]))
+        pair = changed(stretch, [contribution], np.array([[size], [-size]]))
         return 0.5 * np.abs(spectrum(pair[0]) - spectrum(pair[1]))
 
     own = _of_record(channel, values, blow, spectrum, plain.shape)
-    rows = [(RECORD, own), *((one.name, by(one)) for one in (sampling(channel.step), *budget.contributions))]
-    stated = any(one.kind in ("acceleration", "offset", "noise") for one in budget.contributions)
+    rows = [(RECORD, own), *((c.name, by(c)) for c in (sampling(channel.step), *budget.contributions))]
+    stated = any(c.kind in ("acceleration", "offset", "noise") for c in budget.contributions)
     together = np.sqrt(np.sum([np.nan_to_num(each) ** 2 if stated else each**2 for _, each in rows], axis=0))
     return SpectrumUncertainty(together, contributions=[SpectrumPart(name, each) for name, each in rows])
 

@@ -134,7 +134,8 @@ class SmoothPulse(NamedTuple):
         samples = math.ceil(self.length / step)
         time: Array = np.asarray(self.begin + step * np.arange(-samples, 2 * samples), dtype=np.float64)
         rows, changes = self._changed()
-        values = np.array([(abs(one.peak), one.width(), one.area()) for one in (SmoothPulse(*row) for row in rows)])
+        pulses = [SmoothPulse(*row) for row in rows]
+        values = np.array([(abs(pulse.peak), pulse.width(), pulse.area()) for pulse in pulses])
         figures = (values[:5] - values[5:]) / (2.0 * changes[:, None])
         columns, scale = self.tangents(time)
         spread = np.linalg.pinv(columns) / scale[:, None]
@@ -246,9 +247,9 @@ def read_pulse(about: Surroundings, smooth: SmoothPulse, noise: Array) -> ReadPu
     taken, finer = windows[best], windows[max(best - FINER, 0)]
     clean = pulse + taken.over(raw - pulse)
     box = slice(about.inside.start - near.start, about.inside.stop - near.start)
-    found = figures_of(clean[None, near], box)[0]
-    doubt = _by_sampling(clean[near], *found[:2])
-    if float(np.std(noise)) > NO_NOISE * found[1]:
+    figures = figures_of(clean[None, near], box)[0]
+    doubt = _by_sampling(clean[near], *figures[:2])
+    if float(np.std(noise)) > NO_NOISE * figures[1]:
         draws = noise_like(noise, near.stop - near.start, DRAWS)
         base = windows[min(best + SMOOTHER, len(windows) - 1)].over(raw - pulse)[near]
         start = figures_of((base + pulse[near])[None], box)[0]
@@ -261,12 +262,12 @@ def read_pulse(about: Surroundings, smooth: SmoothPulse, noise: Array) -> ReadPu
         moved = np.hstack([figures_of(again + window.over(rest), box) - start for window in (taken, finer)])
         (off, off_finer), (least, scatter) = (np.split(each, 2) for each in _spread(moved))
         other = figures_of((pulse + finer.over(raw - pulse))[None, near], box)[0] - off_finer
-        found = found - np.array([0.0, *off[1:]])  # on a plateau noise moves the highest value anywhere
-        apart = np.nan_to_num(other - found)
+        figures = figures - np.array([0.0, *off[1:]])  # on a plateau noise moves the highest value anywhere
+        apart = np.nan_to_num(other - figures)
         of_peak = math.hypot(scatter[1], apart[1])  # a tip is the sharpest detail there is
         of_width = max(scatter[3], math.hypot(least[3], apart[3]))
         doubt = np.hypot(doubt, [of_peak, of_width])
-    place, peak, rise, width = (float(value) for value in found)
+    place, peak, rise, width = (float(value) for value in figures)
     return ReadPulse(clean, near.start + place, peak, rise, width, float(doubt[0]), float(doubt[1]))
 
 

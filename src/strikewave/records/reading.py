@@ -202,8 +202,8 @@ class FileReading:
                 names.setdefault(finding.message, {})[name] = None
         several = len(self.channels) > 1
         return [
-            f"{first_few(list(of), MOST_NAMED)}: {words}" if several and all(of) else words
-            for words, of in names.items()
+            f"{first_few(list(of), MOST_NAMED)}: {message}" if several and all(of) else message
+            for message, of in names.items()
         ]
 
 

@@ -334,7 +334,7 @@ def _measure(number: int, above: Array, step: float, start: float, blow: BaseBlo
         none = FreeDecay(at, at)
         return MeasuredResponse(number, 0.0, at, at - blow.time, blow.peak, ratio, at, 0.0, 0.0, (), 0.0, none)
     first, last = effective_span(above)
-    held = above[math.floor(first) : math.ceil(last) + 1]
+    lasting = above[math.floor(first) : math.ceil(last) + 1]
     free = max(top, math.ceil((blow.end - start) / step))
     until = math.ceil(effective_span(above, OfAnswers.FREE)[1]) + 1
     return MeasuredResponse(
@@ -346,7 +346,7 @@ def _measure(number: int, above: Array, step: float, start: float, blow: BaseBlo
         ratio,
         start + first * step,
         (last - first) * step,
-        math.sqrt(float(np.mean(held**2))),
+        math.sqrt(float(np.mean(lasting**2))),
         decaying_modes(above[free:until], step),
         0.0,
         FreeDecay(start + free * step, start + max(until - 1, free) * step),

@@ -544,12 +544,12 @@ def split_bands(stretch: Stretch, frequency: float) -> BandSplit | None:
     top = begin + int(np.argmax(low[begin : end + 1]))
     if not low[top] > 0.0:
         return None
-    found = measure_pulse(_only(low, top), step)
-    members = _family_as_wide(cutoff * found.width)
-    if members is None or not found.peak > 0.0:
+    filtered = measure_pulse(_only(low, top), step)
+    members = _family_as_wide(cutoff * filtered.width)
+    if members is None or not filtered.peak > 0.0:
         return None
     left, lengths, wider = members
-    peaks, widths = found.peak / left, lengths / cutoff
+    peaks, widths = filtered.peak / left, lengths / cutoff
     peak, own_width = float(np.mean(peaks)), float(np.mean(widths))
     spread = float(np.std(peaks)) / peak
     leak = swing * float(filter_.gain(lowest, step)) / peak
@@ -629,9 +629,9 @@ def _best_cutoff(width: float, lowest: float, swing: float, step: float) -> floa
         if members is None:
             continue
         peaks = 1.0 / members[0]
-        one = math.hypot(float(np.std(peaks) / np.mean(peaks)), swing * float(Filter(cutoff).gain(lowest, step)))
-        if one < cost:
-            best, cost = float(cutoff), one
+        both = math.hypot(float(np.std(peaks) / np.mean(peaks)), swing * float(Filter(cutoff).gain(lowest, step)))
+        if both < cost:
+            best, cost = float(cutoff), both
     return best
 
 

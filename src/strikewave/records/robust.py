@@ -48,7 +48,7 @@ def outliers(values: ArrayLike, false_alarm: float) -> list[int]:
 
     left = list(range(sample.size))
     gone: list[int] = []
-    found = 0
+    count = 0
     while len(gone) < sample.size // MOST_OUTLIERS:
         n = len(left)
         part = sample[left]
@@ -60,8 +60,8 @@ def outliers(values: ArrayLike, false_alarm: float) -> list[int]:
         gone.append(left.pop(k))
         t = float(stdtrit(n - 2, 1.0 - false_alarm / (2.0 * n)))
         if deviations[k] / spread > (n - 1) * t / math.sqrt((n - 2 + t * t) * n):
-            found = len(gone)
-    return gone[:found]
+            count = len(gone)
+    return gone[:count]
 
 
 def median_line(x: Array, y: Array, confidence: float) -> tuple[float, float, float]:

@@ -57,8 +57,8 @@ class SampleStore:
 
     def forget(self) -> None:
         """Take out of memory what was read back from disk; it is read again where it is looked at again."""
-        for one in self._maps if hasattr(mmap, "MADV_DONTNEED") else ():
-            one.madvise(mmap.MADV_DONTNEED)
+        for mapped in self._maps if hasattr(mmap, "MADV_DONTNEED") else ():
+            mapped.madvise(mmap.MADV_DONTNEED)
 
     def _laid_down(self, values: Array) -> Array:
         """Write samples to disk, and return a view of them there; the samples themselves where the disk is full."""

@@ -184,10 +184,10 @@ def _coupled(tail: Tail) -> TailModel | None:
     total = float(np.sum(level**2))
     error = math.sqrt(squares / max(n - 1, 1) / float(np.sum(velocity**2)) * alike_as_one(rest))
     share = 1.0 - squares / total if total > 0.0 else 0.0
-    whole, sure = time[-1] * rate > OfTails.SEEN_WHOLE, rate > OfTails.SURE * error
+    complete, sure = time[-1] * rate > OfTails.SEEN_WHOLE, rate > OfTails.SURE * error
     if share < OfTails.EXPLAINED or time[-1] * rate < OfTails.LEAST_DECAY:
         return None
-    if not (sure or (whole and rate > OfTails.SURE_WHOLE * error)):
+    if not (sure or (complete and rate > OfTails.SURE_WHOLE * error)):
         return None
     for other in (np.ones(n), time):
         left = float(np.sum((level - _on(level, other)) ** 2))
@@ -196,7 +196,7 @@ def _coupled(tail: Tail) -> TailModel | None:
     free, constant = _decay(time, level)
     demanded = -float(velocity[0]) / constant
     amplitude = float(free[0]) / demanded if demanded else math.nan
-    if not (OfTails.TIED[0] < amplitude < OfTails.TIED[1] or (whole and sure)):
+    if not (OfTails.TIED[0] < amplitude < OfTails.TIED[1] or (complete and sure)):
         return None
     return TailModel("ac-coupling", -rate * float(velocity[0]), math.nan, 1.0 / rate, error / rate**2, share)
 

@@ -248,19 +248,19 @@ def _copied(window: Window, step: float) -> Copy:
     by, beyond noise, is not known of it. Nor is what the begin of the wave part does in the band: see `OF_WAVE`.
     """
     cutoff = _band(window, step)
-    whole, half = _copied_below(window, step, cutoff), _copied_below(window, step, 0.5 * cutoff)
+    copy, half = _copied_below(window, step, cutoff), _copied_below(window, step, 0.5 * cutoff)
     excess = [
         math.sqrt(max((a - b) ** 2 - doubt**2, 0.0) / 3.0)
-        for a, b, doubt in ((whole.delay, half.delay, half.delay_doubt), (whole.gain, half.gain, half.gain_doubt))
+        for a, b, doubt in ((copy.delay, half.delay, half.delay_doubt), (copy.gain, half.gain, half.gain_doubt))
     ]
     wave = 0.0
-    if window.cutoff <= cutoff and whole.gain != 0.0:
-        against = window.second / whole.gain - window.first
+    if window.cutoff <= cutoff and copy.gain != 0.0:
+        against = window.second / copy.gain - window.first
         left = against - Filter(cutoff).apply(against, step)
         share = float(np.max(np.abs(left))) / float(np.max(np.abs(window.first)))
         wave = OF_WAVE * share / (2.0 * math.pi * cutoff)
-    return whole._replace(
-        delay_doubt=math.hypot(whole.delay_doubt, excess[0], wave), gain_doubt=math.hypot(whole.gain_doubt, excess[1])
+    return copy._replace(
+        delay_doubt=math.hypot(copy.delay_doubt, excess[0], wave), gain_doubt=math.hypot(copy.gain_doubt, excess[1])
     )
 
 

@@ -201,10 +201,10 @@ def try_sensor(sensor: Sensor, recorder: Recorder, values: Array, step: float, b
     departure = np.abs(element - fine) / true.peak
     quiet = slice(0, max(begin * factor, 1))
     beyond = np.abs(element + sensor.zero_shift) > sensor.range
-    shown = [(one, _pulse(one, sensor.zero_shift)) for one in _readings(sensor, recorder, element, step)]
+    shown = [(reading, _pulse(reading, sensor.zero_shift)) for reading in _readings(sensor, recorder, element, step)]
     left = (
         _farthest([pulse.peak / true.peak for _, pulse in shown], math.inf),
-        _farthest([pulse.width * _interval(one, step) / true.width for one, pulse in shown], 0.0),
+        _farthest([pulse.width * _interval(reading, step) / true.width for reading, pulse in shown], 0.0),
     )
     driven = measure_pulse(element, step)
     ringing, noise = float(departure.max()), float(departure[quiet].max())
@@ -212,7 +212,7 @@ def try_sensor(sensor: Sensor, recorder: Recorder, values: Array, step: float, b
         verdict = RANGE
     elif beyond.any():
         verdict = NOISE if noise > TOLERATED else RANGE
-    elif any(one.recorder_clipped for one, _ in shown):
+    elif any(reading.recorder_clipped for reading, _ in shown):
         verdict = FULL_SCALE
     elif not _close(driven.peak / true.peak, driven.width / true.width):
         verdict = NOISE if noise > TOLERATED else RESONANCE
@@ -246,8 +246,8 @@ def _pulse(reading: SensorReading, shift: float) -> Pulse:
     values = reading.values - shift
     if values.size < 3 or not values.max() > 0.0:
         return Pulse(math.nan, 0.0, math.nan, math.nan, math.nan)
-    found = measure_pulse(values, 1.0)
-    return found._replace(peak=float(values.max())) if reading.clipped else found
+    pulse = measure_pulse(values, 1.0)
+    return pulse._replace(peak=float(values.max())) if reading.clipped else pulse
 
 
 def _interval(reading: SensorReading, step: float) -> float:

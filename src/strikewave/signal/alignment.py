@@ -77,8 +77,8 @@ def are_opposite(first: EvenHistory, second: EvenHistory) -> bool:
     step = max(first.step, second.step)
     a, b = _at_step(first, step), _at_step(second, step)
     size = next_fast_len(a.size + b.size, real=True)
-    found = irfft(rfft(a, size) * np.conj(rfft(b, size)), size)
-    return bool(-float(found.min()) > CLEARLY * float(found.max()))
+    products = irfft(rfft(a, size) * np.conj(rfft(b, size)), size)
+    return bool(-float(products.min()) > CLEARLY * float(products.max()))
 
 
 def by_correlation(first: EvenHistory, second: EvenHistory, to_gap: bool = False) -> Shift:
@@ -126,8 +126,8 @@ def by_correlation(first: EvenHistory, second: EvenHistory, to_gap: bool = False
     bend, spacing = float(weight @ slope), size / max(end - begin, 1)
     fitted = min(spacing * float(weight @ slope**2) / bend**2, 0.5)  # share that the shift has taken up
     moves = float(weight @ (slope * np.abs(rfft(left, size)) ** 2)) * spacing / (1.0 - fitted)
-    words = f"largest cross-correlation of the two histories, found between samples of {step:.6g} s"
-    return Shift(first.start - second.start + place * step, math.sqrt(moves) / bend * step, words)
+    method = f"largest cross-correlation of the two histories, found between samples of {step:.6g} s"
+    return Shift(first.start - second.start + place * step, math.sqrt(moves) / bend * step, method)
 
 
 def _coherent(a: NDArray[np.complex128], b: NDArray[np.complex128], spacing: float, to_gap: bool) -> int:
@@ -197,8 +197,8 @@ def by_onset(first: EvenHistory, second: EvenHistory, share: float = RISE_LOW) -
     ValueError
         If one begins above that share, or is zero throughout.
     """
-    words = f"first crossings of {100.0 * share:g} % of the peaks"
-    return _difference(first, second, lambda one: _onset(one, share), words)
+    method = f"first crossings of {100.0 * share:g} % of the peaks"
+    return _difference(first, second, lambda history: _onset(history, share), method)
 
 
 def by_peak(first: EvenHistory, second: EvenHistory) -> Shift:
@@ -216,18 +216,18 @@ def by_peak(first: EvenHistory, second: EvenHistory) -> Shift:
 
 
 def _difference(
-    first: EvenHistory, second: EvenHistory, place: Callable[[EvenHistory], tuple[float, float]], words: str
+    first: EvenHistory, second: EvenHistory, place: Callable[[EvenHistory], tuple[float, float]], method: str
 ) -> Shift:
     (at, doubt), (other, further) = place(first), place(second)
-    return Shift(at - other, math.hypot(doubt, further), words)
+    return Shift(at - other, math.hypot(doubt, further), method)
 
 
-def _upright(one: EvenHistory) -> tuple[Array, int]:
+def _upright(history: EvenHistory) -> tuple[Array, int]:
     """Return a history whose largest magnitude is positive, and its sample."""
-    index = int(np.argmax(np.abs(one.values)))
-    if not one.values[index]:
+    index = int(np.argmax(np.abs(history.values)))
+    if not history.values[index]:
         raise ValueError("a history that is zero throughout has no peak")
-    return np.copysign(1.0, one.values[index]) * one.values, index
+    return np.copysign(1.0, history.values[index]) * history.values, index
 
 
 def _top(values: Array, index: int) -> tuple[float, float]:
@@ -239,20 +239,20 @@ def _top(values: Array, index: int) -> tuple[float, float]:
     return float(places[0] + place / FINER), height
 
 
-def _peak(one: EvenHistory) -> tuple[float, float]:
+def _peak(history: EvenHistory) -> tuple[float, float]:
     """Return time of the peak, and its uncertainty, s."""
-    values, index = _upright(one)
+    values, index = _upright(history)
     at, height = _top(values, index)
     edges = [crossing(values, index, TOP * height, side) for side in (-1, 1)]
     half = 0.5 * (edges[1] - edges[0]) if all(map(math.isfinite, edges)) else float(values.size)
     bend = 2.0 * (1.0 - TOP) * height / max(half, 0.5) ** 2
-    doubt = min(one.noise * math.pi / (math.sqrt(3.0) * bend), math.sqrt(one.noise / bend))
-    return one.start + at * one.step, doubt * one.step
+    doubt = min(history.noise * math.pi / (math.sqrt(3.0) * bend), math.sqrt(history.noise / bend))
+    return history.start + at * history.step, doubt * history.step
 
 
-def _onset(one: EvenHistory, share: float) -> tuple[float, float]:
+def _onset(history: EvenHistory, share: float) -> tuple[float, float]:
     """Return the time when a share of the peak is crossed, and its uncertainty, s."""
-    values, index = _upright(one)
+    values, index = _upright(history)
     level = share * _top(values, index)[1]
     rough = crossing(values, index, level, -1)
     if math.isnan(rough):
@@ -264,15 +264,15 @@ def _onset(one: EvenHistory, share: float) -> tuple[float, float]:
     at = float(places[above - 1] + (level - fine[above - 1]) / rise / FINER) if above and rise > 0.0 else rough
     low, high = (crossing(values, index, wide * level, -1) for wide in (0.5, 2.0))
     known = math.isfinite(low)
-    doubt = one.noise * (high - (low if known else rough)) / ((1.5 if known else 1.0) * level)
-    return one.start + at * one.step, doubt * one.step
+    doubt = history.noise * (high - (low if known else rough)) / ((1.5 if known else 1.0) * level)
+    return history.start + at * history.step, doubt * history.step
 
 
-def _at_step(one: EvenHistory, step: float) -> Array:
+def _at_step(history: EvenHistory, step: float) -> Array:
     """Return a history at another step."""
-    ratio = one.step / step
+    ratio = history.step / step
     if abs(ratio - 1.0) < SAME_STEP:
-        return one.values
-    count = math.floor((one.values.size - 1) * ratio * (1.0 + SAME_STEP)) + 1
-    places = np.minimum(np.arange(count) / ratio, one.values.size - 1.0)
-    return resampled(one.values, places, max(1.0, 1.0 / ratio))
+        return history.values
+    count = math.floor((history.values.size - 1) * ratio * (1.0 + SAME_STEP)) + 1
+    places = np.minimum(np.arange(count) / ratio, history.values.size - 1.0)
+    return resampled(history.values, places, max(1.0, 1.0 / ratio))

@@ -96,9 +96,9 @@ def share_above(values: ArrayLike, step: float, frequency: float) -> float:
     if history.size % 2 == 0 and power.size > 1:
         power[-1] *= 0.5
     power[0] *= 0.5
-    whole = float(power.sum())
+    total = float(power.sum())
     above = float(power[np.fft.rfftfreq(history.size, step) > frequency].sum())
-    return math.sqrt(above / whole) if whole > 0.0 else 0.0
+    return math.sqrt(above / total) if total > 0.0 else 0.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -117,20 +117,20 @@ def best_delay(reference: Array, compared: Array) -> int:
     product = correlate(b, a, "full")[size - 1 + lags]
     counts = size - np.abs(lags)
 
-    def parts(values: Array, kept: NDArray[np.int64]) -> Array:
+    def parts(values: Array, left: NDArray[np.int64]) -> Array:
         """Return sums over the beginnings (lag above zero) or the ends (below) that overlap."""
         sums = np.concatenate([[0.0], np.cumsum(values)])
-        return np.where(kept >= 0, sums[counts], sums[-1] - sums[size - counts])
+        return np.where(left >= 0, sums[counts], sums[-1] - sums[size - counts])
 
     sum_a, sum_b = parts(a, lags), parts(b, -lags)
     squares = (parts(a * a, lags) - sum_a**2 / counts) * (parts(b * b, -lags) - sum_b**2 / counts)
     with np.errstate(divide="ignore", invalid="ignore"):
-        found = (product - sum_a * sum_b / counts) / np.sqrt(np.maximum(squares, 0.0))
+        scores = (product - sum_a * sum_b / counts) / np.sqrt(np.maximum(squares, 0.0))
     floor = np.finfo(float).eps * float(np.dot(a, a)) * float(np.dot(b, b))
-    found = np.where(squares > floor, found, -np.inf)
+    scores = np.where(squares > floor, scores, -np.inf)
     order = np.argsort(np.abs(lags) - 0.5 * (lags > 0), kind="stable")  # 0, then each shift forward before back
-    best = order[int(np.argmax(np.round(found[order], 13)))]
-    return int(lags[best]) if np.isfinite(found[best]) else 0
+    best = order[int(np.argmax(np.round(scores[order], 13)))]
+    return int(lags[best]) if np.isfinite(scores[best]) else 0
 
 
 def _relative_error(reference: Array, compared: Array) -> float:

@@ -87,8 +87,8 @@ def area_between(values: Array, first: float, last: float) -> float:
         return 0.5 * (low + high) * (last - first)
     inner = values[begin : end + 1]
     left, right = float(inner[0]), float(inner[-1])
-    whole = float(np.sum(inner)) - 0.5 * (left + right)
-    return whole + 0.5 * (low + left) * (begin - first) + 0.5 * (right + high) * (last - end)
+    inside = float(np.sum(inner)) - 0.5 * (left + right)
+    return inside + 0.5 * (low + left) * (begin - first) + 0.5 * (right + high) * (last - end)
 
 
 def _at(values: Array, place: float) -> float:

@@ -187,8 +187,8 @@ def srs(
     >>> spectrum.maximax.round(1)
     array([  4. , 176.8, 102.5])
     """
-    [found] = all_srs(values, step, frequencies, [(kind, q)], scope)
-    return found
+    [spectrum] = all_srs(values, step, frequencies, [(kind, q)], scope)
+    return spectrum
 
 
 def all_srs(
@@ -230,14 +230,14 @@ def all_srs(
             raise ValueError(f"the end of the shock must come at least one step after its start, got {scope.end!r} s")
         history = history[: round(scope.end / step) + 1]
     history, level = _begun(history, scope.initial)
-    found = [Spectrum(fn, np.empty_like(fn), np.empty_like(fn), float(q), kind, scope.part) for kind, q in asked]
+    spectra = [Spectrum(fn, np.empty_like(fn), np.empty_like(fn), float(q), kind, scope.part) for kind, q in asked]
     for group in groups(step, fn, scope.upsample):
         record, fall = framed(interpolate(history, group.factor), group.factor, level)
-        for one in found:
-            oscillators, unit = group.oscillators(one.q, one.kind)
+        for spectrum in spectra:
+            oscillators, unit = group.oscillators(spectrum.q, spectrum.kind)
             sides = extremes(record, fall, oscillators, scope.part, level)
-            one.positive[group.members], one.negative[group.members] = (side * unit for side in sides)
-    return found
+            spectrum.positive[group.members], spectrum.negative[group.members] = (side * unit for side in sides)
+    return spectra
 
 
 def rolling_srs(

@@ -138,7 +138,7 @@ class SynthesizedMotion:
     def peak(self) -> MotionPeaks:
         """Largest acceleration, velocity and displacement to either side."""
         histories = (self.acceleration, self.velocity, self.displacement)
-        return MotionPeaks(*(float(np.max(np.abs(one))) for one in histories))
+        return MotionPeaks(*(float(np.max(np.abs(component))) for component in histories))
 
     end = declare.computed(declare.part(MotionEnd, "values at the end"))(
         lambda motion: MotionEnd(float(motion.velocity[-1]), float(motion.displacement[-1]))
@@ -202,7 +202,7 @@ def synthesized(
     assert rate is not None
     periods = PERIODS if basis == DAMPED_SINES else 0.5 * HALF_SINES
     time = np.arange(math.ceil(periods / f[0] * rate) + 1) / rate
-    shapes = [_sampled(_unit(float(one), k, q, basis), time) for k, one in enumerate(f)]
+    shapes = [_sampled(_unit(float(component), k, q, basis), time) for k, component in enumerate(f)]
     pulses = _compensating(float(f[0]), time)
     amplitudes, best, steps = wanted / math.sqrt(q), None, 0
     for steps in range(1, MOST_STEPS + 1):
@@ -220,7 +220,8 @@ def synthesized(
     distance, amplitudes, values, (first, second), spectrum = best
     moved = motion(values, 1.0 / rate)
     parts = tuple(
-        _unit(float(one), k, q, basis, float(a)) for k, (one, a) in enumerate(zip(f, amplitudes, strict=True))
+        _unit(float(component), k, q, basis, float(a))
+        for k, (component, a) in enumerate(zip(f, amplitudes, strict=True))
     )
     rest = tuple(
         replace(pulse, amplitude=amplitude, role="compensation")
@@ -271,9 +272,9 @@ def _sampled(component: Component, time: Array) -> Array:
 def _compensating(lowest: float, time: Array) -> tuple[tuple[Component, Array], tuple[Component, Array]]:
     """Return two compensating pulses with their samples, the second half a period later."""
     frequency = COMPENSATION_SHARE * lowest
-    one = Component(frequency, 1.0, 0.0, COMPENSATION_DAMPING)
-    two = replace(one, delay=0.5 / frequency)
-    return (one, _faded(one.at(time), time.size)), (two, _faded(two.at(time), time.size))
+    component = Component(frequency, 1.0, 0.0, COMPENSATION_DAMPING)
+    two = replace(component, delay=0.5 / frequency)
+    return (component, _faded(component.at(time), time.size)), (two, _faded(two.at(time), time.size))
 
 
 def _sum(
@@ -346,6 +347,6 @@ def matching_half_sine(
     for _ in range(4):
         best = int(np.argmin([lies(float(duration))[0] for duration in tried]))
         tried = np.geomspace(tried[max(best - 1, 0)], tried[min(best + 1, tried.size - 1)], 21)
-    duration = float(tried[int(np.argmin([lies(float(one))[0] for one in tried]))])
+    duration = float(tried[int(np.argmin([lies(float(limit))[0] for limit in tried]))])
     outside, peak = lies(duration)
     return HalfSine(10.0 ** (peak / 20.0), duration, outside)

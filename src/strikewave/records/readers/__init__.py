@@ -63,7 +63,7 @@ class Options(NamedTuple):
 
 def _of_folder(folder: Path) -> str:
     """Return words that lead from a folder to its files, by the ending that most of them have."""
-    endings = Counter(one.suffix for one in folder.iterdir() if one.suffix and one.is_file())
+    endings = Counter(file.suffix for file in folder.iterdir() if file.suffix and file.is_file())
     most = max(endings, key=lambda ending: (endings[ending], ending), default="")
     return f'this is a folder; name its files: "{folder}/*{most}"'
 
@@ -127,8 +127,8 @@ def read_measurements(path: str | Path, options: Options = Options()) -> list[Re
     >>> [(record.path.rpartition(": ")[2], record.channels[0].values.size) for record in records]
     [('measurement 1', 20), ('measurement 2', 20)]
     """
-    whole = _read_whole(path, options)
-    records = [replace(whole, further=()), *whole.further]
+    record_of_file = _read_whole(path, options)
+    records = [replace(record_of_file, further=()), *record_of_file.further]
     several = len(records) > 1
     for number, record in enumerate(records, start=1):
         _check_steps(record)

@@ -177,19 +177,19 @@ def _plain(orders: Iterable[Marks], lines: Sequence[str]) -> Marks | None:
     """Return the only marks under which lines of a sample are numbers, where nearly all are; None in doubt."""
     sample = lines[:: max(len(lines) // _SAMPLE, 1)]
     fitting = [(marks, _fit(sample, marks)[0]) for marks in orders]
-    fitting = [(marks, whole) for marks, whole in fitting if whole]
+    fitting = [(marks, count) for marks, count in fitting if count]
     return fitting[0][0] if len(fitting) == 1 and fitting[0][1] >= max(_PLAIN * len(sample), 2) else None
 
 
 def _fit(lines: Iterable[str], marks: Marks) -> tuple[int, int, int]:
     """Count the lines that are numbers only and their numbers; the numbers on all lines where there are none."""
-    whole = inside = numbers = 0
+    plain = inside = numbers = 0
     for line in lines:
         values = [number(cell, marks.decimal) for cell in cells_of(line, marks)[:MOST_COLUMNS]]
         count = sum(value is not None and value == value for value in values)
         clean = count > 0 and None not in values
-        whole, inside, numbers = whole + clean, inside + clean * count, numbers + count
-    return whole, inside, 0 if whole else numbers
+        plain, inside, numbers = plain + clean, inside + clean * count, numbers + count
+    return plain, inside, 0 if plain else numbers
 
 
 def _decimals_behind_commas(rows: list[list[str]], width: int) -> bool:
@@ -265,13 +265,13 @@ def blocks(region: Region) -> Iterator[bytes]:
     lines = carried = b""
     skip = region.skip
     for raw in _raw(region):
-        whole = carried + raw
-        end = whole.rfind(b"\n") + 1
-        if len(whole) - end > LONGEST_LINE:
+        text = carried + raw
+        end = text.rfind(b"\n") + 1
+        if len(text) - end > LONGEST_LINE:
             raise refuse(region.path, f"lines of at most {LONGEST_LINE} bytes", "is this a text file of numbers?")
         if lines:
             yield lines
-        lines, carried = whole[:end], whole[end:]
+        lines, carried = text[:end], text[end:]
         while skip and lines:
             lines, skip = lines[lines.find(b"\n") + 1 :], skip - 1
     last = lines + carried

@@ -93,9 +93,9 @@ def last_digit(cells: Iterable[str]) -> float:
         match = _DIGITS.fullmatch(cell.strip())
         if match is None or not (match[1] or match[2]):
             continue
-        whole, decimals, power = match[1], match[2] or "", int(match[3] or 0)
+        digits, decimals, power = match[1], match[2] or "", int(match[3] or 0)
         finest = min(finest, power - len(decimals))
-        figures = (whole + decimals).lstrip("0")
+        figures = (digits + decimals).lstrip("0")
         if figures:
             most = max(most, len(figures))
             largest = max(largest, len(figures) - 1 - len(decimals) + power)
@@ -295,9 +295,9 @@ def find_headings(above: Sequence[str], marks: Marks, width: int, filled: Sequen
         return _commented(lines, marks, width, filled)
     worded = [row for row in rows if any(row[k] and number(row[k], marks.decimal) is None for k in filled)]
     rows = worded or rows  # numbers beside a row of words are a setting of each channel, such as an offset
-    found = _of_rows(rows, marks, filled)
-    said = _said_units(lines, marks, width, filled)
-    return found._replace(units=[own or unit for own, unit in zip(found.units, said, strict=True)])
+    headings = _of_rows(rows, marks, filled)
+    stated = _said_units(lines, marks, width, filled)
+    return headings._replace(units=[own or unit for own, unit in zip(headings.units, stated, strict=True)])
 
 
 def _whole(lines: Sequence[str]) -> list[str]:
@@ -336,17 +336,17 @@ def _is_second_head(above: Sequence[str], below: Sequence[str], marks: Marks, fi
     return bool(named) and (not again or again[0] == named[0])
 
 
-def _with_suffixes(found: Headings) -> Headings:
+def _with_suffixes(headings: Headings) -> Headings:
     """Take units behind underscores off the names of a file that writes that of time so."""
-    if not any(unit and cell.endswith(f"_{unit}") for cell, unit in zip(found.header, found.units, strict=False)):
-        return found
-    names, units = list(found.names), list(found.units)
+    if not any(unit and cell.endswith(f"_{unit}") for cell, unit in zip(headings.header, headings.units, strict=False)):
+        return headings
+    names, units = list(headings.names), list(headings.units)
     for k, (name, unit) in enumerate(zip(names, units, strict=True)):
         for suffix, meant in _SUFFIXES.items():
             stem = name[: -len(suffix) - 1]
             if not unit and stem and name.casefold().endswith(f"_{suffix}"):
                 names[k], units[k] = stem, meant
-    return found._replace(names=names, units=units)
+    return headings._replace(names=names, units=units)
 
 
 def _setting(line: str, marks: Marks, filled: Sequence[int]) -> bool:
@@ -378,8 +378,8 @@ def _row(line: str, marks: Marks, width: int) -> list[str]:
 
 def _units_in(cells: Sequence[str]) -> int:
     """Count the cells that are a unit, end in one, or name time."""
-    whole = [cell for cell in cells if cell.strip(" ,;|") == cell]
-    return sum(bool(name_and_unit(cell)[1]) or is_unit(cell) or is_time(cell, "") for cell in whole)
+    clean = [cell for cell in cells if cell.strip(" ,;|") == cell]
+    return sum(bool(name_and_unit(cell)[1]) or is_unit(cell) or is_time(cell, "") for cell in clean)
 
 
 def _all_units(cells: Sequence[str]) -> bool:
@@ -409,20 +409,20 @@ def _commented(lines: Sequence[str], marks: Marks, width: int, filled: Sequence[
     comments = [line.strip().lstrip(_BEFORE_COMMENTS).strip() for line in lines if _comments(line)]
     units: list[str] = []
     for comment in reversed(comments[-_MOST_COMMENTS:]):
-        for words in (comment, _BEFORE_NAMES.sub("", comment, count=1)):
-            row = _row(words, marks, width)
+        for header in (comment, _BEFORE_NAMES.sub("", comment, count=1)):
+            row = _row(header, marks, width)
             if width == 1:
-                row = [words]
+                row = [header]
             if not all(row[k] for k in filled):
                 continue
             if not units and _all_units([row[k] for k in filled]):
                 units = [cell.strip("()[] ") for cell in row]
                 break
             parts = [name_and_unit(cell) for cell in row]
-            found = _with_suffixes(Headings([name for name, _ in parts], [unit for _, unit in parts], tuple(row)))
-            if is_time(found.names[filled[0]], found.units[filled[0]]) or all(found.units[k] for k in filled):
-                own = [unit or below for unit, below in zip(found.units, units or blank.units, strict=True)]
-                return Headings(found.names, own)
+            headings = _with_suffixes(Headings([name for name, _ in parts], [unit for _, unit in parts], tuple(row)))
+            if is_time(headings.names[filled[0]], headings.units[filled[0]]) or all(headings.units[k] for k in filled):
+                own = [unit or below for unit, below in zip(headings.units, units or blank.units, strict=True)]
+                return Headings(headings.names, own)
     return blank._replace(units=units) if units else blank
 
 
@@ -512,10 +512,10 @@ def _in_seconds(value: float, factor: float) -> float:
 
 def clock_times(cells: Mapping[int, str]) -> dict[int, int]:
     """Return times of day as one number each, ps, of the same day or of days that can be read; empty for others."""
-    found = {k: _CLOCK.fullmatch(" ".join(cell.split())) for k, cell in cells.items()}
-    days = {match[1] or "" for match in found.values() if match}
+    matches = {k: _CLOCK.fullmatch(" ".join(cell.split())) for k, cell in cells.items()}
+    days = {match[1] or "" for match in matches.values() if match}
     times = {}
-    for k, match in found.items():
+    for k, match in matches.items():
         if match is None:
             return {}
         day = _day(match[1] or "") if len(days) > 1 else 0

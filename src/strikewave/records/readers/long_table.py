@@ -111,24 +111,24 @@ def as_long_table(record: Record, columns: Sequence[Labels]) -> Record | None:
     if not record.channels:
         return None
     stamps, size = record.channels[0].stamps, record.channels[0].values.size
-    of_unit = next((one for one in columns if one.is_unit), None)
-    rest = [one for one in columns if not one.is_unit]
-    shots = next((one for one in rest if one.is_measurement and _part(one, stamps)), None)
-    channels = [one for one in rest if not one.is_measurement]
+    of_unit = next((column for column in columns if column.is_unit), None)
+    rest = [column for column in columns if not column.is_unit]
+    shots = next((column for column in rest if column.is_measurement and _part(column, stamps)), None)
+    channels = [column for column in rest if not column.is_measurement]
     lines = [np.arange(size)] if shots is None else [np.flatnonzero(shots.codes == code) for code in shots.present()]
     pieces = []
     parted, missing = shots is not None, size - sum(map(len, lines))
     for chosen in lines:
         times = None if stamps is None else stamps[chosen]
-        names = next((own for one in channels if _part(own := one.of(chosen), times)), None)
+        names = next((own for column in channels if _part(own := column.of(chosen), times)), None)
         parted = parted or names is not None
         missing += 0 if names is None else int(np.count_nonzero(np.isnan(names.codes)))
         pieces.append(tuple(_channels(record, chosen, names, None if of_unit is None else of_unit.of(chosen))))
     if not parted:
         return None
     if missing:
-        found = HealthNotice("label-missing", f"{missing} lines name no channel: they are left out", float(missing))
-        record = replace(record, findings=(*record.findings, found))
+        notice = HealthNotice("label-missing", f"{missing} lines name no channel: they are left out", float(missing))
+        record = replace(record, findings=(*record.findings, notice))
     return joined_pieces([replace(record, channels=piece) for piece in pieces])
 
 

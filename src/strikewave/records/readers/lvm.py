@@ -251,18 +251,18 @@ def _segments(path: Path, content: mmap.mmap, encoding: str) -> list[Segment]:
 
 def _of_session(path: Path, content: mmap.mmap, encoding: str, place: tuple[int, int], part: int) -> Iterator[Segment]:
     """Yield the segments below one header of a file."""
-    whole = "a LabVIEW measurement file that is whole"
+    allowed = "a LabVIEW measurement file that is whole"
     marks: list[int] = []
     at = content.find(_MARK, *place)
     while at >= 0 and len(marks) <= _MOST_SEGMENTS + 1:  # one of the file, and one too many
         marks.append(at)
         at = content.find(_MARK, at + 1, place[1])
     if len(marks) < 2:
-        raise refuse(path, whole, f"it lacks {_MARK.decode()}")
+        raise refuse(path, allowed, f"it lacks {_MARK.decode()}")
     begins = [_head_of(content, last, mark) for last, mark in pairwise(marks)]
     headers = [(place[0], marks[0]), *zip(begins, marks[1:], strict=True)]
     if any(mark - begin > _LARGEST_HEADER for begin, mark in headers):
-        raise refuse(path, whole, "a header has no end")
+        raise refuse(path, allowed, "a header has no end")
     keys = _keys(content[place[0] : marks[0]], encoding)
     mark, kind = _marks(path, keys), _said(keys, "X_Columns", "One").casefold()
     for k, begin in enumerate(begins):
@@ -271,7 +271,7 @@ def _of_session(path: Path, content: mmap.mmap, encoding: str, place: tuple[int,
         names = cells_of(decode(content[head : min(start, head + _LARGEST_HEADER)], encoding), mark)
         end = begins[k + 1] if k + 1 < len(begins) else place[1]
         if end < start or names[0].startswith("***"):
-            raise refuse(path, whole, "a segment lacks its names")
+            raise refuse(path, allowed, "a segment lacks its names")
         own = _keys(content[begin : marks[k + 1]], encoding, mark.delimiter)
         yield Segment(own, names, start, end, 0, mark, kind, part)
 
@@ -387,8 +387,8 @@ def _run(path: Path, encoding: str, segment: Segment, layout: Layout, options: O
     findings = odd_cells(ParsedColumns([], table.words, table.first_word))
     findings += [HealthNotice("truncated", "the last line is cut: it is left out")] if cut else []
     sizes = [(own.size, count) for own, count, want in zip(values, samples, layout.wanted, strict=True) if want]
-    said, every = _counted(path, segment, [(size + cut, count) for size, count in sizes], options)
-    return Read(values, stamps, steps, starts, _origins(path, segment, layout.columns), findings + said, every)
+    differing, every = _counted(path, segment, [(size + cut, count) for size, count in sizes], options)
+    return Read(values, stamps, steps, starts, _origins(path, segment, layout.columns), findings + differing, every)
 
 
 def _counted(

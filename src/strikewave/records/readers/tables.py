@@ -78,9 +78,9 @@ def _columns(path: Path, rows: Iterable[tuple[Any, ...]], left: int) -> tuple[li
             cell = row[place] if place < len(row) else None
             code = math.nan
             if isinstance(cell, str) and cell.strip():
-                words = words_at.setdefault(place, {})
-                if cell.strip() in words or len(words) < MOST_WORDS:
-                    code = float(words.setdefault(cell.strip(), len(words)))
+                codes_of = words_at.setdefault(place, {})
+                if cell.strip() in codes_of or len(codes_of) < MOST_WORDS:
+                    code = float(codes_of.setdefault(cell.strip(), len(codes_of)))
             for known, value in ((numbers_at, _number(cell)), (codes_at, code)):
                 if place not in known:
                     if math.isnan(value):
@@ -214,9 +214,9 @@ def read_parquet(path: Path, options: Options) -> Record:
                 named = _decoded(field.metadata)
                 unit = named.get("units", named.get("unit", ""))
                 columns.append(common.ArrayColumn(field.name, rows, _batch_loader(file, field.name, rows), unit))
-            elif _words(arrow.types, field.type) and (words := _words_of(file, field.name)):
+            elif _words(arrow.types, field.type) and (codes_of := _words_of(file, field.name)):
                 columns.append(
-                    common.ArrayColumn(field.name, rows, _coded(file, field.name, words), words=tuple(words))
+                    common.ArrayColumn(field.name, rows, _coded(file, field.name, codes_of), words=tuple(codes_of))
                 )
             else:
                 skipped.append(field.name)
@@ -236,23 +236,25 @@ def _words(types: Any, kind: Any) -> bool:
 
 def _words_of(file: Any, name: str) -> dict[str, int]:
     """Return the different words of a column; none where there are more than names of channels."""
-    words: dict[str, int] = {}
+    codes_of: dict[str, int] = {}
     for batch in file.iter_batches(_BATCH, columns=[name], use_threads=False):
         for word in batch.column(0).unique().to_pylist():
-            if word and word not in words:
-                words[word] = len(words)
-        if len(words) > MOST_LABELS:
+            if word and word not in codes_of:
+                codes_of[word] = len(codes_of)
+        if len(codes_of) > MOST_LABELS:
             return {}
-    return words
+    return codes_of
 
 
-def _coded(file: Any, name: str, words: dict[str, int]) -> Any:
+def _coded(file: Any, name: str, codes_of: dict[str, int]) -> Any:
     """Return the function that loads the places of the words of a column."""
 
     def load() -> Any:
         parts = [np.empty(0)]
         for batch in file.iter_batches(_BATCH, columns=[name], use_threads=False):
-            parts.append(np.array([words.get(word, np.nan) for word in batch.column(0).to_pylist()], dtype=np.float64))
+            parts.append(
+                np.array([codes_of.get(word, np.nan) for word in batch.column(0).to_pylist()], dtype=np.float64)
+            )
         return np.concatenate(parts)
 
     return load

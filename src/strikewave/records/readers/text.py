@@ -347,8 +347,8 @@ def is_data(line: str, layout: NumberLayout) -> bool:
     """Tell whether a line is one of data: a number in every column that is full of them, or nearly."""
     cells = cells_of(line, layout.marks)
     values = [number(cells[k] if k < len(cells) else "", layout.marks.decimal) for k in layout.full]
-    whole = not is_comment(line) and all(value is not None and value == value for value in values)
-    return whole or _nearly(line, layout.marks, layout.width, layout.full)
+    full_line = not is_comment(line) and all(value is not None and value == value for value in values)
+    return full_line or _nearly(line, layout.marks, layout.width, layout.full)
 
 
 def is_cut(look: Look, layout: NumberLayout) -> bool:
@@ -544,20 +544,21 @@ def _read_long(look: Look, layout: NumberLayout, rows: Rows, time: int | None, o
         and (k not in numbers or may_count(names[k], sample[0][k] if len(sample[0]) > k else ""))
         and may_be_labels(names[k], [row[k] for row in sample if len(row) > k], k in numbers)
     ]
-    whole, coded = [k for k in may if k in layout.filled], tuple(k for k in may if k not in layout.filled)[:_MOST_CODED]
-    if not whole and not coded:
+    counting = [k for k in may if k in layout.filled]
+    coded = tuple(k for k in may if k not in layout.filled)[:_MOST_CODED]
+    if not counting and not coded:
         return None
-    columns, odd, words = _numbers(look, layout, {*layout.filled, *coded}, coded)
-    named = [(k, Labels(names[k], columns[k], words.get(k, []))) for k in coded]
-    counted = [(k, labels_of(names[k], columns[k])) for k in whole]
+    columns, odd, words_of = _numbers(look, layout, {*layout.filled, *coded}, coded)
+    named = [(k, Labels(names[k], columns[k], words_of.get(k, []))) for k in coded]
+    counted = [(k, labels_of(names[k], columns[k])) for k in counting]
     clock = time if time is not None or layout.headings.named else _rising(columns, layout, [*named, *counted])
     unit = 1.0 if clock is None else options.time_unit or seconds_in(units[clock]) or 1.0
     stamps, lost = _with_time(columns, clock, unit)
     step, start = said_step([re.sub(r"^[#%/\s]+", "", line) for line in look.head[: layout.first]])
-    for chosen in (counted, *([one] for one in counted), []):
+    for chosen in (counted, *([label] for label in counted), []):
         labels = {
-            k: one._replace(codes=columns[k]) if not one.are_numbers else labels_of(names[k], columns[k])
-            for k, one in [*named, *chosen]
+            k: label._replace(codes=columns[k]) if not label.are_numbers else labels_of(names[k], columns[k])
+            for k, label in [*named, *chosen]
         }
         values = [k for k in layout.filled if k != clock and k not in labels]
         unique = one_each([names[k] or f"value {n}" for n, k in enumerate(values, start=1)])
@@ -569,7 +570,7 @@ def _read_long(look: Look, layout: NumberLayout, rows: Rows, time: int | None, o
         table = as_long_table(record, list(labels.values()))
         if table is not None:
             return as_asked(table, options)
-    several = next((one for _, one in named if one.is_channel and len(one.present()) > 1), None)
+    several = next((label for _, label in named if label.is_channel and len(label.present()) > 1), None)
     if several is not None:
         allowed = f"2 to {MOST_LABELS} channels of at least {FEWEST_SAMPLES} lines in the column {several.heading}"
         raise refuse(look.path, allowed, f"it has {len(several.present())} names")
