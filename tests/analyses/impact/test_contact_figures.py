@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from strikewave.analyses.impact.law_figures import asked_given, stiffness_over_load
+from strikewave.analyses.impact.figures import asked_given, stiffness_over_load
 from strikewave.analyses.impact.report import impact_sheet
 from strikewave.base.constants import material
 from strikewave.contact import (

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from strikewave.analyses.impact.identified import IdentifyResult, identified_words
+from strikewave.base.declare import Quantity
+from strikewave.base.shock_quantities import MICROSECONDS
 from strikewave.base.texts import percent
 from strikewave.contact.identification import Identified
 from strikewave.reporting import chapters
@@ -72,6 +74,7 @@ def identified_picture(result: IdentifyResult) -> Figure:
     return titled(identified_figure(result.found), result.title)
 
 
+NEWTONS = Quantity("N", "N")
 FIT_POINTS = 800
 """Points of the fitted line: about the pixels of its width."""
 FIT_SIZE = (9.0, 5.0)
@@ -94,13 +97,13 @@ def identified_figure(found: Identified) -> Figure:
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(3.0, 1.2))
     _draw_force(above, found)
     _draw_residual(below, found)
-    below.set_xlim(*((found.time[[0, -1]] - found.pulse.begin) / axis_unit("s", "us")[0]))
+    below.set_xlim(*((found.time[[0, -1]] - found.pulse.begin) / axis_unit(*MICROSECONDS.units)[0]))
     return legend_below(figure)
 
 
 def _draw_force(axes: Any, found: Identified) -> None:
     pulse = found.pulse
-    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "N")
+    (second, _), (newton, _) = axis_unit(*MICROSECONDS.units), axis_unit(*NEWTONS.units)
     line = np.linspace(found.time[0], found.time[-1], FIT_POINTS)
     axes.plot((line - pulse.begin) / second, pulse.force(line) / newton, color=ORANGE, linewidth=2.0, label="fitted")
     axes.plot(
@@ -116,17 +119,17 @@ def _draw_force(axes: Any, found: Identified) -> None:
     axes.axvline(contact[0], color=GREY, linestyle=":", linewidth=1.1, label="first touch and release")
     axes.axvline(contact[1], color=GREY, linestyle=":", linewidth=1.1)
     title = f"n = {pulse.exponent:.3g}, e = {pulse.restitution:.3g}, misfit {percent(found.residual, 2)} of the peak"
-    quiet(axes, title, "", headed("force", "N", "N"))
+    quiet(axes, title, "", headed("force", *NEWTONS.units))
     axes.margins(y=0.08)
 
 
 def _draw_residual(axes: Any, found: Identified) -> None:
-    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "N")
+    (second, _), (newton, _) = axis_unit(*MICROSECONDS.units), axis_unit(*NEWTONS.units)
     time, noise = (found.time - found.pulse.begin) / second, found.noise / newton
     axes.axhspan(-noise, noise, color=GREY, alpha=0.18, linewidth=0.0, label="± one standard deviation of a sample")
     axes.axhline(0.0, color=ORANGE, linewidth=1.2)
     axes.plot(time, (found.measured - found.fitted) / newton, "o-", color=BLUE, markersize=2.2, linewidth=0.6)
-    quiet(axes, "", headed("time after first touch", "s", "us"), headed("residual", "N", "N"))
+    quiet(axes, "", headed("time after first touch", *MICROSECONDS.units), headed("residual", *NEWTONS.units))
     axes.margins(y=0.12)
 
 

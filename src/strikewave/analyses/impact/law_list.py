@@ -106,7 +106,7 @@ class LawsResult(measured.AskedResult):
     """The laws of a name, or all; see `Result` for what it shares with others. The pictures show ``everything``."""
 
     command: ClassVar[str] = "laws"
-    drawing: ClassVar[str] = "law_figures"
+    drawing: ClassVar[str] = "figures"
     main_rows: ClassVar[str] = "every_law"
 
     laws: Laws
@@ -208,7 +208,7 @@ class LawsCommand(Command[LawsResult]):
 
     def draw(self, result: LawsResult, folder: Path) -> list[str]:
         """Write what the laws give, the stiffness laws over load, and the cushion laws with their pulses."""
-        from strikewave.analyses.impact.law_figures import asked_given, cushion_curves, stiffness_over_load
+        from strikewave.analyses.impact.figures import asked_given, cushion_curves, stiffness_over_load
         from strikewave.reporting.style import save
 
         steel, loads = material("65Mn"), np.geomspace(*LOADS, 61)

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.analyses.impact.result import MOST_ROWS, ImpactResult, blow_columns, impact_words
+from strikewave.analyses.impact.result import (
+    CONTACT_DEPTH,
+    CONTACT_FORCE,
+    CONTACT_TIME,
+    MOST_ROWS,
+    ImpactResult,
+    blow_columns,
+    impact_words,
+)
 from strikewave.base.texts import percent
 from strikewave.contact import Impact, ImpactHistory, impact_history
 from strikewave.reporting import chapters
@@ -116,15 +124,20 @@ def _curves(axes: Any, blows: Sequence[PlottedBlow], of: Callable[[PlottedBlow],
 
 
 def _draw_forces(axes: Any, blows: Sequence[PlottedBlow]) -> None:
-    (second, _), (newton, _) = axis_unit("s", "us"), axis_unit("N", "kN")
+    (second, _), (newton, _) = axis_unit(*CONTACT_TIME.units), axis_unit(*CONTACT_FORCE.units)
     _curves(axes, blows, lambda blow: (blow.history.time / second, blow.history.force / newton))
-    quiet(axes, "Force", headed("time after first touch", "s", "us"), headed("force", "N", "kN"))
+    quiet(axes, "Force", headed("time after first touch", *CONTACT_TIME.units), headed("force", *CONTACT_FORCE.units))
 
 
 def _draw_loops(axes: Any, blows: Sequence[PlottedBlow]) -> None:
-    (metre, _), (newton, _) = axis_unit("m", "um"), axis_unit("N", "kN")
+    (metre, _), (newton, _) = axis_unit(*CONTACT_DEPTH.units), axis_unit(*CONTACT_FORCE.units)
     _curves(axes, blows, lambda blow: (blow.history.indentation / metre, blow.history.force / newton))
-    quiet(axes, "Force over indentation", headed("indentation", "m", "um"), headed("force", "N", "kN"))
+    quiet(
+        axes,
+        "Force over indentation",
+        headed("indentation", *CONTACT_DEPTH.units),
+        headed("force", *CONTACT_FORCE.units),
+    )
     axes.margins(x=0.03)
 
 
