@@ -260,7 +260,7 @@ def test_energy_of_a_striker_goes_into_stack_and_contact(stack, exponent, chi):
         count, v, entered, _, lost, _ = _kernels.strike(
             tables,
             state,
-            _kernels.Striker(law, mass, speed),
+            _kernels.RigidStriker(law, mass, speed),
             steps,
             (nothing, nothing),
             empty_averages(nothing.nodes, nothing.nodes, 1, 1),

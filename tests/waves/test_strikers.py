@@ -188,7 +188,7 @@ def test_norms_under_a_striker_are_those_under_the_force_that_it_gave():
         more = (none, seen), averages, extremes, norms
         if by == "strike":
             row = bar_module._law(Impactor(1.5, 0.8, LAWS["hertz"]))
-            striker = _kernels.Striker(row, 1.5, 0.8)
+            striker = _kernels.RigidStriker(row, 1.5, 0.8)
             _, _, entered, through, _, _ = _kernels.strike(tables, state, striker, steps, *more, np.zeros((3, 3)))
             load = seen.force[:, 0].copy()
         else:

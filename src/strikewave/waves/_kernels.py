@@ -76,7 +76,7 @@ class WaveState(NamedTuple):
     events: np.ndarray
 
 
-class Striker(NamedTuple):
+class RigidStriker(NamedTuple):
     """A rigid striker: row of its contact law, mass (kg), speed towards the face (m/s)."""
 
     law: np.ndarray

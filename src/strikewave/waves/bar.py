@@ -14,7 +14,7 @@ from strikewave.base.texts import percent
 from strikewave.contact._law_kernels import SLOWEST, STIFFNESS
 from strikewave.contact.law import Contact, check_end, striking_law
 from strikewave.waves import _kernels
-from strikewave.waves._kernels import Extremes, Recording, Striker
+from strikewave.waves._kernels import Extremes, Recording, RigidStriker
 from strikewave.waves.layers import Stack
 from strikewave.waves.load import (
     MOST_SAMPLES,
@@ -650,7 +650,7 @@ def _run(
     run_steps = rows * every + 1
     if isinstance(load, Impactor):
         table = np.zeros((_MOST_TOUCHES, 3))
-        striker = Striker(_law(load), load.mass, load.speed)
+        striker = RigidStriker(_law(load), load.mass, load.speed)
         count, speed, entered, through, lost, deepest = _kernels.strike(
             tables, state, striker, run_steps, (recording, field), averages, extremes, norms, table
         )
