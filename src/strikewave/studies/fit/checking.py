@@ -41,7 +41,7 @@ OF_NUMBER = Quantity.of_data("as the number")
 
 @declare.dataclass
 class PredictedFigure:
-    """A figure of a record that was kept out: what was measured, what was predicted with its 95 % band, SI."""
+    """A figure of a record that was kept out: measured, and predicted with its 95 % band, SI."""
 
     record: str = declare.word("what was measured", column=KEY)
     figure: str = declare.word("figure of it", column=KEY)
@@ -64,7 +64,7 @@ class PredictedFigure:
 
     @declare.computed(declare.word("whether the band holds what was measured"))
     def inside(self) -> bool:
-        """Whether the band holds what was measured."""
+        """True if the band holds what was measured."""
         return self.low <= self.measured <= self.high
 
     @declare.computed(
@@ -75,7 +75,7 @@ class PredictedFigure:
         )
     )
     def bias(self) -> float:
-        """By how much the prediction is above, as a share of what was measured."""
+        """Excess of the prediction over the measurement, as a share."""
         return self.predicted / self.measured - 1.0
 
     held = declare.phrase("band holds it", column=MAIN)(
@@ -103,7 +103,7 @@ class Checks:
 
     @declare.computed(declare.count("how many bands hold what was measured"))
     def inside(self) -> int:
-        """How many bands hold what was measured."""
+        """Number of bands that hold the measurement."""
         return sum(figure.inside for figure in self.figures)
 
     figures: tuple[PredictedFigure, ...] = declare.rows(
@@ -126,7 +126,7 @@ class Checks:
 
 
 def check(solved: Solved, experiments: Sequence[Experiment]) -> Checks:
-    """Predict what was kept out.
+    """Predict the measurements that were kept out.
 
     The band of a figure has the values drawn from the fit (as far as the data allow where they are not determined),
     what the same figure was off in the records of the fit, root mean square, and the noise of the record itself.
@@ -251,7 +251,7 @@ def names_of(unit: str) -> list[tuple[str, str]]:
 
 
 def _left_over(problem: Problem, place: Array) -> dict[str, float]:
-    """Return how far each figure may be off by those of the fit, 95 %, as a share.
+    """Return the 95 % error of each figure by those of the fit, as a share.
 
     Root mean square, with Student's t for as many; of numbers whose model lacks something, no less than one at another
     setting.
@@ -283,7 +283,7 @@ them are divided."""
 
 @declare.dataclass
 class TriedChoice:
-    """A choice of a field, and how well it fits."""
+    """A choice of a field, and its residuals."""
 
     given_units: ClassVar[GivenUnits] = NO_MORE_UNIT
 
@@ -311,7 +311,7 @@ class TriedChoice:
 
     @property
     def rank(self) -> tuple[bool, float]:
-        """What it is ranked by: cross-validation where there is one, else the misfit; failures last."""
+        """Key of the ranking: cross-validation where there is one, else the misfit; failures last."""
         return bool(self.failure), self.kept_out if math.isfinite(self.kept_out) else self.misfit
 
 
@@ -331,7 +331,7 @@ def read_tries(case: Case, word: str) -> list[str]:
 
 
 def tried(choice: str, solved: Solved) -> TriedChoice:
-    """Return how well a fitted choice does."""
+    """Return the residuals of a fitted choice."""
     sizes = [misfit.size for misfit in solved.misfits]
     broken = sum(one.more_than_noise for one in solved.misfits)
     return TriedChoice(choice, _mean(sizes), _kept_out(solved), broken)
@@ -362,7 +362,7 @@ def _kept_out(solved: Solved) -> float:
 
 
 def _is_known(one: Measured) -> bool:
-    """Tell whether it is known of a field from elsewhere: of the fit alone, with any measurements."""
+    """Tell whether a number is one of a field, known from elsewhere."""
     return isinstance(one, MeasuredNumber) and one.of_field
 
 

@@ -41,7 +41,7 @@ _kept: ContextVar[KeptResults | None] = ContextVar("kept results of the fit", de
 
 @contextlib.contextmanager
 def running_on(pool: Pool | None) -> Iterator[None]:
-    """Give the runs of the fits within to a pool; to threads of this process where there is none."""
+    """Run the fits within on a pool; without one, on threads of this process."""
     if pool is None:
         yield
         return
@@ -55,7 +55,7 @@ def running_on(pool: Pool | None) -> Iterator[None]:
 
 @contextlib.contextmanager
 def keeping_in(store: RunStore | None) -> Iterator[None]:
-    """Keep what the runs of the fits within come to, and read what is known; nothing where there is no store."""
+    """Keep the results of the fits within in a store, and read known ones; without a store, keep nothing."""
     before = _kept.set(None if store is None else KeptResults(store))
     try:
         yield
@@ -150,7 +150,7 @@ STARTS, MOST_STARTS = 3, 8
 """Searches: from the place of the case, and from the best of those tried; at most, where they end apart and none
 well."""
 ALIKE = 0.01
-"""Distance of two ends that count as one: an undetermined direction or a rough end apart, searches agree better."""
+"""Distance of two ends that count as one: searches agree better, but along undetermined directions."""
 APART = 0.1
 """Distance of two places that count as different starts."""
 STEP, FINAL_STEP = 1e-4, 5e-4
@@ -164,9 +164,9 @@ ACCURACY = 1e-7
 ROUGH = 1e-4
 """The same for searches from other places: enough to see where they end."""
 MOST_STEPS = 40
-"""Steps of a search: a smooth one takes five to fifteen."""
+"""Most steps of a search: a smooth one takes five to fifteen."""
 FAILED_OVER = 10.0
-"""Residuals of a place that cannot be run, over the largest at the start: worse than any that can be."""
+"""Residuals of a place that cannot be run, over the largest at the start: worse than any that can."""
 QUADRATIC = 0.3
 """Share by which the misfit at two standard errors may differ from a parabola's: beyond, the profile is followed; a
 bound moves by half of it."""

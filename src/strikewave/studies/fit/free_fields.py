@@ -26,16 +26,16 @@ from strikewave.waves.transit import WaveSetup, wave_setup
 Array = NDArray[np.float64]
 
 REACH = 10.0
-"""Factor about the value of the case within which a field is sought that has no bounds of its own: a typed value may be
-off by a unit's prefix, and what is further away is another machine."""
+"""Factor about the value of the case that bounds a field without own bounds: a typed value may be off by a unit's
+prefix; a value further away is another machine."""
 WIDE = 5.0
-"""Half widths of the plausible range within which a field is sought that may be of either sign."""
+"""Half widths of the plausible range that bound a field of either sign: chosen."""
 ASIDE = ("solver", "recorder", "tap", "mesh", "fem")
-"""Tables that say how a case is solved and looked at, not what is tested."""
+"""Tables on solver and sensors, not on the tested object."""
 OF_ELEMENTS = re.compile(r"mesh\.part\..+\.(?:solid|velocity)\..+|fem\.(?:contact|wall)\..+\.friction")
 """Fields of elements that can be fitted: solids, speeds and friction. A size would change mesh and result in steps."""
 MOST = 12
-"""Most free fields: each start takes as many runs more, and data that fix a dozen values are rare."""
+"""Most free fields: each takes further runs at every start, and data that fix a dozen values are rare."""
 
 
 @dataclass(frozen=True)
@@ -159,7 +159,7 @@ def _has_table(case: Case, path: str) -> bool:
 
 
 def _is_scale(case: Case, path: str) -> bool:
-    """Tell whether a field is one whose factors count, not its differences: shares and widths are none."""
+    """Tell whether factors of a field count, not differences: shares and widths are no scales."""
     plausible, allowed = PLAUSIBLE.get(field_of(case, path)), range_of(case, path)
     share = allowed.low == 0.0 and allowed.high <= 1.0 and allowed.unit == ""
     return not share and (plausible is None or plausible.form != "width")
@@ -213,7 +213,7 @@ def smooth_case(case: Case, paths: Sequence[str]) -> Case:
 
 
 def stairs(case: Case, paths: Sequence[str]) -> list[float]:
-    """Return by how much each field moves, as a share, until the run of a case feels it; 0 where it does smoothly.
+    """Return the step of each field, as a share, that the run of a case feels; 0 where the run follows smoothly.
 
     With a step that is stated, that is one step of the transit of its layer; else what the chosen one misses of it.
     """
@@ -223,7 +223,7 @@ def stairs(case: Case, paths: Sequence[str]) -> list[float]:
 
 
 def _stair(case: Case, waves: WaveSetup, name: str, field: str) -> float:
-    """Return by how much a field of a layer moves until delay lines feel it, as a share."""
+    """Return the step of a field of a layer that delay lines feel, as a share."""
     layer = next(one for one in waves.layers if one.name == name)
     if not layer.steps:  # by its spectrum
         return 0.0

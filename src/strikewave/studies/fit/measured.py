@@ -1,4 +1,4 @@
-"""What was measured, and its residuals against a run: stated numbers, and whole pulses of records.
+"""Measurements and their residuals against a run: stated numbers, and whole pulses of records.
 
 A pulse is compared over its whole width and half of it on either side, on samples that both histories can have: those
 of the coarser one. What the finer one holds beyond is taken off it. The run is laid on the record where the sum of
@@ -79,11 +79,11 @@ class MeasuredNumber:
 
     @property
     def called(self) -> str:
-        """What it is called."""
+        """Its name in tables and sentences."""
         return f"{self.name} {self.sensor}".strip() + (f" ({self.setting})" if self.setting else "")
 
     def computed(self, run: Simulation) -> float:
-        """Return what a run gives of it, SI, with the sign that was measured; NaN where it gives none."""
+        """Return the number of a run, SI, with the measured sign; NaN where it has none."""
         if self.of_field:
             return run.case.values()[self.name].si
         found = run.number(self.name, self.sensor)
@@ -153,19 +153,19 @@ class MeasuredPulse:
 
     @property
     def called(self) -> str:
-        """What it is called."""
+        """Its name in tables and sentences."""
         return self.record.name
 
     @property
     def shared(self) -> Array:
-        """What all residuals may be off together by the baseline, a median of the quiet."""
+        """Common error of all residuals by the baseline, a median of the quiet part."""
         memory = 1.0 + 2.0 * float(np.sum(self.correlation[1:]))
         baseline = math.sqrt(MEDIAN * max(memory, 0.0) / self.quiet) if self.quiet else 0.0
         return np.full((self.values.size, 1), baseline / self.left)
 
     @property
     def stated(self) -> Array:
-        """What all residuals may be off together by the stated scatter of the amplitude; none where it is not."""
+        """Common error of all residuals by the stated scatter of the amplitude; none where it is not stated."""
         amplitude = self.scatter * self.values / (self.deviation * self.left)
         return amplitude[:, None] if self.scatter else NONE
 
@@ -215,7 +215,7 @@ def measured_pulse(
     shot: str = "",
     scatter: float = 0.0,
 ) -> MeasuredPulse:
-    """Return the pulse of a record as it is held against runs such as this one."""
+    """Return the pulse of a record as it is compared with runs such as this one."""
     curve = run.history(part, blow, record.unit)
     part = curve.name.partition(":")[2].rpartition("@")[0] or curve.name.partition(":")[2]
     if not record.unit:
@@ -257,7 +257,7 @@ def measured_pulse(
 
 
 def _window(record: ComparedCurve) -> tuple[float, float, float]:
-    """Return begin and end of what is compared, and where the quiet before it ends, s."""
+    """Return begin and end of the compared part, and the end of the quiet part before it, s."""
     history, pulse = record.history, record.pulse
     index = int(np.clip(round((pulse.time - history.start) / history.step), 0, history.values.size - 1))
     whole = _whole_pulse(record.name, record.sign * history.values, index, abs(pulse.peak), record.measured is None)

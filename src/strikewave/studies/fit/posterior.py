@@ -81,7 +81,7 @@ class Posterior:
 
     @declare.computed(declare.word("whether chains are too short to be trusted"))
     def too_short(self) -> bool:
-        """Whether chains are too short to be trusted."""
+        """True if chains are too short to be trusted."""
         return not (self.steps >= LONG * self.memory and self.independent >= ENOUGH)
 
     seed = declare.computed(declare.count("seed of the chains"))(lambda posterior: SEED)

@@ -80,7 +80,7 @@ FAINT_SLOPE = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """A setting of the case, and all that was measured at it: one run serves it all.
+    """A setting of the case, and all measurements at it: one run serves them all.
 
     Attributes
     ----------
@@ -99,7 +99,7 @@ class Experiment:
 
 @declare.dataclass
 class Misfit:
-    """What is left of one measured thing, over its noise."""
+    """Residual of a measured record or number, over its noise."""
 
     called: str = declare.word("what it is called", label="measured", column=KEY, order=-1)
     size: float = declare.number(
@@ -177,12 +177,12 @@ class Problem:
 
     @property
     def measured(self) -> list[Measured]:
-        """All that was measured, in the order of the residuals."""
+        """All measurements, in the order of the residuals."""
         return [datum for experiment in self.experiments for datum in experiment.measured]
 
     @property
     def slow(self) -> bool:
-        """Whether a run takes seconds: of elements."""
+        """True if a run takes seconds: one of elements."""
         return any(experiment.case.command == "fem" for experiment in self.experiments)
 
     @property
@@ -192,7 +192,7 @@ class Problem:
 
     @functools.cached_property
     def stairs(self) -> Array:
-        """By how much each field moves until the runs feel it, in the unit cube: see `transits.stairs`."""
+        """Step of each field that the runs feel, in the unit cube: see `free_fields.stairs`."""
         paths = [field.path for field in self.fields]
         shares = np.max([stairs(experiment.case, paths) for experiment in self.experiments], axis=0)
         sizes = [(1.0 if field.log else abs(field.value.si)) / field.width for field in self.fields]
@@ -254,7 +254,7 @@ class Problem:
         return Problem(experiments, self.fields, self._simulate, self.excess)
 
     def misfits(self, residuals: Array, alone: Array | None = None) -> list[Misfit]:
-        """Return what is left of each measured thing, and whether that is more than noise.
+        """Return the residual of each measurement, and whether it is more than noise.
 
         ``alone`` has the residuals with the values at their best for each record by itself.
         """
@@ -280,7 +280,7 @@ class Problem:
         return found
 
     def explained(self, residuals: Array) -> bool:
-        """Tell whether noise explains what is left of each record, and numbers are missed by less than is expected."""
+        """Tell whether noise explains the residual of each record, and numbers miss by less than expected."""
         found = self.misfits(residuals)
         missed = [one.size for one in found if one.is_number]
         return not any(one.more_than_noise for one in found) and float(np.sum(np.square(missed))) <= len(missed)
@@ -295,7 +295,7 @@ class Problem:
         return found
 
     def blocks(self, residuals: Array, jacobian: Array) -> list[ResidualBlock]:
-        """Return the blocks of the residuals: their noise, and what is left of them where that is more."""
+        """Return the blocks of the residuals: their noise, and their remainder where that is more."""
         alone, blocks = self.alone(residuals, jacobian), []
         numbers = sum(isinstance(one, MeasuredNumber) for one in self.measured)
         for datum, rows, shot in zip(self.measured, self.rows(), self.shots(), strict=True):
@@ -309,7 +309,7 @@ class Problem:
         return blocks
 
     def excess_of(self, residuals: Array) -> Excess:
-        """Return by how much the numbers are off, by the residuals of all that was measured."""
+        """Return the excess of the numbers over their uncertainties, by all residuals."""
         rows, groups, known = list[int](), list[int](), dict[tuple[int, str], int]()
         place = 0
         for setting, experiment in enumerate(self.experiments):
@@ -374,17 +374,17 @@ def more_than_noise(one: MeasuredPulse, left: Array) -> bool:
 
 
 ALIKE = 1e-2
-"""Share by which sums of squares may differ, or number where they are below 1, and be the same: far below chance."""
+"""Share by which equal sums of squares may differ, absolute below 1: far below chance."""
 ROUNDS, CLOSE = 4, 0.05
-"""Times at most that what the model lacks is found again, and the share by which it may differ then: a standard
-deviation of a dozen settings is known to a fifth."""
+"""Rounds of weighting at most, and the share within which the lack of fit has settled: a standard deviation of a dozen
+settings is known to a fifth."""
 UNFELT = 1e-7
-"""Slope of the residuals along a field, over the largest, below which it changes nothing that was measured."""
+"""Slope of the residuals along a field, over the largest, below which no measurement feels it: below rounding."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """A problem, as weighted, with its best place, other places that fit as well, and its runs."""
+    """A weighted problem with its best place, other places that fit as well, and its runs."""
 
     problem: Problem
     estimate: Estimate
@@ -396,7 +396,7 @@ class Solved:
 
 
 def solve(problem: Problem, advance: Callable[[int, float], None] | None = None) -> Solved:
-    """Find the best place, and what the data say of it.
+    """Find the best place, and its errors by the data.
 
     Ctrl-C ends the search at the best place so far.
     """
@@ -441,7 +441,7 @@ def _searched(problem: Problem, search: Search) -> list[tuple[Array, Array]]:
 
 
 def _weighted(problem: Problem, search: Search, place: Array, residuals: Array) -> tuple[Problem, Search, Array]:
-    """Return the problem with what is left in its weights, its search, and the best place by them.
+    """Return the problem weighted by its residuals, its search, and the best place by these weights.
 
     Where what is left is noise, or of one record alone, nothing changes. What the model lacks of numbers is found again
     at each place, until it is as it was.
@@ -462,7 +462,7 @@ def _weighted(problem: Problem, search: Search, place: Array, residuals: Array) 
 
 
 def _moved(problem: Problem, search: Search, place: Array) -> Array | None:
-    """Return how far the best place moves with the stated scatter of amplitudes, in columns; None where none is stated.
+    """Return the moves of the best place by the stated scatter of amplitudes, in columns; None where none is stated.
 
     A record that rings leaves ripples in the misfit, over which slopes say too little of what per cents of amplitude
     do: each such record is fitted again at `DEVIATIONS` standard deviations to either side, and the root mean square
@@ -494,7 +494,7 @@ def _begun(search: Search, problem: Problem) -> Array:
 
 
 def _check_felt(problem: Problem, search: Search, first: Array) -> None:
-    """Refuse a field that changes nothing that was measured."""
+    """Refuse a field that no measurement feels."""
     sizes = np.linalg.norm(search.slopes(problem.start, first, FINAL_STEP), axis=0)
     for field, size in zip(problem.fields, sizes, strict=True):
         if size <= UNFELT * max(float(np.max(sizes)), np.finfo(float).tiny):
@@ -526,7 +526,7 @@ def _others(ends: Sequence[tuple[Array, Array]], found: Estimate, base: Array) -
 
 
 SETTINGS, CHANGED = ("machine.speed", "machine.height"), 1.25
-"""Settings of which another value may separate fields, and the factor: what most machines can be set to besides."""
+"""Settings that may separate fields, and the factor of another value: one that most machines can be set to."""
 
 
 @declare.dataclass

@@ -89,7 +89,7 @@ class FittedParameter:
 
     @property
     def determined(self) -> bool:
-        """Whether the data determine it."""
+        """True if the data determine it."""
         return math.isfinite(self.standard_error)
 
     @property
@@ -160,7 +160,7 @@ class SampledValues:
 
 @declare.dataclass
 class MisfitOfRun:
-    """What is left of a measured thing, and the verdict of the fitted run that it is held against."""
+    """Residual of a measurement, and the verdict of the fitted run that it is compared with."""
 
     given_units: ClassVar[GivenUnits] = NO_MORE_UNIT
 
@@ -172,7 +172,7 @@ class MisfitOfRun:
 
 @declare.dataclass
 class MisfitOfAll:
-    """What is left of all that was measured."""
+    """Residuals of all measurements."""
 
     chi_squared: float = declare.number(RATIO, "sum of squares of the residuals over their noise")
     residuals: int = declare.count("how many residuals")
@@ -240,12 +240,12 @@ class FitStudy(AskedResult):
         declare.word("fields that the data do not determine, those together of which only a combination is")
     )
     def undetermined(self) -> list[list[str]]:
-        """The fields that the data do not determine, those together of which only a combination is."""
+        """Fields that the data do not determine, grouped where only a combination is determined."""
         return [[self.parameters[k].name for k in group] for group in self.solved.estimate.groups()]
 
     @declare.computed(declare.word("what is determined of these, in words"))
     def combinations(self) -> list[str]:
-        """What is determined of these."""
+        """Combinations of these that are determined, in words."""
         return [combination_words(self, group) for group in self.solved.estimate.groups()]
 
     separating: tuple[SeparatingNumber, ...] = declare.rows(
@@ -254,7 +254,7 @@ class FitStudy(AskedResult):
 
     @declare.computed(declare.part(MisfitOfAll, "what is left of all that was measured"))
     def misfit(self) -> MisfitOfAll:
-        """What is left of all that was measured."""
+        """Residuals of all measurements."""
         found, problem = self.solved.estimate, self.solved.problem
         measured = [MisfitOfRun(*pair) for pair in zip(self.solved.misfits, self.verdicts_of_measured(), strict=True)]
         return MisfitOfAll(found.misfit, int(found.residuals.size), problem.excess, problem.shot_count, measured)
@@ -300,7 +300,7 @@ class FitStudy(AskedResult):
 
     @property
     def title(self) -> str:
-        """What was fitted to what."""
+        """Name of the case and number of measurements."""
         count = len(self.solved.problem.measured)
         return f"{self.base.name or 'case'} fitted to {count} measurement{'s' if count > 1 else ''}"
 
@@ -364,7 +364,7 @@ class FitStudy(AskedResult):
 
 
 def combination_words(study: FitStudy, group: Sequence[int]) -> str:
-    """Say what the data determine of fields that they do not determine each."""
+    """Return the sentence on the determined combination of fields that are not determined each."""
     fields = [study.parameters[k].field for k in group]
     if len(group) == 1:
         return f"the data do not determine {fields[0].path}"
@@ -391,7 +391,7 @@ def combination_words(study: FitStudy, group: Sequence[int]) -> str:
 
 
 def separating_words(study: FitStudy, group: Sequence[int]) -> str:
-    """Say which measurement would determine fields that the data do not."""
+    """Return the sentence on a measurement that would determine the fields."""
     paths = tuple(study.parameters[k].field.path for k in group)
     best = next((one for one in study.separating if one.group == paths), None)
     if best is None:
@@ -416,7 +416,7 @@ ALIKE = 0.98
 
 
 def posterior_notices(posterior: Posterior) -> list[Notice]:
-    """Return what the user should know of a posterior: of chains that are too short to be trusted."""
+    """Return the notice on chains of a posterior that are too short."""
     if not posterior.too_short:
         return []
     why = "stopped: " if posterior.stopped else ""
@@ -430,7 +430,7 @@ def posterior_notices(posterior: Posterior) -> list[Notice]:
 
 
 def held_notices(case: Case) -> list[Notice]:
-    """Return which values of an earlier fit are held, where the fields are those that the case marks as fitted."""
+    """Return the notice on values of an earlier fit that are held at changed values."""
     values = case.values()
     paths = dict.fromkeys(path for fit in case.fit for path in fit.fields if path in values)
     held = [path for path in paths if values[path].provenance != "fitted"]

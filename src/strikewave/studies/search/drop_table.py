@@ -88,7 +88,7 @@ MASS = Quantity("kg", "kg")
 
 @dataclass(frozen=True)
 class DropGoal:
-    """What the pulse shall be: that of a specification, judged by it; ``stroke`` is the machine's largest height, m."""
+    """Wanted pulse: that of a specification, which judges it; ``stroke`` is the machine's largest height, m."""
 
     specification: Specification
     limits: PulseLimits
@@ -106,7 +106,7 @@ class DropGoal:
 
     @property
     def words(self) -> str:
-        """It in words."""
+        """The goal in words."""
         peak, duration = amount(PEAK, self.pulse.peak), amount(WIDTH, self.pulse.duration)
         return f"a half-sine of {peak} and {duration} by {self.specification.asked}".replace("\xa0", " ")
 
@@ -118,7 +118,7 @@ class DropGoal:
 
 @declare.dataclass
 class DropReading:
-    """What a sensor on the table reads, its zero taken in the fall; SI.
+    """Reading of a sensor on the table, its zero taken in the fall; SI.
 
     Attributes
     ----------
@@ -159,7 +159,7 @@ class StatedChoice(ChosenValue):
 
 @declare.dataclass
 class PulseMisses:
-    """By how much of itself the goal is missed."""
+    """Relative misses of the goal."""
 
     peak: float = declare.number(RATIO, "by how much of itself the peak of the goal is missed")
     width: float = declare.number(RATIO, "by how much of itself the width of the goal is missed")
@@ -247,7 +247,7 @@ class DropCandidate(MachineCandidate):
 
     @declare.computed(declare.named(StatedChoice, "what was chosen"))
     def settings(self) -> dict[str, StatedChoice]:
-        """What was chosen, by its path."""
+        """Chosen values, by their paths."""
         values = self.case.values()
         return {
             path: StatedChoice(values[path].si, values[path].typed, values[path].provenance) for path in self.chosen
@@ -257,7 +257,7 @@ class DropCandidate(MachineCandidate):
 
     @declare.computed(declare.number(CHANGE, "of the pulse as it is judged", column=MORE))
     def velocity_change(self) -> float:
-        """Integral of what the sensor reads, over what the specification integrates."""
+        """Integral of the reading over the window of the specification."""
         duration, (before, after) = self.goal.pulse.duration, self.goal.limits.window
         start = self.verdict.start
         return area_between(self.reading.shock, start - before * duration, start + (1.0 + after) * duration)
@@ -287,7 +287,7 @@ class DropCandidate(MachineCandidate):
 
     @property
     def lossless(self) -> bool:
-        """Whether the programmer gives back all that it takes: the height then counts on a full rebound."""
+        """True if the programmer gives back all that it takes: the height then counts on a full rebound."""
         return self.restitution >= LOSSLESS
 
     @property
@@ -297,22 +297,22 @@ class DropCandidate(MachineCandidate):
 
     @property
     def passes(self) -> bool:
-        """Whether the specification passes the pulse."""
+        """True if the specification passes the pulse."""
         return self.verdict.verdict == PASS
 
     @property
     def not_passed(self) -> list[str]:
-        """Clauses of the specification that are not passed, in words."""
+        """Clauses of the specification that do not pass, in words."""
         failed = [clause.clause for clause in self.verdict.clauses if clause.verdict not in (PASS, "not-judged")]
         return [f"{', '.join(failed)} not passed"] if failed else []
 
     @property
     def rank(self) -> tuple[bool, bool, float, float, float]:
-        """What candidates are ordered by.
+        """Key by which candidates are sorted.
 
-        First those that meet the goal, an assumed law behind those with a source, by the least margin of their clauses,
-        the largest first, and by the departure from the ideal pulse, both in steps of 1 %, then by height; then the
-        others by how far they are: a limit that is not kept by its factor.
+        Designs that meet the goal come first, an assumed law behind those with a source, by the least margin of their
+        clauses, the largest first, and by the departure from the ideal pulse, both in steps of 1 %, then by height;
+        the others follow by their distance from the goal: a broken limit counts by its factor.
         """
         assumed = self.programmer.assumed
         if self.meets:
@@ -322,7 +322,7 @@ class DropCandidate(MachineCandidate):
         return True, assumed, min(self.largest_miss, 1e6) + over + failed, self.departure, self.height
 
     def limit_words(self, limit: Limit) -> str:
-        """Say that a limit is not kept."""
+        """Return the sentence on a broken limit."""
         if limit.name == "drop_height":
             return f"needs a drop of {limit.value:.3g}\xa0m, above the stroke of {self.goal.stroke:.3g}\xa0m"
         if limit.name == "strain":
@@ -335,38 +335,37 @@ class DropCandidate(MachineCandidate):
 Array = NDArray[np.float64]
 
 OUTPUT_STEPS = 500.0
-"""Samples of the written case a duration: `strikewave run` then draws the pulse smoothly."""
+"""Samples a duration in the written case: `strikewave run` then draws the pulse smoothly."""
 SIZES, HEIGHTS = 1e3, (1e-5, 1e3)
-"""Largest factor of a rate from its first estimate, and heights between which a drop is sought, m: beyond any machine,
-so that a search never stands at them for a pulse that a machine could make."""
+"""Largest factor of a rate over its first estimate, and bounds of the height, m: beyond any machine, so that no search
+for a possible pulse ends at them."""
 SLOPES = np.array([[0.5, 0.5], [-0.5, 0.0]])
 """First guess of d ln(peak, width)/d ln(rate, height): those of a half-sine; of a thickness with the other sign."""
 DIAMETERS = (0.05, 0.075, 0.1, 0.15, 0.2, 0.3)
-"""Diameters of a pad that are tried by default, m: from that of a striking post to that of a table, in steps of a half
-and a third."""
+"""Default diameters of a pad, m: from a striking post to a table, in steps of a half and a third."""
 STROKE = 2.0
 """Largest drop height by default, m: assumed; ask the maker of the machine."""
 SURELY = 1.2
-"""Height of the closed forms over the stroke from which nothing is run: full runs of springs ask for up to 7 % less,
-where the frame rings (measured)."""
+"""Height of the closed forms over the stroke above which nothing is run: full runs of springs take up to 7 % less where
+the frame rings (measured)."""
 RESTITUTIONS = (1.0, 0.9, 0.75, 0.5, 0.25, 0.0)
 """Coefficients of restitution for which the height is shown: from no loss to no rebound."""
 MOST_CANDIDATES = 300
-"""More programmers, diameters and masses than this are refused: at 0.1 to 0.5 s each they take two minutes."""
+"""Most combinations of programmers, diameters and masses: at 0.1 to 0.5 s each they take two minutes."""
 SOURCES = ("mindlin-1945", "gent-lindley-1959", "stulov-2004", "jesd22-b104")
 """Keys of the sources: of the laws of the programmers, of the equivalent drop height."""
 
 
 @dataclass(frozen=True)
 class DropChoices:
-    """What may be chosen: programmers, diameters of a pad (m), masses of the table (kg; empty: that of the case)."""
+    """Programmers, diameters of a pad (m) and masses of the table (kg; empty for that of the case) to choose from."""
 
     programmers: tuple[Programmer, ...] = ()
     diameters: tuple[float, ...] = ()
     masses: tuple[float, ...] = ()
 
     def tried(self, case: Case) -> tuple[Programmer, ...]:
-        """Return the programmers that are tried: unless some are asked for, the pad of the case and `DEFAULTS`."""
+        """Return the programmers to try: those asked for, or else the pad of the case and `DEFAULTS`."""
         if self.programmers:
             return self.programmers
         pad = pad_of_case(case)
@@ -382,7 +381,7 @@ class DropChoices:
 
 @dataclass(frozen=True)
 class FoundPulse:
-    """What is kept of a full run: the `Shock` that a sensor reads, the first blow, error of balance, and verdict."""
+    """Stored outcome of a full run: the `Shock` that a sensor reads, first blow, error of balance, and verdict."""
 
     values: tuple[float, ...]
     step: float
@@ -400,7 +399,7 @@ class FoundPulse:
 
 @dataclass(frozen=True)
 class DropDesign:
-    """A programmer on a machine with a goal: its first estimate, and the case at given sizes.
+    """A programmer that is tried for a goal: its first estimate, and the case at its settings.
 
     Settings are its rate (N/m) or thickness (m), and the drop height (m).
     """
@@ -415,20 +414,20 @@ class DropDesign:
     note: str
 
     def text(self) -> str:
-        """Return all that its search depends on."""
+        """Return a text of all values that its search depends on."""
         specification = self.goal.specification
         asked = self.programmer, self.diameter, self.table_mass, self.note, specification.asked
         return f"{asked} {specification.text} {case_text(self.case)}"
 
     @property
     def called(self) -> str:
-        """What it is called where it gives no result."""
+        """Its name in a sentence on a failure."""
         size = "" if self.diameter is None else f" of {self.diameter * 1e3:.4g} mm"
         return f"{self.programmer.name}{size}"
 
     @property
     def size_path(self) -> str:
-        """Path of the size that is chosen."""
+        """Path of the chosen size."""
         return "contact.reference_force" if self.diameter is None else "contact.cushion.thickness"
 
     @cached_property
@@ -526,7 +525,7 @@ class DropDesign:
         return np.log([peak / self.goal.pulse.peak, width / self.goal.width])
 
     def answer(self) -> tuple[SearchEnd, FoundPulse]:
-        """Return where its search ends, and what is kept of the full run there."""
+        """Return the end of its search, and the outcome of the full run there."""
         rate, pad = self.estimate.size, self.cushion is not None
         low, high = (THINNEST, THICKEST) if pad else (rate / SIZES, rate * SIZES)
         bounds = np.array([low, HEIGHTS[0]]), np.array([high, HEIGHTS[1]])
@@ -536,7 +535,7 @@ class DropDesign:
         return end, self.run(np.array(end.settings))
 
     def candidate(self, answer: tuple[SearchEnd, FoundPulse]) -> DropCandidate:
-        """Return what was found with all that it is judged by."""
+        """Return the candidate of an answer."""
         end, found = answer
         case, shock = self.case_at(np.array(end.settings)), found.shock
         peak, width = peak_and_width(shock, self.goal.limits.level)
@@ -571,7 +570,7 @@ class DropDesign:
 
 @declare.dataclass
 class WantedPulse:
-    """What the pulse shall be."""
+    """Wanted pulse."""
 
     shape: str = declare.word("shape of the ideal pulse")
     peak: float = declare.number(PEAK, "its peak")
@@ -596,7 +595,7 @@ class DropTableStudy(MachineSearch):
 
     @declare.computed(declare.word("how many meet it", headline="designs that meet it", in_document=False))
     def met_count(self) -> str:
-        """How many of the designs meet the specification."""
+        """Number of designs that meet the specification, of all."""
         return f"{self.meeting} of {len(self.candidates)}"
 
     specification = declare.computed(declare.part(Specification, "what pulses are judged by", key="spec"))(
@@ -616,7 +615,7 @@ class DropTableStudy(MachineSearch):
 
     @declare.computed(declare.word("whether the verdict rests on a limit from memory", key="by_indicative_limits"))
     def by_indicative(self) -> bool:
-        """Whether the verdict on the first rests on a limit that is from memory."""
+        """True if the verdict on the first rests on a limit that is from memory."""
         verdict = self.candidates[0].verdict
         return rests_on_indicative(verdict.clauses, verdict.verdict)
 
@@ -644,7 +643,7 @@ class DropTableStudy(MachineSearch):
 
     @property
     def named_units(self) -> Mapping[str, str]:
-        """Those of the misses, which are shares of what has their names elsewhere."""
+        """Units of the misses, which are shares of numbers of the same names."""
         return dict.fromkeys(("misses.peak", "misses.width"), NO_UNIT)
 
     def preview(self) -> Curve:
@@ -722,46 +721,35 @@ def design_drop_table(
     choice = choice or DropChoices()
     check_drop(case, goal, choice)
     note = f"chosen by strikewave settings for {goal.words}"
-    designs = [
-        DropDesign(case, goal, programmer, diameter, mass, note)
-        for programmer in choice.tried(case)
-        for mass in choice.masses or (None,)
-        for diameter in _diameters(programmer, case, choice)
-    ]
-    _check_height(designs, goal)
+    designs = list[DropDesign]()
+    for programmer in choice.tried(case):
+        diameters: Sequence[float | None] = (None,)
+        if programmer.is_pad:  # a pad of the case is tried at its own diameter too
+            own = case.values().get("contact.cushion.diameter") if programmer.table is not None else None
+            diameters = choice.diameters or sorted({*DIAMETERS, *([] if own is None else [own.si])})
+        designs += [
+            DropDesign(case, goal, programmer, diameter, mass, note)
+            for mass in choice.masses or (None,)
+            for diameter in diameters
+        ]
+    heights = {design.height_for(design.estimate.speed): design for design in designs}
+    least = min(heights)
+    if least > SURELY * goal.stroke:  # where the closed forms are not far beyond the stroke, full runs decide
+        easiest, change, stroke = heights[least], goal.pulse.velocity_change, goal.stroke * 1e3
+        restitution = easiest.template.impact().contact.restitution.si
+        reached = (1.0 + restitution) * np.sqrt(2.0 * STANDARD_GRAVITY * (1.0 - easiest.friction) * goal.stroke)
+        name = goal.specification.asked
+        raise InputError(
+            "--stroke",
+            f"{stroke:.4g} mm",
+            f"about {least * 1e3:.4g} mm or more for {name}, a velocity change of {change:.4g} m/s",
+            f"a fall of {stroke:.4g} mm gives at most {reached:.4g} m/s with {easiest.programmer.name}: a longer "
+            "stroke, a programmer that gives back more, or a driven table",
+        )
     with given_or_temporary(store) as kept, pool or ProcessPool(1) as open_pool:
         candidates, failed, verdicts = ranked(tried_designs(designs, kept, open_pool, advance))
     study = DropTableStudy(case, goal, choice, candidates, failed, citations=SOURCES, verdicts=verdicts)
     return replace(study, notices=(*_notices(study), *verdicts.notices()))
-
-
-def _diameters(programmer: Programmer, case: Case, choice: DropChoices) -> Sequence[float | None]:
-    """Return the diameters that are tried of a programmer, m; that of the pad of a case too."""
-    if not programmer.is_pad:
-        return (None,)
-    own = case.values().get("contact.cushion.diameter") if programmer.table is not None else None
-    return choice.diameters or sorted({*DIAMETERS, *([] if own is None else [own.si])})
-
-
-def _check_height(designs: Sequence[DropDesign], goal: DropGoal) -> None:
-    """Refuse a velocity change that no fall within the stroke gives: (1 + e) sqrt(2 g (1 - friction) h).
-
-    Where the closed forms are not far beyond it, the full runs decide.
-    """
-    heights = {design.height_for(design.estimate.speed): design for design in designs}
-    least = min(heights)
-    if least <= SURELY * goal.stroke:
-        return
-    easiest, change, stroke = heights[least], goal.pulse.velocity_change, goal.stroke * 1e3
-    restitution = easiest.template.impact().contact.restitution.si
-    reached = (1.0 + restitution) * np.sqrt(2.0 * STANDARD_GRAVITY * (1.0 - easiest.friction) * goal.stroke)
-    raise InputError(
-        "--stroke",
-        f"{stroke:.4g} mm",
-        f"about {least * 1e3:.4g} mm or more for {goal.specification.asked}, a velocity change of {change:.4g} m/s",
-        f"a fall of {stroke:.4g} mm gives at most {reached:.4g} m/s with {easiest.programmer.name}: a longer stroke, a "
-        "programmer that gives back more, or a driven table",
-    )
 
 
 def _notices(study: DropTableStudy) -> Iterator[Notice]:

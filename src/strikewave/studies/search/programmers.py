@@ -1,4 +1,4 @@
-"""Programmers of a drop table, which shape its pulse: what is given of them, and the closed forms of their size.
+"""Programmers of a drop table, which shape its pulse: their given properties, and the closed forms of their size.
 
 A programmer is a spring of a rate that is chosen ("linear"), or a pad of a cushion law or material of which diameters
 are tried and the thickness is chosen. The table of the mass m meets it at the speed v and leaves it at e v.
@@ -40,17 +40,16 @@ OF_A_PAD = (*PROPERTIES, "loss_factor", "loss_frequency")
 LARGEST_STRAINS = {"elastomer": 0.3, "linear": 0.3}
 """Strain up to which a law holds, where the law has no end of its own; of others `FULL` of their end."""
 FULL = 0.9
-"""Share of the strain at which a law ends up to which a pad may be pressed: the last tenth is left for what a maker's
-pad is thinner or softer."""
+"""Largest strain over that at which a law ends: a maker's pad may be thinner or softer by the last tenth."""
 LARGEST_SHAPE_FACTOR = 5.0
 """Shape factor beyond which bulk compression counts, which the law of an elastomer leaves out (docs/cushions.md)."""
 THINNEST, THICKEST = 0.2e-3, 0.2
-"""Thicknesses between which a pad is sought, m: a sheet of paper, and a block."""
+"""Least and largest thickness of a pad, m: a sheet of paper, and a block."""
 
 
 @declare.dataclass
 class Programmer:
-    """What is given of a programmer: ``linear``, a cushion law, or a cushion material.
+    """A programmer: ``linear``, a cushion law, or a cushion material, with its given properties.
 
     Attributes
     ----------
@@ -71,12 +70,12 @@ class Programmer:
 
     @property
     def is_pad(self) -> bool:
-        """Whether it is a pad, of which diameter and thickness are chosen."""
+        """True if it is a pad, of which diameter and thickness are chosen."""
         return self.name != LINEAR
 
     @property
     def assumed(self) -> bool:
-        """Whether its law is assumed altogether: a pad that is tried by default without a material."""
+        """True if its law is assumed altogether: a pad that is tried by default without a material."""
         return self.own and self.is_pad and self.name not in cushion_materials()
 
     @declare.computed(declare.word("law of its force"))

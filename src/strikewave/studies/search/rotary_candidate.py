@@ -344,7 +344,7 @@ class SettingsCandidate(MachineCandidate):
 
     @property
     def passes(self) -> bool:
-        """Whether all wanted blows came and are full, and the specification passes each, where there is one."""
+        """True if all wanted blows came and are full, and the specification passes each, where there is one."""
         return not self.odd_blows and self.judged in ("", PASS)
 
     @property
