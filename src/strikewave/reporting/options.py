@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from importlib import resources
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
@@ -104,7 +105,8 @@ class OptionGroup:
         hints = _hints_of(group)
         for field in fields(self):
             value = getattr(self, field.name)
-            if value is not None and value != field.default and field.name in hints:
+            is_default = value is None or (isinstance(value, str | Real) and value == field.default)
+            if field.name in hints and not is_default:
                 object.__setattr__(self, field.name, _value_of(value, field.name, *get_args(hints[field.name])))
 
 
@@ -121,11 +123,11 @@ def _value_of(value: Any, field: str, kind: Any, option: Any) -> Any:
     if any(get_origin(each) is list for each in kinds):
         if isinstance(value, Mapping):
             value = [f"{name}={each}" for name, each in value.items()]
-        several = [value] if isinstance(value, str | int | float | Path) else value
+        several = [value] if isinstance(value, str | Real | Path) else value
         return [_value_of(each, field, Any if read else str, option) for each in several] or None
     if type(value) in (tuple, list):  # not a NamedTuple, which was read
         value = ",".join(map(str, value))
-    if read is not None and isinstance(value, str | int | float | Path) and not isinstance(value, Typed):
+    if read is not None and isinstance(value, str | Real | Path) and not isinstance(value, Typed):
         return read(str(value), field)
     choices = [choice for each in kinds if get_origin(each) is Literal for choice in get_args(each)]
     if choices and value not in choices:

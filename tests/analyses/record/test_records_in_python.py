@@ -60,6 +60,7 @@ def test_a_group_reads_texts_numbers_and_what_the_command_line_read():
     said = strikewave.Spectra(q="inf", low="0.1 kHz", high=2e4, frequencies="1 kHz", kinds=["absolute"] * 2, end=-1)
     assert (said.q, said.low, said.high, said.end) == (np.inf, 100.0, 2e4, -1.0)
     assert (said.frequencies, said.each_kind) == ([1000.0], ("absolute",))
+    assert strikewave.Spectra(frequencies=np.array([100, 200]), q=np.int64(50)).frequencies == [100.0, 200.0]
     assert dataclasses.replace(said, side="positive") == dataclasses.replace(said, side="positive", q=np.inf)
     assert strikewave.Calibration(polarity={"a": -1, 2: 1}, gain=10).polarity == ["a=-1", "2=1"]
     assert dataclasses.astuple(strikewave.Reading(time=2, time_unit="10 us")) == ("2", 1e-5, None)
