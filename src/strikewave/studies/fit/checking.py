@@ -30,12 +30,9 @@ from strikewave.uncertainty.draws import normal_quantile
 
 Array = NDArray[np.float64]
 
-DRAWS = 32
-"""Runs at drawn values for each setting: a standard deviation of so many is good to an eighth."""
-HALVINGS = 12
-"""Times that a drawn place is halved towards the best one at most: to 1/4000 of the bounds."""
-CHECK_STREAM = 31
-"""Key of the draws."""
+DRAWS = 32  # runs at drawn values for each setting: a standard deviation of so many is good to an eighth
+HALVINGS = 12  # times that a drawn place is halved towards the best one at most: to 1/4000 of the bounds
+CHECK_STREAM = 31  # key of the draws
 OF_NUMBER = Quantity.of_data("as the number")
 
 
@@ -274,8 +271,7 @@ def _left_over(problem: Problem, place: Array) -> dict[str, float]:
     }
 
 
-MOST_TRIED = 20
-"""Most choices of one field."""
+MOST_TRIED = 20  # most choices of one field
 FEWEST, FOLDS = 3, 10
 """Records, or settings of numbers, from which on choices are compared by cross-validation, and parts into which more of
 them are divided."""

@@ -149,29 +149,22 @@ bounds is met, at the cost of one search."""
 STARTS, MOST_STARTS = 3, 8
 """Searches: from the place of the case, and from the best of those tried; at most, where they end apart and none
 well."""
-ALIKE = 0.01
-"""Distance of two ends that count as one: searches agree better, but along undetermined directions."""
-APART = 0.1
-"""Distance of two places that count as different starts."""
+ALIKE = 0.01  # distance of two ends that count as one: searches agree better, but along undetermined directions
+APART = 0.1  # distance of two places that count as different starts
 STEP, FINAL_STEP = 1e-4, 5e-4
 """Steps of the slopes: to one side on the way, to both sides at the end. A run errs by 1e-8, so the first is good to
 1e-4, and the last, whose curvature cancels, to 1e-5."""
 STAIRS = 3.0
 """Moves that residuals feel at once, over which slopes are taken: they are then good to a third, and by both sides to a
 few per cent."""
-ACCURACY = 1e-7
-"""Step of a coordinate at which a search ends: far below any standard error that data can have."""
-ROUGH = 1e-4
-"""The same for searches from other places: enough to see where they end."""
-MOST_STEPS = 40
-"""Most steps of a search: a smooth one takes five to fifteen."""
-FAILED_OVER = 10.0
-"""Residuals of a place that cannot be run, over the largest at the start: worse than any that can."""
+ACCURACY = 1e-7  # step of a coordinate at which a search ends: far below any standard error that data can have
+ROUGH = 1e-4  # the same for searches from other places: enough to see where they end
+MOST_STEPS = 40  # most steps of a search: a smooth one takes five to fifteen
+FAILED_OVER = 10.0  # residuals of a place that cannot be run, over the largest at the start: worse than any that can
 QUADRATIC = 0.3
 """Share by which the misfit at two standard errors may differ from a parabola's: beyond, the profile is followed; a
 bound moves by half of it."""
-PROFILE_STEPS = 12
-"""Halvings of the interval in which an end of a profile lies: to 1e-3 of it and better."""
+PROFILE_STEPS = 12  # halvings of the interval in which an end of a profile lies: to 1e-3 of it and better
 
 
 class Search:

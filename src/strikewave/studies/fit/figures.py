@@ -37,10 +37,8 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MOST_DRAWN = 6
-"""Most records that are drawn over one another: more hide each other."""
-LONGEST = 60
-"""Letters of a name in a legend."""
+MOST_DRAWN = 6  # most records that are drawn over one another: more hide each other
+LONGEST = 60  # letters of a name in a legend
 
 
 def draw_overlay(
@@ -157,15 +155,12 @@ def fit_figure(study: FitStudy) -> Figure:
     return titled(legend_below(figure), study.title)
 
 
-BINS, FINE = 30, 24
-"""Bins of a value, and along each side of a pair."""
-MOST_IN_CORNER = 5
-"""Most values in the picture: more panels cannot be read on a page."""
+BINS, FINE = 30, 24  # bins of a value, and along each side of a pair
+MOST_IN_CORNER = 5  # most values in the picture: more panels cannot be read on a page
 SMOOTH, SHOWN = 1.2, 0.002
 """Bins over which a pair is smoothed, so that contours do not follow single draws, and share of the draws on each side
 that may lie outside of the picture."""
-MASSES = (0.95, 0.68)
-"""Shares of the draws that the contours of a pair hold."""
+MASSES = (0.95, 0.68)  # shares of the draws that the contours of a pair hold
 
 
 def corner_figure(study: FitStudy) -> Figure:

@@ -35,10 +35,8 @@ from strikewave.studies.study_file import (
 )
 
 ALLOWED = "a TOML file with the case, and [[record]] or [[number]]"
-MOST_TARGETS = 1000
-"""Records and numbers of a file: no test has as many."""
-OF_FIT = ("free", "record", "number", "try", "reading")
-"""Tables that a case has not."""
+MOST_TARGETS = 1000  # records and numbers of a file: no test has as many
+OF_FIT = ("free", "record", "number", "try", "reading")  # tables that a case has not
 OF_CALIBRATION = ("unit", "sensitivity", "gain", "excitation", "rated_excitation", "count", "polarity")
 
 

@@ -28,14 +28,11 @@ Array = NDArray[np.float64]
 REACH = 10.0
 """Factor about the value of the case that bounds a field without own bounds: a typed value may be off by a unit's
 prefix; a value further away is another machine."""
-WIDE = 5.0
-"""Half widths of the plausible range that bound a field of either sign: chosen."""
-ASIDE = ("solver", "recorder", "tap", "mesh", "fem")
-"""Tables on solver and sensors, not on the tested object."""
+WIDE = 5.0  # half widths of the plausible range that bound a field of either sign: chosen
+ASIDE = ("solver", "recorder", "tap", "mesh", "fem")  # tables on solver and sensors, not on the tested object
 OF_ELEMENTS = re.compile(r"mesh\.part\..+\.(?:solid|velocity)\..+|fem\.(?:contact|wall)\..+\.friction")
 """Fields of elements that can be fitted: solids, speeds and friction. A size would change mesh and result in steps."""
-MOST = 12
-"""Most free fields: each takes further runs at every start, and data that fix a dozen values are rare."""
+MOST = 12  # most free fields: each takes further runs at every start, and data that fix a dozen values are rare
 
 
 @dataclass(frozen=True)

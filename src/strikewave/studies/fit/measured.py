@@ -40,8 +40,7 @@ MOST_SAMPLES = 4000
 TURNED = 0.25
 """Sum of squares of a record turned round, over that of the record, below which it has the other sign: a pulse fits a
 run of the other sign nowhere, echoes of both signs about as well."""
-ROUNDS, CLOSE = 20, 1e-6
-"""Steps at most for the best shift, and the samples within which it has ended."""
+ROUNDS, CLOSE = 20, 1e-6  # steps at most for the best shift, and the samples within which it has ended
 
 
 @dataclass(frozen=True)

@@ -28,10 +28,8 @@ from strikewave.studies.fit.problem import Problem, Solved
 
 Array = NDArray[np.float64]
 
-SEED = 20
-"""Random seed of the chains: equal seeds reproduce them bit for bit."""
-WALKERS = DRAWS
-"""Chains that move together: more than twice the most free fields, as the ensemble needs it."""
+SEED = 20  # random seed of the chains: equal seeds reproduce them bit for bit
+WALKERS = DRAWS  # chains that move together: more than twice the most free fields, as the ensemble needs it
 LONG, ENOUGH = 50.0, 2000.0
 """Autocorrelation times that a chain is long at least (Foreman-Mackey et al. 2013), and independent draws in all: ends
 of a 95 % interval are then good to 3 % of its half."""
@@ -42,10 +40,8 @@ TAILS = 4.0
 INDEPENDENT = 0.7
 """Share of moves that propose from the covariance of the fit: its draws forget where they came from. The others, of
 affine-invariant ensembles, find what that covariance does not know of."""
-SMALLEST = 1e-16
-"""Variance in the unit cube that stands for none."""
-MOST_BANDS = 6
-"""Pulses that get one: as many as are drawn over one another."""
+SMALLEST = 1e-16  # variance in the unit cube that stands for none
+MOST_BANDS = 6  # pulses that get one: as many as are drawn over one another
 PREDICTED = 100
 """Draws of which the predictive band of a pulse is made: its ends, 2.5 %, lie between the second and third of them."""
 

@@ -69,8 +69,7 @@ def runs_fast(case: Case) -> bool:
 
 Array = NDArray[np.float64]
 
-AS_STATED = Excess()
-"""Excess of numbers that are off by no more than their uncertainties."""
+AS_STATED = Excess()  # excess of numbers that are off by no more than their uncertainties
 OVER_NOISE = Quantity.of_data("standard deviations of the noise", digits=3)
 NO_MORE_UNIT: GivenUnits = {OVER_NOISE.given_by: (NO_UNIT, NO_UNIT)}
 """Units of rows with a number over its noise, whose head states what it is over."""
@@ -373,8 +372,7 @@ def more_than_noise(one: MeasuredPulse, left: Array) -> bool:
     return bool(one.left * _root_mean_square(left) > math.hypot(math.sqrt(limit), scatter))
 
 
-ALIKE = 1e-2
-"""Share by which equal sums of squares may differ, absolute below 1: far below chance."""
+ALIKE = 1e-2  # share by which equal sums of squares may differ, absolute below 1: far below chance
 ROUNDS, CLOSE = 4, 0.05
 """Rounds of weighting at most, and the share within which the lack of fit has settled: a standard deviation of a dozen
 settings is known to a fifth."""

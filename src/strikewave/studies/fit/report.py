@@ -194,12 +194,9 @@ def _records(study: FitStudy) -> Section:
 
 
 picture = fit_figure
-MOST_ROWS = 20
-"""Residuals that the screen lists: more fill it."""
-SAMPLED = 5000
-"""Runs that a posterior takes, roughly: for the bar alone."""
-EXPECTED = 60
-"""Runs that a fit takes for each free field, roughly: for the bar alone."""
+MOST_ROWS = 20  # residuals that the screen lists: more fill it
+SAMPLED = 5000  # runs that a posterior takes, roughly: for the bar alone
+EXPECTED = 60  # runs that a fit takes for each free field, roughly: for the bar alone
 
 
 def run_fit_file(

@@ -31,10 +31,8 @@ from strikewave.studies.fit.problem import NO_MORE_UNIT, Misfit, SeparatingNumbe
 
 Array = NDArray[np.float64]
 
-KEPT_DRAWS = 2000
-"""Draws of a posterior that are written: as many as are independent at least."""
-WHOLE_POWER = 5e-3
-"""Difference of a power from 1 below which it is not written: slopes know it no better."""
+KEPT_DRAWS = 2000  # draws of a posterior that are written: as many as are independent at least
+WHOLE_POWER = 5e-3  # difference of a power from 1 below which it is not written: slopes know it no better
 OF_FIELD = Quantity.of_data("as the field", digits=5)
 
 
@@ -405,14 +403,11 @@ def separating_words(study: FitStudy, group: Sequence[int]) -> str:
 
 
 NOT_SAMPLED = Notice("not-sampled", "stopped before the posterior was sampled: intervals are those of least squares")
-MET = 2.0
-"""Standard uncertainties of a number within which the fit meets it: 95 %."""
-AT_BOUND = 1e-4
-"""Distance from a bound, over the width of the bounds, at which a value stands at it."""
+MET = 2.0  # standard uncertainties of a number within which the fit meets it: 95 %
+AT_BOUND = 1e-4  # distance from a bound, over the width of the bounds, at which a value stands at it
 ON_STAIRS = 0.5
 """Steps in which a value moves the run, over its standard error, beyond which they are a good part of it."""
-ALIKE = 0.98
-"""Correlation of two values beyond which the report says that they are known together far better than each."""
+ALIKE = 0.98  # correlation of two values beyond which the report says that they are known together far better than each
 
 
 def posterior_notices(posterior: Posterior) -> list[Notice]:

@@ -31,12 +31,9 @@ from strikewave.studies.study_file import stated_at
 from strikewave.uncertainty.draws import range_of
 from strikewave.uncertainty.input_ranges import LEAST, MOST, half_a_digit
 
-MOST_RECORDS = 200
-"""Most records of a fit: each of them is read, and aligned at each run."""
-LARGEST_LIST = 1_000_000
-"""Characters of a list of targets that are read: far more than the records of a fit need."""
-PLUS_MINUS = re.compile(r"\s*(?:±|\+-|\+/-)\s*")
-"""Signs between a value and its uncertainty."""
+MOST_RECORDS = 200  # most records of a fit: each of them is read, and aligned at each run
+LARGEST_LIST = 1_000_000  # characters of a list of targets that are read: far more than the records of a fit need
+PLUS_MINUS = re.compile(r"\s*(?:±|\+-|\+/-)\s*")  # signs between a value and its uncertainty
 _BLOW = re.compile(r"(.*)@([1-9]\d{0,5})", re.DOTALL)
 _SETTING = re.compile(r"\s*([A-Za-z_][\w.+ -]*)=(.+)", re.DOTALL)
 

@@ -30,18 +30,14 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-MOST_FRONT = 20
-"""Runs of a front that a table lists, evenly spread over it: a page of them."""
-TIMED = 3
-"""Runs that are timed for an estimate, after one that loads what a process needs: both ends and the middle."""
+MOST_FRONT = 20  # runs of a front that a table lists, evenly spread over it: a page of them
+TIMED = 3  # runs that are timed for an estimate, after one that loads what a process needs: both ends and the middle
 WIDTH, HEIGHT, BAR = 9.0, 3.9, 0.3
 """Width of the picture, height of its upper row, and height of a bar of a margin, inches."""
-MOST_BARS = 8
-"""Goals whose margins are drawn: the first ones."""
+MOST_BARS = 8  # goals whose margins are drawn: the first ones
 DRAWN = (1.0, 99.0)
 """Percentiles of the runs that axes reach, widened to all limits and ranked settings: early runs lie far off."""
-AREA = {"color": BLUE, "alpha": 0.12, "linewidth": 0.0, "zorder": 0}
-"""Look of the area in which a goal is met."""
+AREA = {"color": BLUE, "alpha": 0.12, "linewidth": 0.0, "zorder": 0}  # look of the area in which a goal is met
 
 
 def design_words(study: DesignStudy) -> str:

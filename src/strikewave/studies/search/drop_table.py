@@ -334,8 +334,7 @@ class DropCandidate(MachineCandidate):
 
 Array = NDArray[np.float64]
 
-OUTPUT_STEPS = 500.0
-"""Samples a duration in the written case: `strikewave run` then draws the pulse smoothly."""
+OUTPUT_STEPS = 500.0  # samples a duration in the written case: `strikewave run` then draws the pulse smoothly
 SIZES, HEIGHTS = 1e3, (1e-5, 1e3)
 """Largest factor of a rate over its first estimate, and bounds of the height, m: beyond any machine, so that no search
 for a possible pulse ends at them."""
@@ -343,8 +342,7 @@ SLOPES = np.array([[0.5, 0.5], [-0.5, 0.0]])
 """First guess of d ln(peak, width)/d ln(rate, height): those of a half-sine; of a thickness with the other sign."""
 DIAMETERS = (0.05, 0.075, 0.1, 0.15, 0.2, 0.3)
 """Default diameters of a pad, m: from a striking post to a table, in steps of a half and a third."""
-STROKE = 2.0
-"""Largest drop height by default, m: assumed; ask the maker of the machine."""
+STROKE = 2.0  # largest drop height by default, m: assumed; ask the maker of the machine
 SURELY = 1.2
 """Height of the closed forms over the stroke above which nothing is run: full runs of springs take up to 7 % less where
 the frame rings (measured)."""

@@ -36,8 +36,7 @@ from strikewave.studies.search.goals import Goal, Objective, shares_of
 from strikewave.studies.search.plan import RESOLUTION, DesignPlan
 
 Array = NDArray[np.float64]
-Merit = Callable[[Array], Array]
-"""Merit of runs by their numbers, to be minimized."""
+Merit = Callable[[Array], Array]  # merit of runs by their numbers, to be minimized
 
 FAR = 1e9  # of a run that failed or lacks a number: worse than any that has them all
 INFEASIBLE = 1e6  # added where a goal is missed: any setting that meets all goals is better

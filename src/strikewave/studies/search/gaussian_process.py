@@ -23,8 +23,7 @@ LENGTHS = (0.05, 10.0)
 it a number is straight."""
 STARTS = (0.3, 1.0, 3.0)
 """Lengths from which the likelihood is climbed, each in all directions: it may have several tops."""
-NUGGET = 1e-8
-"""Added to the correlation of a place with itself: runs agree to that, and R stays positive definite."""
+NUGGET = 1e-8  # added to the correlation of a place with itself: runs agree to that, and R stays positive definite
 
 
 def correlations(one: Array, other: Array, lengths: Array) -> Array:

@@ -45,10 +45,8 @@ from strikewave.studies.simulation import Simulation, number_units, owners
 Array = NDArray[np.float64]
 
 EXAMPLES = 'such as "first.rigid_peak = 4000 g +- 5 %", "cv < 3 %", "sensor clips never" or "cv smallest"'
-WHOLE = ("count", "missed")
-"""Numbers that are whole: they alone may be asked for exactly."""
-FULL_RUN = ("run", "wave")
-"""Analyses that follow the history that a specification judges and a sensor reads."""
+WHOLE = ("count", "missed")  # numbers that are whole: they alone may be asked for exactly
+FULL_RUN = ("run", "wave")  # analyses that follow the history that a specification judges and a sensor reads
 SENSES = {"smallest": 1.0, "largest": -1.0}
 _RELATION = re.compile(r"(?P<number>[^<>=]+?)\s*(?P<relation><=|>=|<|>|=)\s*(?P<value>[^<>=]+)")
 _PASSES = re.compile(r"spec:(?P<name>\S+)\s+passes")
@@ -59,8 +57,7 @@ SPEC, CLIPS, YIELDING, OF_YIELD = "spec:", "clips", "stress", " / yield"
 name of the largest stress anywhere; and end of the name of a load over that at which its material yields."""
 PRESSED, PRESSED_BY = "pressed", "first.indentation"
 """Name of how far the first blow presses the pad of the contact, over its thickness; and of what that follows from."""
-VON_MISES = "von_mises"
-"""Name of the largest stress of a part of elements."""
+VON_MISES = "von_mises"  # name of the largest stress of a part of elements
 DERIVED = Quantity(NO_UNIT, "%", decimals=2, digits=0)
 """Quantity of a number that goals alone have: a share of a yield strength, of a range, or a least margin."""
 

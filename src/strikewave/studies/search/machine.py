@@ -52,10 +52,8 @@ LONGEST_STEP = 0.6
 only, and estimates were off by 1.6 at most (measured, li-ma-2019)."""
 WORST_CONDITION = 1e4
 """Condition number of the slopes beyond which the first ones return: rounding alone would decide the step."""
-SHORTEST_STEP = 1e-5
-"""Step of the logarithms below which a search stands still: rounding changes a setting by more."""
-LEAST_SQUARE = 1e-12
-"""Least divisor of Broyden's correction: a step that the bounds cut to nothing tells no slope."""
+SHORTEST_STEP = 1e-5  # step of the logarithms below which a search stands still: rounding changes a setting by more
+LEAST_SQUARE = 1e-12  # least divisor of Broyden's correction: a step that the bounds cut to nothing tells no slope
 DIGITS = 4
 """Significant digits of a chosen value: rounding changes it by less than `CLOSE`, and no part is made more exactly."""
 UNITS = {
@@ -64,14 +62,11 @@ UNITS = {
 """Units in which chosen values are written; others have none."""
 STIFF = 1e6
 """Stiffnesses above this, N/m, are written in MN/m: those of frames and mounts; those of springs are in kN/m."""
-MOST_REASONS = 5
-"""Reasons that an error lists where nothing can be run: more would not be read."""
-SAMPLES = 2000
-"""Samples a duration of the ideal pulse: a peak lies 3e-7 above them at most."""
+MOST_REASONS = 5  # reasons that an error lists where nothing can be run: more would not be read
+SAMPLES = 2000  # samples a duration of the ideal pulse: a peak lies 3e-7 above them at most
 BESIDE = (0.5, 1.0)
 """Durations read before and after the pulse where a specification has no band: chosen, to show baseline and rebound."""
-ROOM = 0.75
-"""Durations read beyond those: as far as a band is moved over a record to find its place."""
+ROOM = 0.75  # durations read beyond those: as far as a band is moved over a record to find its place
 PEAK = Quantity("m/s^2", "g", "peak")
 STIFFNESS = Quantity("N/m", "MN/m", digits=3)
 OWN_UNIT = "its unit"

@@ -44,8 +44,7 @@ from strikewave.studies.study_file import Settings, case_place, read_study, stat
 
 Array = NDArray[np.float64]
 
-NOTE = "chosen by strikewave design"
-"""Note in a case of a chosen value."""
+NOTE = "chosen by strikewave design"  # note in a case of a chosen value
 RUNS = 600
 """Default runs of a search. Chosen: forty generations of fifteen settings of the one or two that most designs vary, in
 which the best margin settles to a hundredth."""
@@ -55,8 +54,7 @@ LEAST_RUNS = 16  # one generation of the smallest search
 EVOLUTION, SURROGATE, OPTUNA = SEARCHES = ("evolution", "surrogate", "optuna")
 """Methods of search: generations of many runs, few runs chosen by Gaussian processes, or a whole front at once."""
 LATER = 4  # a later search by surrogate has one in so many runs: it begins with those of all before
-SLOW = ("fem",)
-"""Analyses of which a run takes seconds and more: their settings are sought by surrogate by default."""
+SLOW = ("fem",)  # analyses of which a run takes seconds and more: their settings are sought by surrogate by default
 RESOLUTION = 1000.0
 """Steps of a linear range: no part is made more exactly, and a chosen value reads as it would be typed."""
 DIGITS = 4  # significant digits of a setting on a logarithmic range, for the same reason

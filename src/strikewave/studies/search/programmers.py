@@ -24,8 +24,7 @@ from strikewave.cases.tables.contact import CUSHION, POWER
 from strikewave.contact.cushions import Cushion, Pad, cushion_law, cushion_laws, cushion_material, cushion_materials
 from strikewave.contact.law import HardeningContact, indentation_under
 
-LINEAR = "linear"
-"""A spring of a rate that is chosen."""
+LINEAR = "linear"  # spring of a rate that is chosen
 DEFAULTS = (
     "linear, restitution=1",
     "natural rubber 65 IRHD, restitution=0.75",
@@ -35,16 +34,13 @@ DEFAULTS = (
 """Programmers that are tried unless others are asked for. All of it is assumed, but for the moduli of the rubber: a
 spring without loss, as gas springs and elastic strike surfaces nearly are; the coefficient of restitution of
 iec-60068-2-27-rubber; a felt with the exponent of hammer felts, since no source has one of an industrial felt."""
-OF_A_PAD = (*PROPERTIES, "loss_factor", "loss_frequency")
-"""Properties that may be given of a pad."""
+OF_A_PAD = (*PROPERTIES, "loss_factor", "loss_frequency")  # properties that may be given of a pad
 LARGEST_STRAINS = {"elastomer": 0.3, "linear": 0.3}
 """Strain up to which a law holds, where the law has no end of its own; of others `FULL` of their end."""
-FULL = 0.9
-"""Largest strain over that at which a law ends: a maker's pad may be thinner or softer by the last tenth."""
+FULL = 0.9  # largest strain over that at which a law ends: a maker's pad may be thinner or softer by the last tenth
 LARGEST_SHAPE_FACTOR = 5.0
 """Shape factor beyond which bulk compression counts, which the law of an elastomer leaves out (docs/cushions.md)."""
-THINNEST, THICKEST = 0.2e-3, 0.2
-"""Least and largest thickness of a pad, m: a sheet of paper, and a block."""
+THINNEST, THICKEST = 0.2e-3, 0.2  # least and largest thickness of a pad, m: a sheet of paper, and a block
 
 
 @declare.dataclass

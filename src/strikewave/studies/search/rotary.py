@@ -112,23 +112,19 @@ li-ma-2019 that meet a goal settle in 0.2 to 1.0 of the interval (measured)."""
 PASSED = 1.3
 """Least time of return over the first estimate of the passage of a nose, which is too short: the engagement grows by up
 to 1.6 in the search (measured), and the passage with its root."""
-WIDTHS = 10.0
-"""Least time of return over the width of the pulse: an object that returns sooner takes part in the pulse."""
+WIDTHS = 10.0  # least time of return over the width of the pulse: an object that returns sooner takes part in the pulse
 PRELOADS, DAMPINGS, TIMES = (0.3, 1.0), (0.2, 0.4, 0.7), 3
 """Series of supports: preload ratios, damping ratios (see `support_for`), number of return times. Chosen: from a weak
 to a strong preload and from light to nearly critical damping, in steps that differ clearly."""
 SUPPORTS = 6
 """Supports of the series, those that settle soonest, that are run for each number of strikers: a third of them, for a
 run takes about 0.8 s (measured, li-ma-2019)."""
-SUPPORT_DIGITS = 3
-"""Significant digits of spring, preload and damper: no spring is made more exactly."""
+SUPPORT_DIGITS = 3  # significant digits of spring, preload and damper: no spring is made more exactly
 PRESSED = 0.5
 """Largest compression of the stop by the preload, over the largest displacement: beyond it the object sits on its stop
 more than it flies, and the closed forms of a rigid stop do not hold."""
-MOST_STRIKERS = 100
-"""Most strikers: the limit of ``machine.strikers`` in a case."""
-SHORTEST = 10.0
-"""Least interval over the width of the pulse: a sooner blow runs into the pulse before."""
+MOST_STRIKERS = 100  # most strikers: the limit of ``machine.strikers`` in a case
+SHORTEST = 10.0  # least interval over the width of the pulse: a sooner blow runs into the pulse before
 LEAST_SHARE = 0.9
 """Share of the width of a half-sine on the contact alone below which a width is refused: no pulse is a half-sine to a
 tenth. Full runs with a nearly rigid frame stand above it by less than a third."""

@@ -20,8 +20,7 @@ MOST_BOUNCES = 200
 CLEARANCE = 1.25
 """Way of the carriage over the engagement at which strikers pass without touching. Chosen: a quarter more than the
 noses reach, for their stretch and for errors of reach."""
-ROUNDING = 1e-12
-"""Share by which a way may exceed the stroke by rounding alone."""
+ROUNDING = 1e-12  # share by which a way may exceed the stroke by rounding alone
 
 
 def turntable_speed(strikers: int, interval: float) -> float:

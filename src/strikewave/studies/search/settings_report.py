@@ -42,10 +42,8 @@ Places = tuple[list[float], list[float]]
 
 MOST_SETTINGS, MOST_DESIGNS = 6, 8
 """First of the ranking on the screen; the first of each other number of strikers, or programmer, follows."""
-MOST_REASONS = 6
-"""Reasons that the screen prints: it stays one page; the report has more."""
-MOST_ROWS, MOST_DROPS = 40, 60
-"""Candidates in the tables of the page: more would not be read; settings.json has all."""
+MOST_REASONS = 6  # reasons that the screen prints: it stays one page; the report has more
+MOST_ROWS, MOST_DROPS = 40, 60  # candidates in the tables of the page: more would not be read; settings.json has all
 SIZE = (10.0, 4.6)  # two diagrams beside each other on a page, inches
 MOST_DRAWN = 30  # more marks would run into one another
 LINEAR = 1.0  # misses up to this, in %, stand on a linear scale: a search that came to its end is below
