@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import difflib
 import enum
+import errno
+import shutil
 from collections.abc import Callable, Iterable
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any, TypeVar
 
 T = TypeVar("T")
@@ -198,3 +200,28 @@ def nearest(word: str, choices: Iterable[str]) -> str:
     if match:
         return f'did you mean "{folded[match[0]]}"?'
     return "choose from: " + ", ".join(known[:MOST_CHOICES])
+
+
+FULL = (errno.ENOSPC, errno.EDQUOT)
+"""System errors of a full disk, or of a full quota of the user on it."""
+
+
+def refusal(error: OSError, path: Path) -> str:
+    """Return the reason why the system refused to write at a place; of a full disk its place and free room.
+
+    Examples
+    --------
+    >>> refusal(PermissionError(errno.EACCES, "Permission denied"), Path("a"))
+    'Permission denied'
+    >>> refusal(OSError(errno.EFBIG, "File too large"), Path("a"))
+    'File too large: the system limits the size of a file here (ulimit -f)'
+    """
+    reason = error.strerror or str(error)
+    if error.errno == errno.EFBIG:
+        return f"{reason}: the system limits the size of a file here (ulimit -f)"
+    if error.errno not in FULL:
+        return reason
+    place = next(folder for folder in (path.absolute(), *path.absolute().parents) if folder.exists())
+    disk = next((folder for folder in (place, *place.parents) if folder.is_mount()), place)
+    free = shutil.disk_usage(place).free / 1e6
+    return f"{reason}: {free:.1f} MB are free on the disk at {disk}; free more, or choose another place"

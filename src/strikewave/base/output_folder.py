@@ -20,12 +20,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from strikewave.base.errors import InputError, StrikewaveWarning, show
+from strikewave.base.errors import InputError, StrikewaveWarning, refusal, show
 
 LONGEST_NAME, DIGITS = 60, 12  # well within the 255 bytes of file systems in any script; 48 bits keep names apart
 """Characters of a name that its hidden neighbours take over, and hexadecimal digits behind them, of the whole name."""
-FULL = (errno.ENOSPC, errno.EDQUOT)
-"""System errors of a full disk, or of a full quota of the user on it."""
 AT_FDCWD, RENAME_EXCHANGE = -100, 2
 """Numbers of Linux: paths count from the working folder; two names change places."""
 
@@ -164,27 +162,6 @@ def hidden_beside(path: Path, ending: str) -> Path:
     'out/.map-12ab'
     """
     return path.with_name(f".{path.name[:LONGEST_NAME]}-{ending}")
-
-
-def refusal(error: OSError, path: Path) -> str:
-    """Return the reason why the system refused to write at a place; of a full disk its place and free room.
-
-    Examples
-    --------
-    >>> refusal(PermissionError(errno.EACCES, "Permission denied"), Path("a"))
-    'Permission denied'
-    >>> refusal(OSError(errno.EFBIG, "File too large"), Path("a"))
-    'File too large: the system limits the size of a file here (ulimit -f)'
-    """
-    reason = error.strerror or str(error)
-    if error.errno == errno.EFBIG:
-        return f"{reason}: the system limits the size of a file here (ulimit -f)"
-    if error.errno not in FULL:
-        return reason
-    place = next(folder for folder in (path.absolute(), *path.absolute().parents) if folder.exists())
-    disk = next((folder for folder in (place, *place.parents) if folder.is_mount()), place)
-    free = shutil.disk_usage(place).free / 1e6
-    return f"{reason}: {free:.1f} MB are free on the disk at {disk}; free more, or choose another place"
 
 
 MARKS = ("case.toml", "record.toml")

@@ -19,8 +19,17 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from strikewave._version import __version__
-from strikewave.base.errors import LONGEST_SHOWN, MISSING, InputError, StrikewaveError, StrikewaveWarning, nearest, show
-from strikewave.base.output_folder import FULL, refusal
+from strikewave.base.errors import (
+    FULL,
+    LONGEST_SHOWN,
+    MISSING,
+    InputError,
+    StrikewaveError,
+    StrikewaveWarning,
+    nearest,
+    refusal,
+    show,
+)
 from strikewave.base.processes import Stopped, exit_code, heed
 from strikewave.base.texts import file_word
 from strikewave.cli.group import SETTINGS, CommandGroup, entries

@@ -25,8 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.datasets import EnduringFile
-from strikewave.base.errors import InputError
-from strikewave.base.output_folder import refusal
+from strikewave.base.errors import InputError, refusal
 from strikewave.fem.run import FieldFrame
 from strikewave.fem.solids import pressure, von_mises
 

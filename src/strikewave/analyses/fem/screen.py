@@ -24,8 +24,7 @@ from strikewave.analyses.fem.sectors import sectors
 from strikewave.base import declare
 from strikewave.base.declare import MORE, declarations
 from strikewave.base.documents import head, plain
-from strikewave.base.errors import InputError
-from strikewave.base.output_folder import refusal
+from strikewave.base.errors import InputError, refusal
 from strikewave.base.processes import exit_code
 from strikewave.base.result import Notice
 from strikewave.base.shock_quantities import ENERGY, MASS, MICROSECONDS, STEP

@@ -24,8 +24,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from strikewave.base.errors import InputError
-from strikewave.base.output_folder import refusal
+from strikewave.base.errors import InputError, refusal
 from strikewave.base.result import RUN_FAILED, Verdicts
 from strikewave.studies.engine.evaluation import KeptHistory, RunOutcome
 
