@@ -72,7 +72,7 @@ class Axis:
 
     @property
     def label(self) -> str:
-        """Its name, such as speed of the machine, and the unit in which it is shown.
+        """Name, such as speed of the machine, with the unit in which it is shown.
 
         Examples
         --------

@@ -146,7 +146,7 @@ class StudyCommand(ResumableCommand[Made]):
     plan : object
         Plan of the study.
     pool : Pool
-        Who runs it.
+        Pool that runs the study.
     """
 
     name: ClassVar[str]

@@ -45,7 +45,7 @@ class Simulation:
     case : Case
         Case of a machine, a layered bar, or elements.
     device : str, optional
-        Where the steps of elements are taken: see `strikewave.run_fem`.
+        Device that computes the steps of elements: see `strikewave.run_fem`.
     """
 
     def __init__(self, case: Case, device: str | None = None) -> None:

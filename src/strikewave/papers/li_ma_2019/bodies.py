@@ -140,11 +140,11 @@ class Timed(Protocol):
 
     @property
     def duration(self) -> float:
-        """Of the run, s."""
+        """Duration of the run, s."""
 
     @property
     def interval(self) -> float:
-        """Of the histories, s."""
+        """Interval of the histories, s."""
 
 
 @dataclass(frozen=True)

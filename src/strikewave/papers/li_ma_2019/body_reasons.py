@@ -85,8 +85,8 @@ def body_rows(solutions: Sequence[FemSolution]) -> list[BodyRow]:
 Array = NDArray[np.float64]
 
 COARSE, SHORT = 2.0, "fem.duration=400 us"
-"""By how much elements are larger than those of the case, and for how long it is run: a sixteenth of the time, and long
-enough for the blow. What is compared has the same mesh on both sides."""
+"""Ratio of the element size to that of the case, and duration of the run: a sixteenth of that of the case, and long
+enough for the blow. Both sides of a comparison have the same mesh."""
 EARLY = 40e-6
 """Time for which a wall is followed as a beam without ends, s: past the first maximum of the force at 6 us."""
 STEPS = 1000
@@ -96,8 +96,8 @@ HUMP = 0.1
 MIDDLE, SIDE = "middle", "side"
 """Points of the wall whose motion is recorded."""
 PUSH, RAMP, HOLD = 10e-6, 400e-6, 400e-6
-"""How far (m), and in which time (s) a wall is pushed to find its stiffness, and how long (s) it is then held: the hold
-lasts two periods of the wall and more, so that what still swings cancels in the mean."""
+"""Displacement (m), ramp time (s) and hold time (s) of the push that measures the stiffness of a wall: the hold lasts
+two periods of the wall or more, so that the remaining vibration cancels in the mean."""
 PUSH_INTERVAL = 2e-6
 """Interval of the histories of that push, s: two hundred means over the time that it is held."""
 

@@ -306,7 +306,7 @@ class EquationRow:
 
     @declare.computed(declare.number(RATIO, "what the printed value is off the exact one; null in another unit"))
     def deviation(self) -> float | None:
-        """What the printed value is off the exact one, relative to that (absolute where the exact one is 0).
+        """Deviation of the printed value, relative to the exact one (absolute where the exact one is 0).
 
         None where the two are not in one unit.
         """
@@ -314,7 +314,7 @@ class EquationRow:
 
     @declare.computed(declare.number(RATIO, "what the corrected value is off the exact one"))
     def corrected_deviation(self) -> float | None:
-        """What the corrected value is off the exact one, as `deviation`."""
+        """Deviation of the corrected value from the exact one, as `deviation`."""
         return _deviation(self.corrected_value, self.exact)
 
 

@@ -73,7 +73,7 @@ class Reproduction(ShownResult):
 
     @declare.computed(declare.word("whether elements are coarse, and no studies were made"))
     def quick(self) -> bool:
-        """Whether it is a quick one."""
+        """True for coarse elements without studies."""
         return self.runs.quick
 
     @declare.computed(declare.word("names of the cases that were run"))
@@ -118,12 +118,12 @@ class Reproduction(ShownResult):
 
     @declare.computed(declare.rows(Reason, "why they part"))
     def reasons(self) -> tuple[Reason, ...]:
-        """Why masses and layers part from the elements."""
+        """Reasons why masses and layers differ from the elements."""
         return self.element_studies.reasons
 
     @declare.computed(declare.rows(DimensionStudy, "what assumed dimensions do to the answers"))
     def dimensions(self) -> tuple[DimensionStudy, ...]:
-        """What assumed dimensions do."""
+        """Effects of assumed dimensions."""
         return self.element_studies.dimensions
 
     findings: tuple[Finding, ...] = declare.rows(Finding, "what the paper gets right, and what not", headline="count")
@@ -148,12 +148,12 @@ class Reproduction(ShownResult):
 
     @property
     def title(self) -> str:
-        """What is reproduced."""
+        """Title of the reproduction."""
         return "Li & Ma 2019, reproduced: equations, figures and published numbers"
 
     @property
     def source(self) -> Source:
-        """What was asked."""
+        """Source: the paper and the command line that reproduces it."""
         return Source("paper", PAPER, marked_text(self.effort), "record.toml", asked=asked_command(self.effort))
 
     @functools.cached_property

@@ -85,7 +85,7 @@ class GasketCell:
 
     @declare.computed(declare.word("whether the buffered sensor rings less than the direct one"))
     def calm(self) -> bool:
-        """Whether the buffered sensor rings less than the direct one, as the paper says of its own."""
+        """True if the buffered sensor rings less than the direct one, as the paper states."""
         return self.buffered_ringing < self.direct_ringing
 
 

@@ -204,7 +204,7 @@ class BufferCommand(ResumableCommand[BufferStudy]):
     Attributes
     ----------
     source : BlowSource
-        Where sensor and blow come from.
+        Source of sensor and blow.
     blow : str
         Blow of a case: worst, first, or a number.
     choice : StackChoices
@@ -212,7 +212,7 @@ class BufferCommand(ResumableCommand[BufferStudy]):
     goal : BufferGoal
         Goal that the reading must keep.
     pool : Pool
-        Who runs the stacks.
+        Pool that runs the stacks.
     test : mapping of str to str
         Statements about the test, where no case holds it.
     """

@@ -88,13 +88,13 @@ class BufferStudy(ShownResult):
     Attributes
     ----------
     site : MountingSite
-        Where the sensor sits.
+        Mounting site of the sensor.
     blows : Blows
         The motion of the surface below it.
     goal : BufferGoal
         Goal that the reading must keep.
     case : Case or None
-        Where sensor and blow come from.
+        Case of sensor and blow.
     origin : Source or None
         The command line and the record, where the blow is no case's.
     asked : str

@@ -167,7 +167,7 @@ class BufferCandidate:
         )
     )
     def name(self) -> str:
-        """Its name: its gaskets from the surface to the sensor."""
+        """Name of the stack: its gaskets from the surface to the sensor."""
         return self.label or " | ".join(str(layer) for layer in self.stack) or "direct"
 
     @declare.computed(declare.rows(StackGasket, "gaskets, from the surface up", optional=True))

@@ -194,7 +194,7 @@ def buffer(
     limit : str or float
         Largest allowed reading: with a unit, such as ``"5000 g"``, or in m/s^2.
     sensor : str, optional
-        Its name, where the case has several.
+        Name of the sensor, where the case has several.
     blow : str or int, optional
         Blow that the stacks are compared at: ``worst``, ``first`` or its number.
     stacks : StackChoices, optional

@@ -148,7 +148,7 @@ class CaseEvaluation:
     histories : tuple of str
         Histories that are kept, of `HISTORIES`.
     device : str or None
-        Where the steps of elements are taken; None: the processor.
+        Device that computes the steps of elements; None: the processor.
     """
 
     analysis: str
@@ -321,17 +321,17 @@ class KeptNumber(NamedTuple):
 
     @property
     def si(self) -> str:
-        """Its SI unit."""
+        """SI unit of the quantity."""
         return self.quantity.si
 
     @property
     def called(self) -> str:
-        """Its name for a reader."""
+        """Name of the quantity for a reader."""
         return self.quantity.label
 
     @property
     def label(self) -> str:
-        """Its name with the unit in which it is shown."""
+        """Name of the quantity with the unit in which it is shown."""
         return headed(self.called, self.si, self.quantity.usual)
 
     @property

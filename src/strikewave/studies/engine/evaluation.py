@@ -167,13 +167,13 @@ class RunOutcome:
     document : str
         An answer that is more than numbers, as JSON; empty where there is none.
     failure : str
-        Why there is nothing; empty where there is.
+        Reason of a failed run; empty for one that succeeded.
     verdict : str
         Outcome of the checks of the run, `strikewave.base.result.Verdict.text`; empty for an answer that is no run.
     retry : bool
         True if another try may end otherwise: it failed for want of memory, or its process was ended.
     seconds : float
-        How long it took.
+        Duration of the computation, s.
     """
 
     numbers: tuple[float, ...] = ()

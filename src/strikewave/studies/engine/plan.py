@@ -66,17 +66,17 @@ class StudyVariable:
 
     @declare.computed(declare.word("what it is varied between, where it is a word", key="words", optional=True))
     def named(self) -> tuple[str, ...] | None:
-        """Its words; None of a quantity."""
+        """Words of the variable; None of a quantity."""
         return self.words or None
 
     @declare.computed(declare.word("low end of its range, SI", optional=True))
     def low(self) -> float | None:
-        """Its first value; None of a list."""
+        """Low end of the range, SI; None of a list."""
         return self.axis.values[0] if self.is_range else None
 
     @declare.computed(declare.word("high end of its range, SI", optional=True))
     def high(self) -> float | None:
-        """Its last value; None of a list."""
+        """High end of the range, SI; None of a list."""
         return self.axis.values[-1] if self.is_range else None
 
     @declare.computed(declare.word("whether it is spaced by its logarithm", optional=True))
@@ -86,12 +86,12 @@ class StudyVariable:
 
     @declare.computed(declare.word("its values where they are a list, SI", optional=True))
     def values(self) -> tuple[float, ...] | None:
-        """Its values; None of words and of a range."""
+        """Values of a list, SI; None of words and of a range."""
         return None if self.words or self.is_range else self.axis.values
 
     @declare.computed(declare.word("how it is spaced", column=MAIN, tables="grid range", in_document=False))
     def spacing(self) -> str:
-        """Its kind: words, a list, or a range with its spacing."""
+        """Kind of the variable: words, a list, or a range with its spacing."""
         return "words" if self.words else "logarithmic" if self.log else "linear" if self.is_range else "list"
 
     @declare.computed(
@@ -148,7 +148,7 @@ class StudyVariable:
 
     @property
     def label(self) -> str:
-        """Its name, such as speed of the machine, and the unit in which it is shown; words have none."""
+        """Name, such as speed of the machine, with the unit in which it is shown; words have none."""
         return self.axis.label.removesuffix(" (1)") if self.words else self.axis.label
 
 

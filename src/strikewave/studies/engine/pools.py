@@ -161,7 +161,7 @@ class GivenPool(Pool):
     executor : Executor
         Executor of `concurrent.futures`, or one that acts as these do.
     width : int, optional
-        How many batches it runs at a time, where it does not name it itself.
+        Number of batches that it runs at a time; by default the number of its workers.
     """
 
     def __init__(self, executor: Executor, width: int = 0) -> None:

@@ -162,7 +162,7 @@ def at_work(store: RunStore | None, pool: Pool | None, workers: int = 1) -> Iter
 
 @dataclass(frozen=True)
 class Workers:
-    """Who makes the runs of a study, and on what.
+    """Processes, executor or cluster that make the runs of a study, and their device.
 
     Attributes
     ----------

@@ -82,7 +82,7 @@ class PredictedFigure:
 
 @declare.dataclass
 class PulseAgreement:
-    """How well the prediction of a whole pulse agrees with the record."""
+    """Agreement of the prediction of a whole pulse with the record."""
 
     record: str = declare.word("what was measured", column=KEY)
     overall: float = declare.number(SCORE, "overall score of ISO/TS 18571", column=MAIN)

@@ -1,4 +1,4 @@
-"""How far residuals fix a place: by noise, by what is left beyond noise, and by what differs from shot to shot.
+"""Covariance of a fitted place: from noise, from residuals beyond noise, and from the scatter over shots.
 
 With J the slopes of the residuals and A = J'J, least squares has the covariance A^-1 B A^-1 under any noise, with B the
 covariance of J'r. Three things are known of B, and each holds something that the others cannot see: the noise of each
@@ -110,7 +110,7 @@ class ResidualBlock(NamedTuple):
     Attributes
     ----------
     rows : slice
-        Where they stand.
+        Rows of the residuals.
     noise : ndarray
         Autocovariance of their noise by lag; one number for residuals that are independent.
     shot : int or None
@@ -237,8 +237,8 @@ def estimate(
     blocks : sequence of ResidualBlock
         Blocks of residuals of one record or number.
     moved : ndarray, optional
-        How far the best place moves with what is stated of the residuals together, in columns whose squares add up to
-        its covariance; by the slopes where it is left out.
+        Shifts of the best place by the stated errors that residuals share, in columns whose squares add up to its
+        covariance; computed from the slopes where it is left out.
 
     Returns
     -------
@@ -443,7 +443,7 @@ OF_DOUBTS = Quantity.of_data("standard uncertainties")
 
 @declare.dataclass
 class Excess:
-    """By how much numbers are off; 1 and 0 where chance and their uncertainties explain it.
+    """Excess scatter of numbers over their uncertainties; 1 and 0 where chance explains it.
 
     ``freedom`` are the degrees of freedom from which these are known; infinite where uncertainties are as stated.
     """
@@ -481,7 +481,7 @@ def excess_of(residuals: Array, groups: Sequence[int], values: int) -> Excess:
     groups : sequence of int
         Group of each number: repeats at one setting have one; `KNOWN_ELSEWHERE` for one that is known from elsewhere.
     values : int
-        How many values are fitted.
+        Number of fitted values.
 
     Examples
     --------

@@ -179,7 +179,7 @@ class Search:
     advance : callable, optional
         Called with the number of runs so far and the smallest misfit.
     stairs : ndarray, optional
-        By how much each coordinate moves until the residuals feel it; 0 where they do smoothly.
+        Step of each coordinate that first changes the residuals; 0 where they change smoothly.
     """
 
     def __init__(
@@ -198,7 +198,7 @@ class Search:
 
     @property
     def residuals(self) -> Residuals:
-        """What is searched; of what others gave only the best place is kept."""
+        """Residuals that the search minimizes; new ones keep only the best place of the old ones."""
         return self._residuals
 
     @residuals.setter

@@ -72,7 +72,7 @@ class FreeTable(CaseTable):
 
 
 class MeasuredTable(CaseTable):
-    """What was measured: ``set`` are the settings; what is ``kept_out`` is predicted, not fitted to."""
+    """Measured record or number: ``set`` are its settings; ``kept_out`` predicts it and does not fit to it."""
 
     set: Settings = ()
     kept_out: bool = False

@@ -44,7 +44,7 @@ class FreeField:
     path : str
         In the case.
     value : Value
-        Where the search begins.
+        Start of the search.
     allowed : Range
         Range of allowed values.
     low, high : float
@@ -62,7 +62,7 @@ class FreeField:
 
     @property
     def axis(self) -> Axis:
-        """Its unit, as axes of studies have it."""
+        """Axis of the field between its bounds, with its unit."""
         unit, si_unit = units_of(self.path, self.value)
         return Axis(self.path, unit, si_unit, (self.low, self.high), self.log)
 

@@ -78,7 +78,7 @@ class MeasuredNumber:
 
     @property
     def called(self) -> str:
-        """Its name in tables and sentences."""
+        """Name in tables and sentences."""
         return f"{self.name} {self.sensor}".strip() + (f" ({self.setting})" if self.setting else "")
 
     def computed(self, run: Simulation) -> float:
@@ -152,7 +152,7 @@ class MeasuredPulse:
 
     @property
     def called(self) -> str:
-        """Its name in tables and sentences."""
+        """Name in tables and sentences."""
         return self.record.name
 
     @property
@@ -321,7 +321,7 @@ def _laid(values: Array, spline: Any, last: float, per: float) -> tuple[float, A
     spline : CubicSpline
         Spline of the run, over its own samples, of which ``last`` is the last.
     last : float
-        It is held before and after.
+        Last sample of the run, in samples; the ends are held before and after.
     per : float
         Samples of the run between two of the record.
 

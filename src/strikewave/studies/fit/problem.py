@@ -53,7 +53,7 @@ class FastRun(Simulation):
 
     @property
     def verdict(self) -> Verdict:
-        """What the checks of the fast run came to."""
+        """Verdict of the checks of the fast run."""
         return self._found[1]
 
     def number(self, name: str, sensor: str = "") -> float | None:
@@ -147,7 +147,7 @@ class Problem:
     simulate : callable, optional
         Runs a case.
     excess : Excess, optional
-        By how much the numbers are off, by which they are weighted.
+        Excess scatter of the numbers, which sets their weights.
     """
 
     def __init__(

@@ -49,9 +49,9 @@ class FittedParameter:
     standard_error : float
         SI; infinite where the data do not determine it.
     profile : ProfileEnds or None
-        Where the interval is that of its profile, as the misfit is no parabola.
+        Ends of the interval by the profile of the misfit, where that is no parabola.
     stair : float
-        By how much it moves until the run feels it, SI; 0 where it does smoothly.
+        Step of the value that first changes the run, SI; 0 where the run changes smoothly.
     """
 
     field: FreeField

@@ -83,7 +83,7 @@ def fit(
     check_on : sequence of str, optional
         Records and numbers that are kept out, and predicted.
     reading : SourceOptions, optional
-        How records are read.
+        Options for reading records.
     bayes : bool, optional
         Also sample the posterior; needs emcee, ``pip install 'strikewave[bayes]'``.
     workers : int or Workers, optional
@@ -303,7 +303,7 @@ ERROR_DIGITS, CORRELATION_DIGITS = 4, 6  # of a standard error and a correlation
 
 
 class FittedTo(NamedTuple):
-    """What values were fitted to, in words; the files by their SHA-256; fields that differ between the experiments."""
+    """Data that values were fitted to; the files by their SHA-256; fields that differ between the experiments."""
 
     words: str
     records: Mapping[str, str]

@@ -1,4 +1,4 @@
-"""What a case is fitted to, as it is typed: records and numbers with their settings, and what is asked of a fit.
+"""Targets of a fit as typed: records and numbers with their settings, and the request.
 
 ``shot.csv`` is a record of the usual part, ``PART=shot.csv`` of another one; ``first.rigid_peak=4151 g`` a number, and
 so is ``striker.mass=0.459 kg``: what is known of a free field from elsewhere. Behind ``±`` or ``+-`` stands the
@@ -40,7 +40,7 @@ _SETTING = re.compile(r"\s*([A-Za-z_][\w.+ -]*)=(.+)", re.DOTALL)
 
 @dataclass(frozen=True)
 class Target:
-    """What was measured, as typed.
+    """Measured record or number, as typed.
 
     Attributes
     ----------
@@ -256,7 +256,7 @@ def _blows(numbers: Sequence[MeasuredNumber], blows: Sequence[int]) -> int:
 
 @dataclass(frozen=True)
 class FitRequest:
-    """What is asked of a fit.
+    """Request of a fit.
 
     Attributes
     ----------
@@ -267,7 +267,7 @@ class FitRequest:
     tries : str
         Choices that are fitted each.
     reading : SourceOptions
-        How records are read.
+        Options for reading records.
     bayes : bool
         True if the posterior is sampled.
     file : str

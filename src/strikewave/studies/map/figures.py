@@ -43,7 +43,7 @@ COLOURS = (
 )  # fmt: skip
 """Fields of a cell that may be shown in colour."""
 LOGARITHMIC = ("cv", "cv_later")
-"""Those on a logarithmic scale."""
+"""Fields of a cell that are shown on a logarithmic scale."""
 
 
 CELL = "cell"

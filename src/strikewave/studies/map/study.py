@@ -462,7 +462,7 @@ def map(
     points : (int, int), optional
         Along x and y.
     blows : int, optional
-        That of the case by default.
+        Number of blows; that of the case by default.
     train : int, optional
         Blows of the longer train that names the regime; 0 for none.
     want_cv : float, optional

@@ -202,7 +202,7 @@ class Runner:
     store : RunStore
         Finished runs.
     pool : Pool
-        Who runs them.
+        Pool that runs the draws.
     """
 
     case: Case
@@ -688,8 +688,8 @@ def scatter(
     runs, seed : int, optional
         Draws within the tolerances, and their seed.
     shares : str, optional
-        How the share of each tolerance is found: ``alone``, by runs in which it alone moves, ``sobol``, with what
-        tolerances do together, or ``none``.
+        Method for the share of each tolerance: ``alone``, by runs in which it alone moves, ``sobol``, with the
+        interactions of tolerances, or ``none``.
     workers : int or Workers, optional
         Processes, or who runs instead, such as ``strikewave.Workers(cluster="tcp://host:8786")``.
     store : path, optional

@@ -110,7 +110,7 @@ class DesignStudy(SearchStudy):
     numbers : ndarray
         SI, shape (runs, names of the evaluation); NaN where a run has none.
     failures : tuple of str
-        Why each run failed; empty where it did not.
+        Reason why each run failed; empty for one that did not.
     front : tuple of int
         Runs that no other one beats in all objectives; empty with fewer than two of them.
     """

@@ -123,7 +123,7 @@ class DropReading:
     Attributes
     ----------
     shock : Shock
-        Its history.
+        History of the reading.
     blow : Blow
         First blow of the run.
     energy_error : float
@@ -391,7 +391,7 @@ class FoundPulse:
 
     @property
     def shock(self) -> Shock:
-        """What a sensor reads."""
+        """Reading of a sensor on the table."""
         return Shock(np.array(self.values), self.step, self.begin, self.peak_index)
 
 
@@ -419,7 +419,7 @@ class DropDesign:
 
     @property
     def called(self) -> str:
-        """Its name in a sentence on a failure."""
+        """Name in a sentence on a failure."""
         size = "" if self.diameter is None else f" of {self.diameter * 1e3:.4g} mm"
         return f"{self.programmer.name}{size}"
 

@@ -146,7 +146,7 @@ class Limit:
 
     @property
     def given_units(self) -> declare.GivenUnits:
-        """Its unit, and the one in which it is shown."""
+        """Unit of the limit, and the one in which it is shown."""
         return {OWN_UNIT: (self.unit, usual_unit(self.unit))}
 
 
@@ -352,7 +352,7 @@ class MachineDesign(Question[Any], Protocol[Candidate_co]):
 
     @property
     def called(self) -> str:
-        """Its name in a sentence on a failure."""
+        """Name in a sentence on a failure."""
 
     def candidate(self, answer: Any) -> Candidate_co:
         """Return the candidate of an answer."""

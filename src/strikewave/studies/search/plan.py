@@ -66,7 +66,7 @@ ALLOWED = "a TOML file with the case, goals and [vary]"
 
 @dataclass(frozen=True)
 class SearchMethod:
-    """How `strikewave.design` searches.
+    """Search method of `strikewave.design`, and its seed.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class DesignPlan:
     search : str
         One of `SEARCHES`.
     device : str or None
-        Where the steps of elements are taken; None: the processor.
+        Device that computes the steps of elements; None: the processor.
     """
 
     case: Case

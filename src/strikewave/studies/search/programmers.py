@@ -76,7 +76,7 @@ class Programmer:
 
     @declare.computed(declare.word("law of its force"))
     def law(self) -> str:
-        """Its law."""
+        """Law of the force."""
         if not self.is_pad:
             return POWER
         if self.table is not None:

@@ -88,9 +88,9 @@ class DesignRun:
     plan : DesignPlan
         Plan of the design.
     run : int
-        Its number, from 0.
+        Number of the run, from 0.
     row : tuple of float
-        Its settings.
+        Settings of the run.
     numbers : ndarray
         SI, in the order of the evaluation.
     """

@@ -211,7 +211,7 @@ class RotaryDesign:
 
     @property
     def called(self) -> str:
-        """Its name in a sentence on a failure."""
+        """Name in a sentence on a failure."""
         return f"{self.strikers} strikers"
 
     @cached_property
@@ -255,7 +255,7 @@ class RotaryDesign:
 
     @cached_property
     def support_there(self) -> Support:
-        """What brings the object back."""
+        """Support that returns the object: spring, preload and damper."""
         table = self.case.rotary_tables().object
         return self.support or Support(table.spring.si, table.preload.si, table.damper.si)
 

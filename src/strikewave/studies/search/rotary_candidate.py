@@ -355,7 +355,7 @@ class SettingsCandidate(MachineCandidate):
 
     @property
     def rank(self) -> tuple[bool, float, float]:
-        """What candidates are ordered by.
+        """Sort key of candidates.
 
         First those that meet the goal, by the scatter of their peaks in steps of 0.1 %, then by the force of the stop;
         then the others by how far they are from it, a broken limit, odd blows or a specification not passed counting as

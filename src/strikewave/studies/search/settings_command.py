@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DropOptions:
-    """What is tried of a drop table, and how high it falls."""
+    """Options of a drop table: programmers, pads and masses to try, and the largest drop height."""
 
     panel: ClassVar[str] = "Drop table (with --spec)"
 

@@ -37,7 +37,7 @@ class MainEffect(NamedTuple):
         the share of the setting alone; of groups of random runs the share expected by chance is taken off
         (epsilon squared), and 0 stands for what then is below it.
     runs : int
-        How many have the number.
+        Number of runs that have the number.
     estimate : float
         The share before that: over many studies of settings that do nothing it is 0 on the mean.
     standard_error : float

@@ -319,7 +319,7 @@ class SweepStudy(Study):
     numbers : ndarray
         SI, shape (runs, numbers); NaN where a run has none.
     failures : tuple of str
-        Why each run failed; empty where it did not.
+        Reason why each run failed; empty for one that did not.
     keys : tuple of str
         Key of each run, by which its histories are found.
     """
