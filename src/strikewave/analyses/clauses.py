@@ -18,7 +18,7 @@ from strikewave.specifications.judging import CANNOT_TELL, FAIL, NOT_JUDGED, PAS
 SHOWN = {PASS: "PASS", FAIL: "FAIL", CANNOT_TELL: "CANNOT TELL", NOT_JUDGED: "not judged"}
 """Verdicts as they are written."""
 LOOKS = {PASS: "good", FAIL: "bad", CANNOT_TELL: "warned", NOT_JUDGED: ""}
-"""How they look on a page."""
+"""Style of each verdict on a page."""
 INDICATIVE_WORDS = " (by indicative limits)"
 
 

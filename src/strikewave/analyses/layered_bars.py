@@ -151,7 +151,7 @@ class WaveField:
 
     @property
     def loaded(self) -> bool:
-        """Whether a force acts on the first face."""
+        """True if a force acts on the first face."""
         return bool(np.any(self.force[:, 0]))
 
     def place(self, tap: Tap) -> float:

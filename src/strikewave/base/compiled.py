@@ -295,7 +295,7 @@ class _LoadedLibrary(JITCodeLibrary):
 
 
 class _KeptKernels(CompileResultCacheImpl):
-    """How a kernel is kept: as numba keeps it, but so that less has to be read before it runs.
+    """Storage of a kernel: that of numba, with less to read before the kernel runs.
 
     Numba reads what other kernels would link at once, and imports its own modules for the sake of constants that they
     do not have: two thirds of the time of loading.
@@ -318,7 +318,7 @@ class _KeptKernels(CompileResultCacheImpl):
 
 
 class _KeptParts(CompileResultCacheImpl):
-    """How a part is kept: as bitcode, in a file of its own beside that of the same kernel as a whole."""
+    """Storage of a part: bitcode in a file of its own, beside that of the whole kernel."""
 
     def get_filename_base(self, fullname: str, abiflags: str) -> str:
         return f"{super().get_filename_base(fullname, abiflags)}.part"

@@ -29,7 +29,7 @@ Show = Callable[[int, bool], None]
 """Shows how many kernels are compiled, and whether that was the last."""
 
 _shows: list[Show | None] = []
-"""Those who show it now, the innermost last: None where nobody looks."""
+"""Active displays of the count, the innermost last: None where nobody looks."""
 
 
 @contextlib.contextmanager

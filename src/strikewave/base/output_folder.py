@@ -44,7 +44,7 @@ class Claim:
 
     @property
     def written(self) -> bool:
-        """Whether the result of this run stands in its place."""
+        """True if the result of this run is in its place."""
         return self._begun is not None and _identity(self.folder) == self._begun
 
     def recover(self) -> None:

@@ -18,10 +18,10 @@ from strikewave.base.units import DIMENSIONS, parse_quantity, take_apart, typed_
 
 Provenance = Literal["published", "measured", "user", "inferred", "assumed", "fitted"]
 PROVENANCES: tuple[Provenance, ...] = get_args(Provenance)
-"""Where a value may come from."""
+"""Allowed provenances of a value."""
 Distribution = Literal["normal", "uniform"]
 DISTRIBUTIONS: tuple[Distribution, ...] = get_args(Distribution)
-"""How a value may scatter within its tolerance."""
+"""Allowed distributions of a value within its tolerance."""
 DEVIATIONS, TRUNCATION = 2.0, 3.0  # 95 % lie within; an inspection sorts out the three in a thousand beyond
 """Standard deviations that a normal tolerance stands for, and at which draws end."""
 TABLE = ("value", "provenance", "note", "tolerance", "distribution")
@@ -67,9 +67,9 @@ class Value(BaseModel):
     provenance : str
         published, measured, user (typed or set by the user), inferred, assumed or fitted.
     note : str
-        Why, or from where.
+        Reason, or source.
     tolerance : ToleranceBand, optional
-        How far it may be off.
+        Tolerance of the value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")

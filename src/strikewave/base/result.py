@@ -67,7 +67,7 @@ class Notice:
 
     @property
     def broken(self) -> bool:
-        """Whether it is a failed check."""
+        """True if the notice is a failed check."""
         return self.severity == FAILED
 
     def document(self) -> dict[str, Any]:
@@ -308,7 +308,7 @@ class BalanceCheck(NamedTuple):
 
     @property
     def holds(self) -> bool:
-        """Whether the error is within the limit; what is no number is not."""
+        """True if the error is within the limit; False for NaN."""
         return abs(self.error) <= self.limit
 
     @property
@@ -621,12 +621,12 @@ class Result(ABC):
 
     @property
     def arrays(self) -> LabelledArrays | None:
-        """Its histories with units; None where there are none."""
+        """Histories with units; None where there are none."""
         return None
 
     @functools.cached_property
     def data(self) -> xarray.Dataset:
-        """Its histories with units, as an xarray Dataset; an `AttributeError` where there are none."""
+        """Histories with units, as an xarray Dataset; an `AttributeError` where there are none."""
         if self.arrays is None:
             raise AttributeError(f"a result of `strikewave {self.command}` has no histories")
         return self.arrays.to_xarray()

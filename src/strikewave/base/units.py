@@ -91,7 +91,7 @@ USUAL: dict[tuple[str, str], float] = {(si, si): 1.0 for si in DIMENSIONS} | {
     }.items()
     for unit, factor in factors.items()
 }
-"""How many SI units are in a unit, of the usual ones, to the last bit what pint says: pint takes 70 ms to import."""
+"""Factors of the usual units to SI, equal to those of pint to the last bit: pint takes 70 ms to import."""
 
 
 def _pint() -> Any:

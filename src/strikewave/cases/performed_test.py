@@ -118,7 +118,7 @@ class EquipmentTable(CaseTable):
 
     @property
     def called(self) -> str:
-        """What it is called in a sentence."""
+        """Name of the instrument in a sentence."""
         return " ".join(part for part in (self.name or "instrument", self.model, self.serial_number) if part)
 
 

@@ -294,7 +294,7 @@ def simulate(
     chain : Chain
         Bodies, bases, links.
     positions, speeds : mapping
-        By body name, m and m/s.
+        Positions, m, and speeds, m/s, by body name.
     duration : float
         Length of the motion, s.
     tolerance : float, optional

@@ -88,7 +88,7 @@ class Contact:
     cap : PressureCap, optional
         A cap on the pressure.
     asked : RequestedDamping, optional
-        Where the hysteresis comes from: a law and the restitution asked of it. `named_contact` fills it.
+        Origin of the hysteresis: a law and the restitution requested of it. `named_contact` fills it.
     """
 
     stiffness: ArrayLike

@@ -85,7 +85,7 @@ class Heading:
 
     @property
     def stem(self) -> str:
-        r"""What the names of the files begin with: that of the case in letters that every code takes.
+        r"""Beginning of the names of the files: the name of the case in letters that every code takes.
 
         Examples
         --------

@@ -60,7 +60,7 @@ SYSTEMS = {
     "mm-ms-kg": UnitSystem("mm-ms-kg", 1e-3, 1.0, 1e-3, ("mm", "kg", "ms")),
     "mm-g-us": UnitSystem("mm-g-us", 1e-3, 1e-3, 1e-6, ("mm", "g", "mus")),
 }
-"""By name; words as OpenRadioss writes them: Mg is a tonne, mus a microsecond."""
+"""Unit systems by name; words as OpenRadioss writes them: Mg is a tonne, mus a microsecond."""
 
 
 def unit_system(name: str, field: str = "units") -> UnitSystem:

@@ -130,7 +130,7 @@ class FemRun:
     force : mapping of str to array (instants, 3)
         Contact force on the first surface, N, by name of the contact or wall.
     impulse : mapping of str to array (instants, 3)
-        Its integral over time, N s.
+        Integral of that force over time, N s.
     energy : mapping of str to array (instants,)
         J, by the words of `ENERGIES`.
     initial_energy : float
@@ -146,7 +146,7 @@ class FemRun:
     impulse_given : array (instants, 3)
         Impulse of boundaries, walls and gravity, N s.
     steps : int
-        How many time steps.
+        Number of time steps.
     step : float
         Smallest time step, s.
     added_mass : float
@@ -154,9 +154,9 @@ class FemRun:
     seconds : float
         Wall time.
     elements : int
-        How many.
+        Number of elements.
     stopped : str
-        Why the run ended early; empty when it did not.
+        Reason why the run ended early; empty when it did not.
     frames : tuple of FieldFrame
         Only those asked for; a writer takes them as they come instead where one is given.
     von_mises : mapping of str to array (instants,)
@@ -164,7 +164,7 @@ class FemRun:
     plastic_strain : mapping of str to array (instants,)
         Largest equivalent plastic strain of the same.
     overlaps : tuple of Overlap
-        Where contacts and walls overlapped before the blow.
+        Overlaps of contacts and walls before the blow.
     groups : mapping of str to PartHistory
         Motion of groups of parts, each as one body.
     pressed : mapping of str to array (instants, surfaces, 2)
@@ -172,7 +172,7 @@ class FemRun:
     blow : int
         Number of this blow of the bodies, from 1.
     rest : Rest or None
-        How they came to rest before it; None before the first.
+        Relaxation of the bodies to rest before this blow; None before the first.
     plastic_work : mapping of str to float
         Plastic work of each part that deforms, in this run, J.
     bodies : tuple of tuple of str

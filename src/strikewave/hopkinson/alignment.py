@@ -192,7 +192,7 @@ class FaceWaves:
 
     @property
     def beyond(self) -> bool:
-        """Whether the requested alignment lies outside the window, so that geometry was kept."""
+        """True if the requested alignment lies outside the window, so that geometry was kept."""
         late = self.late_onset if self.method == "onset" else self.late_balance
         return self.method != "geometric" and not _within(late, self.window)
 

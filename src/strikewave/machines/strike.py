@@ -83,7 +83,7 @@ def strike(
     system : MachineSystem
         The machine with these bodies.
     start : MotionState
-        Its state at first touch.
+        State of the machine at first touch.
     field : bool, optional
         True to keep the x-t field.
 

@@ -36,7 +36,7 @@ WHITE = 8  # widths of white noise that stand for it then
 
 
 class LocalBaseline(NamedTuple):
-    """Where a record stands under a blow."""
+    """Baseline of a record under a blow."""
 
     level: float  # at the middle of the blow
     slope: float = 0.0  # rise a sample before it; 0 where none is significant

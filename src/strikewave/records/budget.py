@@ -1,4 +1,4 @@
-"""What the channel of a record may have done to it: a list of contributions, each a change of the record.
+"""Uncertainty budget of the channel of a record: a list of contributions, each a change of the record.
 
     motion → sensor (transverse motion, sensitivity, linearity, temperature, response) → filter → recorder (gain, clock)
 
@@ -55,7 +55,7 @@ class InputQuantity:
 
     @property
     def standard(self) -> float:
-        """Its standard uncertainty."""
+        """Standard uncertainty of the input."""
         return self.spread / DIVISORS[self.distribution]
 
     def drawn(self, generator: np.random.Generator, count: int) -> Array:
@@ -72,7 +72,7 @@ class InputQuantity:
 
 
 class Propagated(NamedTuple):
-    """What the law of propagation gives."""
+    """Result of the law of propagation."""
 
     estimate: Array  # the quantities at the estimates of the inputs
     contributions: Array  # inputs x quantities: sensitivity coefficient times standard uncertainty, with its sign
@@ -84,7 +84,7 @@ class Propagated(NamedTuple):
 
 
 class Simulated(NamedTuple):
-    """What Monte Carlo gives, a number a quantity."""
+    """Result of Monte Carlo, one number for each quantity."""
 
     # Mean and standard deviation of the trials
     mean: Array
@@ -271,7 +271,7 @@ class Budget:
 
     @declare.computed(declare.rows(StatedEntry, "what contributes", key="contributions"))
     def entries(self) -> list[BudgetEntry]:
-        """What the record tells, and what is stated."""
+        """Entries of the budget: those from the record, then those stated."""
         stated = [
             StatedEntry(c.name, c.kind, c.typed, c.distribution, c.input.standard, c.status or None, c.source or None)
             for c in self.contributions
@@ -285,7 +285,7 @@ class Budget:
 
     @declare.computed(declare.word("what nobody stated"))
     def not_stated(self) -> tuple[str, ...]:
-        """What a budget holds as a rule, and this one does not."""
+        """Topics of a usual budget that this one lacks."""
         stated = {contribution.kind for contribution in self.contributions}
         if "acceleration" in stated:
             return ()

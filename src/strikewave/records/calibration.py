@@ -52,7 +52,7 @@ class Scale(NamedTuple):
 
 @dataclass(frozen=True)
 class ChannelCalibration:
-    """What turns the values of a channel into SI.
+    """Conversion of the values of a channel to SI.
 
     Attributes
     ----------

@@ -305,7 +305,7 @@ class Trend:
 
     @property
     def significant(self) -> bool:
-        """Whether its bounds exclude none."""
+        """True if the bounds of the slope exclude 0."""
         return math.isfinite(self.low) and not self.low <= 0.0 <= self.high
 
 
@@ -333,7 +333,7 @@ class Campaign:
     channel : str
         Name of the channel in the first file.
     number : int
-        Its place in the files, from 1.
+        Place of the channel in the files, from 1.
     unit : str
         SI; empty where the first file does not say it.
     statistics : dict
@@ -359,7 +359,7 @@ class Campaign:
 
     @property
     def sums_up(self) -> bool:
-        """Whether it says more than the one blow that it is of."""
+        """True if a statistic has more than one value, or a file is left out."""
         return any(statistic.n > 1 for statistic in self.statistics.values()) or bool(self.left_out)
 
 

@@ -352,7 +352,7 @@ class BlowTrain(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """What the contacts of a record are."""
+    """Kinds of the contacts of a record: blows, contacts that belong to one, and double hits."""
 
     blows: tuple[int, ...]  # in the order of time
     owner: dict[int, int]  # for each contact that belongs to a blow, that blow

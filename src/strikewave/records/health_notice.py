@@ -1,4 +1,4 @@
-"""What is wrong with a record: what, where, how much, and which figures it harms; and what finds it, a row a check."""
+"""Health notices of a record: fault, place, size and harmed figures; and the checks that find them, a row each."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ OF_BLOWS, OF_RESPONSES, OF_BOTH = "blow", "response", "both"  # objects of a che
 
 @declare.dataclass
 class HealthNotice:
-    """What was found on a record: how bad it is, which figures it harms, and where."""
+    """Finding on a record: severity, harmed figures and place."""
 
     code: str = declare.word("short name, such as clipped")
     message: str = declare.word("what, where and how much")
@@ -108,7 +108,7 @@ def by_effect(
 
 
 class Fault(NamedTuple):
-    """What a check finds, in numbers; its row of the table words it."""
+    """Fault that a check finds, in numbers; its row of the table words it."""
 
     value: float  # the number that raised it, SI
     details: Mapping[str, Any] = {}  # other values that the message takes

@@ -56,7 +56,7 @@ BY_LAW, BY_TRIALS = "law of propagation", "Monte Carlo"
 
 @declare.dataclass
 class BudgetLine:
-    """What one contribution does to a figure; NaN where it is not known."""
+    """Effect of one contribution on a figure; NaN where it is not known."""
 
     name: str = declare.word("what contributes")
     standard: float = declare.number(OF_FIGURE, "its part of the standard uncertainty")
@@ -113,7 +113,7 @@ class BlowUncertainty:
 
 
 class ReadOff(NamedTuple):
-    """How figures are read off changed stretches: where the peak lies, and from where to where the area is taken."""
+    """Bounds for reading figures off changed stretches: those of the peak, and those of the area."""
 
     inside: slice
     begin: float
@@ -220,7 +220,7 @@ def _by_noise(measured: _Measured, noise: float) -> Array:
 
 
 class _Inputs(NamedTuple):
-    """What a blow's model takes: its contributions, and what is added to each figure."""
+    """Inputs of a blow's model: its contributions, and amounts added to each figure."""
 
     contributions: tuple[Contribution, ...]
     added: tuple[tuple[str, Array], ...]
@@ -297,7 +297,7 @@ WIDTHS = 7.0
 
 @declare.dataclass
 class SpectrumPart:
-    """What one contribution does to a spectrum."""
+    """Effect of one contribution on a spectrum."""
 
     name: str = declare.word("what contributes")
     standard: Array = declare.history(AS_SPECTRUM, "its part at each frequency")

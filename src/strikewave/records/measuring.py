@@ -190,13 +190,13 @@ class RecordedPulse:
 
     @property
     def differs_without_ringing(self) -> bool:
-        """Whether peak, width or velocity change without ringing differ by more than `HARMED`."""
+        """True if peak, width or velocity change without ringing differ by more than `HARMED`."""
         names = () if self.rigid is None else BUDGETED
         return _differ([(getattr(self, name), getattr(self.rigid, name)) for name in names])
 
     @property
     def differs_by_split(self) -> bool:
-        """Whether peak or width of the rigid part by the band split differ by more than `HARMED`."""
+        """True if peak or width of the rigid part by the band split differ by more than `HARMED`."""
         return _differ([(self.peak, self.split_peak), (self.width, self.split_width)])
 
 
@@ -354,7 +354,7 @@ def _sizes(pulses: Sequence[RecordedPulse]) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True)
 class BlowWindow:
-    """Where one blow lies in a record, between its neighbours, and its baseline."""
+    """Place of one blow in a record, between its neighbours, and its baseline."""
 
     box: Box
     earliest: int

@@ -42,7 +42,7 @@ MOST_NAMED = 4  # channels that a reason names; of more, the others are counted
 
 @dataclass(frozen=True)
 class Request:
-    """What is wanted of records.
+    """Options for reading and examining records.
 
     Attributes
     ----------
@@ -83,9 +83,9 @@ class ChannelReading:
     number : int
         Place in the file, from 1.
     pulses : tuple of RecordedPulse
-        Its blows.
+        Blows of the channel.
     findings : tuple of HealthNotice
-        Its health.
+        Health notices of the channel.
     calibration : ChannelCalibration
         Calibration that made SI of the file's numbers.
     unfiltered : tuple of RecordedPulse
@@ -112,12 +112,12 @@ class ChannelReading:
 
     @property
     def response(self) -> MeasuredResponse | None:
-        """What the channel does after the largest blow of the base; None where it is no response."""
+        """Response of the channel after the largest blow of the base; None where it is no response."""
         return max(self.responses, key=lambda response: abs(response.base_peak), default=None)
 
     @property
     def baseline(self) -> float:
-        """Where the record stands at rest: before the first blow, or the median of a record without one."""
+        """Level of the record at rest: before the first blow, or the median of a record without one."""
         return self.pulses[0].offset if self.pulses else float(np.median(self.channel.values))
 
     @functools.cached_property
@@ -160,9 +160,9 @@ class FileReading:
     path : str
         The file.
     format : str
-        Its format.
+        Format of the file.
     channels : tuple of ChannelReading
-        Its channels.
+        Channels of the file.
     findings : tuple of HealthNotice
         Findings on the file itself.
     """
@@ -182,7 +182,7 @@ class FileReading:
 
     @property
     def all_findings(self) -> list[HealthNotice]:
-        """Those of the file and of its channels, the worst first."""
+        """Findings of the file and of its channels, the worst first."""
         return worst_first([*self.findings, *(f for channel in self.channels for f in channel.findings)])
 
     @property
@@ -192,7 +192,7 @@ class FileReading:
 
     @property
     def reasons(self) -> list[str]:
-        """Why the file is not good, in words, each once; of several channels, with the first it is true of."""
+        """Reasons why the file is not good, each once; of several channels, with the first it is true of."""
         pairs = [(finding, "") for finding in self.findings]
         pairs += [(finding, reading.channel.name) for reading in self.channels for finding in reading.findings]
         pairs.sort(key=lambda pair: -STATUSES.index(pair[0].severity))

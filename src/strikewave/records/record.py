@@ -46,7 +46,7 @@ class Channel:
 
     @property
     def of_body(self) -> bool:
-        """Whether the file says that this is the acceleration of a whole body, as a run writes it."""
+        """True if the name says that this is the acceleration of a whole body, as a run writes it."""
         return self.name in OF_BODY
 
     @property

@@ -252,7 +252,7 @@ class FreeDecay:
 
 @declare.dataclass
 class MeasuredResponse:
-    """What a channel does after a blow of another one, until the next blow or the end of the record."""
+    """Response of a channel after a blow of another one, until the next blow or the end of the record."""
 
     blow: int = declare.count("number of the blow of the base, from 1", column=KEY)
     peak: float = declare.number(

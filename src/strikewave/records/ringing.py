@@ -158,7 +158,7 @@ def fit_rigid_pulse(
     noise : float, optional
         Standard deviation of white noise of a sample.
     models : sequence, optional
-        Those of `MODELS` that are tried; all by default.
+        Models of `MODELS` to try; all by default.
     """
     tried = models or MODELS
     best_of: dict[str, Fit] = {}
@@ -509,12 +509,12 @@ class BandSplit:
 
     @declare.computed(declare.word("whether the low-pass separates pulse and ringing"))
     def separable(self) -> bool:
-        """Whether the bands lie so far apart that the rigid part can be separated."""
+        """True if the bands lie so far apart that the rigid part can be separated."""
         return self.peak_uncertainty <= UNKNOWN * abs(self.peak)
 
     @declare.computed(declare.word("why it does not"))
     def reason(self) -> str:
-        """Why it cannot be separated; empty where it can."""
+        """Reason why the rigid part cannot be separated; empty where it can."""
         if self.separable:
             return ""
         parts = {

@@ -1,4 +1,4 @@
-"""What the zero of a record does after its blows: nothing, a shift, a line, an exponential, or that of AC coupling.
+"""Models of the zero of a record after its blows: rest, a shift, a line, an exponential, or AC coupling.
 
 A high-pass of first order with time constant tau makes y of x by x = y + (1/tau) int y dt. Where nothing moves, x is
 zero, and y = -v / tau, where v is the integral of y: the undershoot after a blow is the velocity change over tau, and
@@ -44,7 +44,7 @@ class Tail(NamedTuple):
 
 
 class TailModel(NamedTuple):
-    """What a tail does."""
+    """Model of a tail."""
 
     # ``rest``, ``shift``, ``line``, ``decay``, ``ac-coupling``, or ``motion`` where none of these explains it
     kind: str

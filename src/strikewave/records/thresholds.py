@@ -17,7 +17,7 @@ NO_EFFECT: Final = 0.0005  # effects below which they are not worth a word: less
 
 
 class OfBeginning:
-    """Whether a record without a blow begins in one, or while something swings."""
+    """Thresholds for a record without a blow that begins in one, or while something swings."""
 
     # Deviations that a beginning spans, or a zero drifts, when unsettled: twice what noise spans
     IN_MOTION: Final = 20.0
@@ -31,7 +31,7 @@ class OfBeginning:
 
 
 class OfZero:
-    """Where the zero stands, drifts and shifts."""
+    """Thresholds for the zero: offset, drift and shift."""
 
     # Share of a peak that a drifting baseline may falsify before that is suspect: below the usual 5 % of a sensor
     WRONG_PEAK: Final = 0.02
@@ -61,7 +61,7 @@ class OfZero:
 
 
 class OfRange:
-    """Where the range of a recorder ends, and how coarse it is."""
+    """Thresholds for the range of a recorder and its resolution."""
 
     FEWEST_AT_RAIL: Final = 3  # samples at a rail, and times those of the next two steps: a round top has 1 : 0.7
     NEAR_TOP: Final = 0.05  # share of the span where converter steps are sought: a sound 8-bit top has a dozen in it
@@ -174,7 +174,7 @@ class OfNoise:
 
 
 class OfRinging:
-    """What swings after a blow, or without one."""
+    """Thresholds for swings after a blow, or without one."""
 
     # Widths after the feet of a blow from which on its ringing is taken: beside the foot, before it dies
     AFTER_BLOW: Final = 0.25
@@ -195,7 +195,7 @@ class OfRinging:
 
 
 class OfBlows:
-    """Whether there are blows, whole ones, in a train, and as large as they can be."""
+    """Thresholds for blows: present, whole, in a train, and as large as they can be."""
 
     # Standard deviations beyond which a record without a blow holds something: noise spans ten in a million samples
     SPANS_NOISE: Final = 30.0
@@ -209,7 +209,7 @@ class OfBlows:
 
 
 class OfResponses:
-    """Whether a channel answers the blow of another one."""
+    """Thresholds for the response of a channel to the blow of another one."""
 
     # Standard deviations of what lies before that a response must reach: noise alone reaches five in a million samples
     STANDS_OUT: Final = 8.0
@@ -236,7 +236,7 @@ class OfClock:
 
 
 class OfReading:
-    """What a filter takes off, and which channels answer another one."""
+    """Thresholds for the share that a filter takes off, and for channels that respond to another one."""
 
     MUCH: Final = 0.9  # share of a peak that a filter must leave unnoticed. Chosen: half of a 20 % tolerance
     HALF: Final = 0.5  # share that it must leave for one that harms nothing. Chosen: below, the filter makes the pulse
@@ -272,7 +272,7 @@ class OfSiblings:
 
 
 class OfBoxes:
-    """What is a blow: boxes that stand out of a record."""
+    """Thresholds for blows: boxes that stand out of a record."""
 
     FALSE_ALARM: Final = 0.01  # records of pure noise with a pulse. Chosen: rarer than a record goes wrong otherwise
     # Least area of a blow over the largest: blows of a test are alike, lobes of ringing smaller
@@ -299,7 +299,7 @@ class OfBoxes:
 
 
 class OfTrains:
-    """Which contacts are blows, and which belong to one; blips of the mains."""
+    """Thresholds for contacts that are blows or belong to one; blips of the mains."""
 
     COMPARABLE: Final = 0.6  # peak over its neighbour's that is no rebound: a restitution of 0.5 gives half
     # Widths from peak to peak within which a smaller contact belongs to a blow where no train shows what is regular
@@ -326,7 +326,7 @@ class OfTrains:
 
 
 class OfTails:
-    """What the zero does after blows: shift, line, decay, AC coupling, or the motion of a machine."""
+    """Thresholds for the zero after blows: shift, line, decay, AC coupling, or the motion of a machine."""
 
     QUICK: Final = 3.0  # stretches within which a decay is quick: then only its one side tells it from a swing
     ONE_SIDE: Final = 0.85  # share of the samples of the first of them on its side; else it swings
@@ -347,7 +347,7 @@ class OfTails:
 
 
 class OfRingingSought:
-    """What rings after a blow, and which pulse without its ringing is reported."""
+    """Thresholds for ringing after a blow, and for the reported pulse without its ringing."""
 
     # Swings in a width of the blow below which what follows it is a slow motion, no ringing in it
     LOWEST_RATIO: Final = 0.3
@@ -387,7 +387,7 @@ class OfTwoSensors:
 
 
 class OfAnswers:
-    """What a channel does after the blow of another one."""
+    """Thresholds for the kind of response after the blow of another channel."""
 
     BOTH_SIDES: Final = 0.5  # other side over the peak of a swing: a half-sine has 0, a sine at 5 % damping 0.85
     # Area over that of the magnitude that it then stays below: a half-sine has 1, that decaying sine less than 0.1

@@ -71,7 +71,7 @@ class Transfer(NamedTuple):
 
 
 class PairedMotion(NamedTuple):
-    """What two sensors on one object do together."""
+    """Joint motion of two sensors on one object."""
 
     blows: int  # blows that delay, gain and transfer function are means of
     # Delay of the second after the first, and its standard uncertainty, s; NaN where it is no delayed copy
@@ -94,7 +94,7 @@ class PairedMotion(NamedTuple):
 
     @property
     def leads(self) -> int:
-        """Which sensor is ahead by more than two standard uncertainties: 1 or 2; 0 for neither."""
+        """Number of the sensor that is ahead by more than two standard uncertainties, 1 or 2; 0 for neither."""
         if not abs(self.delay) > OfTwoSensors.TWICE * self.delay_uncertainty:
             return 0
         return 1 if self.delay > 0.0 else 2

@@ -131,7 +131,7 @@ NO_BAND_OF_ELEMENTS = (
     "No band: it would take dozens of runs like this one, minutes each. How far the inputs move the result is seen in "
     "the band of the same bodies as a machine or a layered bar."
 )
-"""Why a run of finite elements has no band."""
+"""Reason why a run of finite elements has no band."""
 
 
 def band_words(bands: Mapping[str, Band]) -> list[str]:

@@ -1,4 +1,4 @@
-"""What the results of cases share: the case itself, its fits, what it says of the test."""
+"""Parts shared by the results of cases: the case itself, its fits, its statements about the test."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class ResultOfCase(ShownResult):
 
         @property
         def case(self) -> Case:
-            """What it is of."""
+            """Case that the result is of."""
 
     @property
     def title(self) -> str:
@@ -29,12 +29,12 @@ class ResultOfCase(ShownResult):
 
     @property
     def test(self) -> Mapping[str, str]:
-        """What the case says of the test."""
+        """Statements of the case about the test."""
         return self.case.test.stated()
 
     @declare.computed(declare.word("name of the case", key="case"))
     def case_name(self) -> str:
-        """What the case is called."""
+        """Name of the case."""
         return self.case.name
 
 

@@ -71,7 +71,7 @@ class Column(NamedTuple):
 
     @property
     def file_head(self) -> str:
-        """Its name with its unit, as files have them.
+        """Name with unit, as files have them.
 
         Examples
         --------
@@ -82,7 +82,7 @@ class Column(NamedTuple):
 
     @property
     def head(self) -> str:
-        """Its label with the unit in which it is shown."""
+        """Label with the unit that is shown."""
         return headed(self.label or self.name.replace("_", " "), self.si, self.shown or "")
 
     def cells(self) -> list[str | Tag]:

@@ -1,4 +1,4 @@
-"""What the commands on measured files share: their options, reading, and calibration."""
+"""Parts shared by the commands on measured files: options, reading, and calibration."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class Calibration(OptionGroup):
 
 @dataclass(frozen=True)
 class Reading(OptionGroup):
-    """How the time of a measured file is read, and which of its measurements.
+    """Options for the time column of a measured file, and for the measurement to read.
 
     Attributes
     ----------
@@ -182,7 +182,7 @@ class Reading(OptionGroup):
 
 @dataclass(frozen=True)
 class MeasurementOptions(Reading, Calibration, ChannelOptions):
-    """How files are read, and the calibration of their channels."""
+    """Options for reading files, and the calibration of their channels."""
 
     @classmethod
     def of(
@@ -409,7 +409,7 @@ class RecordJudging(SpectraJudging):
 
 @dataclass(frozen=True)
 class Judging(RecordJudging):
-    """How measured records are judged, and the uncertainty of what was measured.
+    """Options for judging measured records, and the uncertainty of the measurement.
 
     Attributes
     ----------
@@ -616,7 +616,7 @@ def read_channels(
     file, stated, options
         As for `examined_channel`.
     filters : Request, optional
-        Whose filters are taken; none by default.
+        Request whose filters are taken; none by default.
     """
     from strikewave.records import Request, calibrations_beside, read_file, read_record
 
@@ -652,7 +652,7 @@ def examined_channel(
     what : str
         The same in words, such as "the spectrum".
     filters : Request, optional
-        Whose filters are taken; none by default.
+        Request whose filters are taken; none by default.
     """
     record, reading = read_channels(file, stated, options, filters)
     for notice in reading.all_findings:
@@ -674,7 +674,7 @@ def digests_of(paths: Sequence[Path]) -> dict[str, str]:
 
 
 UNKNOWN = Source("records", "records", "", "record.toml")
-"""Where a result comes from that was made in Python: no command line gives it again."""
+"""Source of a result that was made in Python: no command line gives it again."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -696,7 +696,7 @@ class AskedResult(ShownResult):
 
     @property
     def test(self) -> Mapping[str, Any]:
-        """What the command line names of the test."""
+        """Statements about the test on the command line."""
         return self.origin.test
 
     @property

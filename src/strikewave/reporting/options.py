@@ -385,7 +385,7 @@ Fresh = Annotated[
 
 @dataclass(frozen=True)
 class Running:
-    """Who makes the runs of a study, and where finished ones are kept.
+    """Options for the runs of a study: workers, and the store of finished runs.
 
     Attributes
     ----------
@@ -417,14 +417,14 @@ class Running:
 
 @dataclass(frozen=True)
 class RunningInProcesses(Running):
-    """Who makes the runs of a study that shares them among processes; see `Running`."""
+    """Options for the runs of a study that shares them among processes; see `Running`."""
 
     workers: Processes = 2
 
 
 @dataclass(frozen=True)
 class RunningElements(RunningInProcesses):
-    """Who makes the runs of a study that may be of elements; see `Running`.
+    """Options for the runs of a study that may use finite elements; see `Running`.
 
     Attributes
     ----------

@@ -143,7 +143,7 @@ class ShownResult(Result):
 
     @property
     def label(self) -> str:
-        """Its name in one line: that of its case, else its title."""
+        """Name in one line: that of the case, else the title."""
         return self.source.name or self.title
 
     @property

@@ -1,4 +1,4 @@
-"""What the commands share: words, tables and numbers on a terminal, in a pipe or a file; JSON.
+"""Output shared by the commands: words, tables and numbers on a terminal, in a pipe or a file; JSON.
 
 The result goes to stdout: a sentence, tables, what explains them. All else goes to stderr: progress, warnings, where
 files were written. A pipe or a file gets lines of `PIPE_WIDTH`, or of the environment variable COLUMNS, without styles.
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from strikewave.reporting.parts import Table
 
 STARTED = time.perf_counter()
-"""When the program started, but for what is imported before this module."""
+"""Time at which the program started, s, except for imports before this module."""
 SELDOM = 10.0  # a log of an hour gets some hundred lines at most, a run of seconds none
 """Seconds between two lines of progress, at least, where stderr is no terminal."""
 PIPE_WIDTH = 80  # a file is the same wherever it is made, and any pager shows it
@@ -43,7 +43,7 @@ LEAST_WIDTH = 40  # below, hardly a number stands beside its name
 
 
 class Screen(NamedTuple):
-    """How much is shown: all columns, whole warnings, nothing but the result."""
+    """Amount of output: all columns, whole warnings, nothing but the result."""
 
     wide: bool = False
     verbose: bool = False

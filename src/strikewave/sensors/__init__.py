@@ -1,4 +1,4 @@
-"""What an accelerometer reads: mounting, resonance, range, filter, sampling and bits. Knows no units and no files."""
+"""Reading of an accelerometer: mounting, resonance, range, filter, sampling and bits. Knows no units and no files."""
 
 from strikewave.sensors.chain import (
     Accelerometer,

@@ -48,7 +48,7 @@ class Sensor:
     resonance : float, optional
         Resonance frequency of the mass on the spring inside, Hz.
     quality : float, optional
-        Its magnification at resonance.
+        Magnification at resonance.
     range : float, optional
         Largest reading to both sides, m/s^2.
     zero_shift : float, optional
@@ -77,7 +77,7 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Recorder:
-    """What turns a sensor's signal into numbers; takes every sample as it is where nothing is set.
+    """Recorder that turns a sensor's signal into numbers; it takes every sample as it is where nothing is set.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ def oscilloscope(full_scale: float | None = None) -> Recorder:
 
 
 class SensorReading(NamedTuple):
-    """What a recorder kept.
+    """Samples that a recorder kept.
 
     Attributes
     ----------
@@ -169,7 +169,7 @@ class SensorReading(NamedTuple):
 
     @property
     def clipped(self) -> bool:
-        """Whether anything was cut off on the way."""
+        """True if the sensor or the recorder clipped the signal."""
         return self.sensor_clipped or self.recorder_clipped
 
 
@@ -297,7 +297,7 @@ class Accelerometer:
     kind : str
         piezoresistive or piezoelectric.
     source, status, note : str
-        Where the numbers come from; ``checked``, ``quoted`` or ``from memory`` (`strikewave.base.citations`); what to
+        Source of the numbers; ``checked``, ``quoted`` or ``from memory`` (`strikewave.base.citations`); what to
         know about them.
     quality : float
         Magnification at resonance; assumed unless the note says otherwise.

@@ -1,4 +1,4 @@
-"""How a sensor is held: an edge contact, gaskets and the sensor's mass, driven by the surface below.
+"""Mounting of a sensor: an edge contact, gaskets and the sensor's mass, driven by the surface below.
 
     surface -> [edge contact: a spring without mass] -> gasket | gasket | .. -> sensor mass
 
@@ -94,7 +94,7 @@ class Gasket:
 
 @dataclass(frozen=True)
 class Mounting:
-    """What lies between the surface and the sensor; nothing unless said otherwise.
+    """Parts between the surface and the sensor; none by default.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ class Mounting:
 
     @property
     def direct(self) -> bool:
-        """Whether the sensor moves with the surface: nothing between them yields, or nothing moves on it."""
+        """True if the sensor moves with the surface: nothing between them yields, or nothing moves on it."""
         return not self.gaskets and (math.isinf(self.edge_stiffness) or self.sensor_mass == 0.0)
 
     def loss(self, gasket: Gasket) -> LossFit:
@@ -273,7 +273,7 @@ ZOOMS, ZOOMED = 3, 33
 
 @declare.dataclass
 class PassBand:
-    """What the transmissibility |H| = |a_sensor / a_surface| of a mounting passes.
+    """Pass band of a mounting by its transmissibility |H| = |a_sensor / a_surface|.
 
     What is null in documents is infinite here; the two places, where there are none, NaN.
     """

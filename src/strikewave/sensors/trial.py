@@ -37,7 +37,7 @@ class SensorChannel(NamedTuple):
 
 @declare.dataclass
 class SensorPulse:
-    """What a sensor made of one blow."""
+    """Pulse that a sensor reads of one blow."""
 
     peak: float = declare.number(
         ACCELERATION, "what the sensor reads at most, with its sign", band="peak", column=MAIN, headline="sensor {name}"
@@ -136,7 +136,7 @@ TAKES, RANGE, FULL_SCALE, RESONANCE, RECORDER, NOISE = (
 
 @declare.dataclass
 class SensorTrial:
-    """What a sensor leaves of one blow."""
+    """Shares of one blow that a sensor passes, and its use of the range."""
 
     peak: float = declare.number(OF_CHANNEL, "of the motion, above zero")
     peak_left: float = declare.number(

@@ -44,7 +44,7 @@ class EvenHistory(NamedTuple):
 
 
 class Shift(NamedTuple):
-    """What is added to the times of the second history, s, and how sure that is.
+    """Shift that is added to the times of the second history, s, and its uncertainty.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Shift(NamedTuple):
     uncertainty : float
         Standard uncertainty from noise, and for the correlation from all in which the two differ, s.
     rule : str
-        How it was found, in words.
+        Rule by which the shift was found, in words.
     """
 
     shift: float

@@ -235,7 +235,7 @@ class HighPass(_ZeroPhase):
 
 
 class Effect(NamedTuple):
-    """What a filter leaves of a pulse: shares of its peak, of its width at 10 %, and of its integral.
+    """Shares of a pulse that a filter passes: of its peak, of its width at 10 %, and of its integral.
 
     The integral is taken from foot to foot, where 2 % of the peak is left: a filter moves the feet.
     """

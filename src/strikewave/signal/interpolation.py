@@ -35,7 +35,7 @@ def resampled(values: ArrayLike, places: ArrayLike, factor: float = 1.0) -> Arra
     values : array_like
         Evenly sampled history.
     places : array_like
-        Where, in samples from the first one.
+        Places, in samples from the first one.
     factor : float, optional
         New step over old one; above 1, what the new samples cannot hold is taken off, by a sinc wider by as much.
 

@@ -1,4 +1,4 @@
-"""How well one history agrees with another, by ISO/TS 18571: corridor, phase, magnitude and slope, each from 0 to 1.
+"""Agreement of one history with another, by ISO/TS 18571: corridor, phase, magnitude and slope, each from 0 to 1.
 
 The equations are those of `objective-rating-metrics`_ 1.3 (TU Graz), which was opened; of the standard itself only the
 list of contents. The standard is made for crash tests, sampled at 10 kHz: no score depends on the time between samples,

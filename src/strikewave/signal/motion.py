@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 
 class IntegratedMotion(NamedTuple):
-    """What a base did whose acceleration was measured.
+    """Motion of a base whose acceleration was measured.
 
     Attributes
     ----------

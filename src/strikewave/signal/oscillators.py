@@ -49,7 +49,7 @@ SERIES_TERMS = 8  # terms of sin(K v)/K beyond the first, |K v| below 1: the nex
 
 
 class Response(NamedTuple):
-    """What is looked at of an oscillator, f: f'' + 2 a f' + w^2 f = level x + slope x'.
+    """Response of an oscillator, f: f'' + 2 a f' + w^2 f = level x + slope x'.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Response(NamedTuple):
     mode : callable
         m(p) of each pole p; the impulse response is also (m(p1) exp(p1 t) - m(p2) exp(p2 t)) / (p1 - p2).
     level, slope : ndarray
-        How the base acceleration and its slope load it.
+        Loads of the oscillator by the base acceleration and by its slope.
     static : ndarray
         Response to a base acceleration of 1 that lasts.
     """

@@ -1,4 +1,4 @@
-"""What a single pulse in an evenly sampled history measures: peak, width, rise, velocity change."""
+"""Figures of a single pulse in an evenly sampled history: peak, width, rise, velocity change."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ _SAME_FREQUENCY = 1e-9  # relative rounding of a frequency reached by even ratio
 
 @dataclass(frozen=True)
 class Scope:
-    """Which part of the response counts, and how the record is read.
+    """Part of the response that counts, and options for reading the record.
 
     Attributes
     ----------
@@ -291,9 +291,9 @@ def response_history(
     values, step, q, kind
         As for `srs`.
     frequency : float
-        Its natural frequency, Hz.
+        Natural frequency, Hz.
     initial : str, optional
-        How the record begins; see `Scope`.
+        Beginning of the record; see `Scope`.
 
     Raises
     ------
@@ -326,7 +326,7 @@ def rms_spectrum(
     values, step, frequencies, q, kind
         As for `srs`.
     initial : str, optional
-        How the record begins; see `Scope`.
+        Beginning of the record; see `Scope`.
 
     Raises
     ------
@@ -364,7 +364,7 @@ def resultant_srs(
     step, frequencies, q, kind
         As for `srs`.
     initial : str, optional
-        How the record begins; see `Scope`.
+        Beginning of the record; see `Scope`.
 
     Raises
     ------

@@ -84,7 +84,7 @@ class Component:
 
     @property
     def end(self) -> float:
-        """When it has ended, s."""
+        """Time at which the component has ended, s."""
         if self.half_sines:
             return self.delay + self.half_sines / (2.0 * self.frequency)
         return self.delay + DECAYED / max(2.0 * math.pi * self.frequency * self.damping, 1e-12)

@@ -327,7 +327,7 @@ def allowed_inputs(
     Parameters
     ----------
     case : Case
-        Whose inputs they are.
+        Case of the inputs.
     inputs : sequence of UncertainInput
         Inputs, and the ranges within which they move.
     build : callable

@@ -1,4 +1,4 @@
-"""Which tolerance the scatter comes from: each alone, or Sobol indices, with bounds.
+"""Shares of the tolerances in the scatter: each alone, or Sobol indices, with bounds.
 
 Alone: all other quantities are nominal. The share in the variance between runs of a figure y is Var(y_i)/Var(y). The
 share in the scatter that tolerances add within a run is E(v_i²)/E(v²), with v the coefficient of variation of the peaks
@@ -85,7 +85,7 @@ class Share:
         )
     )
     def distinct(self) -> bool:
-        """Whether it is distinct from 0: bounds above what rounding of the runs gives."""
+        """True if the share is distinct from 0: bounds above what rounding of the runs gives."""
         return self.low > self.floor
 
 
@@ -102,7 +102,7 @@ class Shares:
 
     @property
     def additive(self) -> bool:
-        """Whether the sum can be 1: no interaction shows."""
+        """True if the sum can be 1: no interaction shows."""
         return self.sum_low <= 1.0 <= self.sum_high
 
 

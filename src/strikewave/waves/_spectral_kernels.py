@@ -108,7 +108,7 @@ def respond(tables, s, travel, speed, load, by, places):
     by : int
         `FORCE`, `SPEED` or `INCIDENT`.
     places : StackPlaces
-        Where to look, sorted by layer.
+        Places of the evaluation, sorted by layer.
     """
     layers, count = tables.length.size, places.layer.size
     force, velocity = np.empty((count, s.size), np.complex128), np.empty((count, s.size), np.complex128)

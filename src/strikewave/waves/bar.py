@@ -88,7 +88,7 @@ class BarRun:
     stack : Stack
         Stack that was loaded.
     load : LoadPulse, Sampled or Impactor
-        Its load.
+        Load on the first face.
     grid : TimeGrid
         Time step, and the steps of each layer; by the spectral solver no layer is cut into steps.
     time : ndarray
@@ -120,7 +120,7 @@ class BarRun:
     field_time : ndarray
         Times of the x-t field, s.
     field_position : ndarray
-        Its places, m from the first face.
+        Places of the x-t field, m from the first face.
     field_force : ndarray
         Force there, N, shape (times, places).
     field_velocity : ndarray
@@ -151,7 +151,7 @@ class BarRun:
     striker_speed : float
         Speed of the impactor at the end, m/s.
     deepest : float
-        Its deepest indentation, m.
+        Deepest indentation in the contact with an impactor, m.
     """
 
     stack: Stack
@@ -461,7 +461,7 @@ def run_bar(
     stack : Stack
         Stack that is loaded at its first face.
     load : LoadPulse, Sampled or Impactor
-        Its load, which begins at time 0.
+        Load, from time 0 on.
     taps : sequence of Tap
         Places that are watched, at least one.
     duration : float

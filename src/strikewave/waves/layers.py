@@ -222,7 +222,7 @@ class Joint:
 
     @property
     def kind(self) -> str:
-        """Its name: bonded, compliant, gasket, unilateral, mass, oscillator or contact."""
+        """Kind of the joint: bonded, compliant, gasket, unilateral, mass, oscillator or contact."""
         if self.contact is not None:
             return "contact"
         if self.attached > 0.0:

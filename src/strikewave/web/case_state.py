@@ -124,7 +124,7 @@ class CaseState:
 
     @property
     def fits_address(self) -> bool:
-        """Whether the text is short enough for an address."""
+        """True if the text is short enough for an address."""
         return len(self._packed) <= LONGEST_LINK
 
     @property

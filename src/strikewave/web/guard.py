@@ -124,7 +124,7 @@ class Guard:
     app : ASGI application
         App that is guarded.
     token : str
-        Who comes must know it; empty where only this machine can come.
+        Token that a client must know; empty where only this machine can connect.
     host : str
         Name at which it was asked to listen, which it answers to beside this machine's.
     port : int

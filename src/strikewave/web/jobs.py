@@ -90,7 +90,7 @@ class PageJob:
 
     @property
     def is_running(self) -> bool:
-        """Whether its process lives."""
+        """True while the process runs."""
         return self._process is not None and self._process.is_alive()
 
     async def result(self, progress: Say | None = None, plain: bool = False) -> Any:

@@ -245,7 +245,7 @@ class RestingHand:
 
     @property
     def is_moving(self) -> bool:
-        """Whether something moved a moment ago."""
+        """True if something moved a moment ago."""
         return self._timer is not None
 
     def moved(self) -> None:

@@ -36,7 +36,7 @@ class Sector:
 
     pieces: int = 1
     sides: tuple[str, ...] = ()
-    """Its sides in the planes of symmetry."""
+    """Sides in the planes of symmetry."""
     normals: tuple[tuple[float, ...], ...] = ()
     """Outward unit normals of those sides."""
 

@@ -185,7 +185,7 @@ class YieldOptions:
 
 @dataclass(frozen=True)
 class MassOptions:
-    """What is known of the masses."""
+    """Options for the masses."""
 
     mass: Annotated[
         Typed | None, quantity("--mass", si="kg", help='Reduced mass, such as "0.14 kg"; estimated by default.')

@@ -1,4 +1,4 @@
-"""What a kind of machine says of itself: one class in a module of its own in the folder `kinds`.
+"""Interface of a kind of machine: one class in a module of its own in the folder `kinds`.
 
 The class is the table [machine] of the case file, and it has all that only this kind knows: how it comes to first
 touch, its words, its sources, its drawing. Nothing else asks which kind a machine is. A module of the folder imports
@@ -42,7 +42,7 @@ class PartEntry(NamedTuple):
 
 
 class Drawing(NamedTuple):
-    """What shows a machine: pictures, and the parts with their numbers that the pictures point at."""
+    """Drawing of a machine: pictures, and the numbered parts that they point at."""
 
     pictures: Sequence[Picture]
     parts: Sequence[PartEntry]
@@ -56,9 +56,9 @@ class MachineKind(MachineTable):
     description : str
         Description of the machine and its function, in two or three sentences.
     chain : tuple of str
-        Its bodies and links in the order in which a blow runs through them.
+        Bodies and links in the order in which a blow runs through them.
     settings : mapping of str to Quantity
-        Its main settings, which stand in the head of a result, by the field of the table; counts have no unit.
+        Main settings in the head of a result, by the field of the table; counts have no unit.
     sources : tuple of str
         Keys of `strikewave.base.citations`: what its way to first touch follows.
     reference_law : str
@@ -81,7 +81,7 @@ class MachineKind(MachineTable):
 
 
 class Release(NamedTuple):
-    """How a machine comes to first touch, SI; speeds along the blow, at first touch.
+    """Approach of a machine to first touch, SI; speeds along the blow, at first touch.
 
     Attributes
     ----------

@@ -116,7 +116,7 @@ class ContactAnswers:
 
     @declare.computed(declare.word("whether the answers differ so much that all are shown"))
     def differ(self) -> bool:
-        """Whether the answers differ by so much that all are shown."""
+        """True if the answers differ so much that all are shown."""
         return self.spread > WORTH_SHOWING
 
     @property
@@ -149,7 +149,7 @@ HISTORIES = frozenset(
 
 @declare.dataclass
 class RigidReference:
-    """What the printed contact law would give on a rigid object, SI: see `strikewave.analyses.machine.run`."""
+    """Blow on a rigid object by the printed contact law, SI: see `strikewave.analyses.machine.run`."""
 
     approach_speed: float = declare.number(VELOCITY._replace(digits=3), "nominal speed of approach")
     peak_force: float = declare.number(PEAK_FORCE, "largest contact force")
@@ -181,7 +181,7 @@ class LineCollision:
 
 @declare.dataclass
 class MachineLaunch:
-    """How a machine without a drive came to first touch."""
+    """Approach of a machine without a drive to first touch."""
 
     approach_speed: float = declare.number(
         Quantity("m/s", "m/s", digits=6), "speed at first touch", label="approach speed at first touch", column=MAIN
@@ -233,7 +233,7 @@ class SensedBlow:
 
 @declare.dataclass
 class SensorOfBlow:
-    """What a sensor reads of a blow."""
+    """Reading of a blow by a sensor."""
 
     blow: int = declare.count("number of the blow, from 1", column=KEY)
     name: str = declare.word("the sensor", label="sensor", column=KEY)
@@ -346,7 +346,7 @@ class Solution(CaseResult):
 
     @declare.computed(declare.rows(SensorOfBlow, "sensor readings", band="sensor.{name}", in_document=False))
     def sensor_rows(self) -> list[SensorOfBlow]:
-        """What each sensor reads of each blow."""
+        """Readings of each blow by each sensor."""
         return [
             SensorOfBlow(row.blow.index, name, pulse)
             for row in self.read_blows

@@ -163,7 +163,7 @@ class Spectra(OptionGroup):
     rolling : str, float or (float, float)
         Window, or window and hop, of spectra that slide over the records: ``"20 ms,5 ms"``, or in s.
     initial : str
-        How the records begin: ``"rest"``, ``"shifted"`` or ``"steady"``.
+        Beginning of the records: ``"rest"``, ``"shifted"`` or ``"steady"``.
     rms : bool
         True to give root mean squares of the responses.
     response : str or float

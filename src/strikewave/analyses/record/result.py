@@ -100,13 +100,13 @@ class RecordResult(AskedResult):
     filter : Filter or None
         Low-pass that was taken before the blows were measured.
     calibrations : sequence of (str, str)
-        Where a calibration was stated (an option, a file), and what.
+        Stated calibrations: source (an option, a file) and statement.
     fail_on : str
         Status, ``suspect`` or ``bad``, that makes the command exit with 3 where a file has it, or a worse one.
     motion : bool
         True if velocity and displacement are given.
     verdict : RecordsVerdict or None
-        By a specification, where one was asked for.
+        Verdict by a specification, where one was requested.
     sensor : SensorTrials or None
         The blows on a sensor, where one was asked for.
     pair : tuple of str
@@ -114,7 +114,7 @@ class RecordResult(AskedResult):
     performed : StatedTest or None
         Statements about the test, where a file states it.
     budget : Budget or None
-        By which the uncertainties of the blows were found.
+        Budget behind the uncertainties of the blows.
     """
 
     command: ClassVar[str] = "record"

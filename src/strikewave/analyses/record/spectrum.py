@@ -251,9 +251,9 @@ class SpectrumResult(measured.AskedResult):
     Attributes
     ----------
     first : ShockSpectra
-        Those of one channel alone; of several the first that is not left out.
+        Spectra of one channel alone; of several, those of the first that is not left out.
     reading : ChannelReading
-        That channel, examined.
+        Examined channel of these spectra.
     scope : Scope
         Part of the response that counts, and how the record is read.
     shocks : sequence of ShockSpectra

@@ -1,4 +1,4 @@
-"""What every table of a case is, and the tables that any case may have: [solver], [test] and [[published]]."""
+"""Base of every table of a case, and the tables that any case may have: [solver], [test] and [[published]]."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ path still fit a line."""
 
 
 class CaseTable(BaseModel):
-    """What every table of a case is: frozen, without unknown keys."""
+    """Base of every table of a case: frozen, without unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 

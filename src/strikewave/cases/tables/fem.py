@@ -238,7 +238,7 @@ class TurnTable(CaseTable):
 
 
 class PartTable(CaseTable):
-    """What every [[mesh.part]] has.
+    """Base of every [[mesh.part]].
 
     ``material`` is one of the table; without it ``solid`` has density, Young's modulus and Poisson's ratio. ``rigid``
     makes it a rigid body: "free", "translation" (it does not turn), or "x", "y", "z": it moves only along that axis.
@@ -255,7 +255,7 @@ class PartTable(CaseTable):
 
 
 class ShapedPart(PartTable):
-    """What a part of a shape of our own has: ``size`` of its elements; it is turned, then moved by ``at``.
+    """Base of a part of a built-in shape: ``size`` of its elements; it is turned, then moved by ``at``.
 
     Its elements may be finer where it is touched: ``finest`` in a fine zone that reaches so far (``extent``), and from
     there each next one ``growth`` larger (1.2) up to ``size``.

@@ -43,7 +43,7 @@ def _channel(raw: Any) -> str:
 
 
 class RecordedTable(CaseTable):
-    """Where a history stands: file and channel, time or rate where the file needs it; ``unit`` overrules the file's.
+    """Location of a history: file and channel, time or rate where the file needs it; ``unit`` overrules the file's.
 
     ``measurement`` is the one to take of a file that holds several, from 1.
     """
@@ -235,7 +235,7 @@ class HopkinsonSetup(CaseTable):
 
     @property
     def kind(self) -> Literal["shot", "sensor", "echoes"]:
-        """What it is of: a specimen, an accelerometer, or a bar alone."""
+        """Subject of the test: a specimen, an accelerometer, or a bar alone."""
         if self.accelerometer is not None:
             return "sensor"
         return "echoes" if self.specimen is None else "shot"

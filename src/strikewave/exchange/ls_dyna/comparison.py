@@ -147,9 +147,9 @@ class StrikewaveRun:
     energies : EnergyHistory
         ``internal`` is with the work of bulk viscosity, for which LS-DYNA has no line of its own.
     extremes : mapping of str to Extreme
-        By part, over the frames of ``field.vtkhdf``; empty without it.
+        Extremes by part, over the frames of ``field.vtkhdf``; empty without it.
     blows : int
-        That the folder holds; only the first is read.
+        Number of blows in the folder; only the first is read.
     as_meshed : bool
         Forces and energies are those of meshed sectors, whole bodies have more.
     """

@@ -125,7 +125,7 @@ class LsDynaContact:
     Attributes
     ----------
     sides : mapping of str to Force
-        By ``A`` (slave) and ``B`` (master).
+        Forces by ``A`` (slave) and ``B`` (master).
     """
 
     number: int = declare.count("number of the contact", column=KEY, tables="contacts")
@@ -156,13 +156,13 @@ class LsDynaRun:
     ----------
     folder : Path
     files : tuple of Path
-        Those that were read.
+        Files that were read.
     contacts : tuple of LsDynaContact
-        By number; none where no file of forces is there.
+        Contacts by number; empty where no file of forces is there.
     energies : EnergyHistory or None
     fields : D3plot or None
     extremes : mapping of str to Extreme
-        By part of the d3plot.
+        Extremes by part of the d3plot.
     frames : int
         Instants of the fields.
     span : tuple of float

@@ -1,4 +1,4 @@
-r"""What is wrong with a record: one table of checks, of blows and of responses, and what asks them.
+r"""Health checks of a record: one table for blows and for responses, and the functions that run them.
 
 A check is one function, which finds one fault and returns it in numbers, and one row of `CHECKS`, which names it, says
 how bad it is, what it looks at, and in which words. Its thresholds stand in `strikewave.records.thresholds`.

@@ -1,4 +1,4 @@
-"""Whether there are blows and answers to them, whole ones, and as they should be: large enough, alone, in a train."""
+"""Checks of blows and of the responses to them: present, whole, large enough, alone, in a train."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ class BlowShape:
 
     @cached_property
     def heights(self) -> Array:
-        """What the blow is above its zero, from foot to foot, over its peak."""
+        """Height of the blow above its zero, from foot to foot, over its peak."""
         record, pulse = self.record, self.pulse
         part = record.values[record.place(pulse.begin) : record.place(pulse.end) + 1]
         return np.asarray(math.copysign(1.0, pulse.peak) * (part - pulse.offset) / abs(pulse.peak))
@@ -133,7 +133,7 @@ class BlowShape:
 
     @cached_property
     def noise_of_top(self) -> float:
-        """What noise of any colour does to the top, over the peak: one standard deviation."""
+        """Standard deviation of the top by noise of any colour, over the peak."""
         pulse = self.pulse
         white = pulse.noise * math.sqrt((BENDS + 1.0) * self.record.step / pulse.width)
         return max(white, 0.0 if math.isnan(pulse.baseline.ripple) else pulse.baseline.ripple) / abs(pulse.peak)
@@ -148,7 +148,7 @@ class BlowShape:
 
     @cached_property
     def swing_to_both_sides(self) -> float:
-        """By how much the record swings to both sides within two widths after it, over the peak: no tail does."""
+        """Swing of the record to both sides within two widths after the blow, over the peak: no tail does that."""
         return max(_to_both_sides(self._after) - OfTops.NOISE_SPANS * self.pulse.noise, 0.0) / abs(self.pulse.peak)
 
     @cached_property
@@ -360,7 +360,7 @@ def corner(record: BlowRecord) -> Iterator[Fault]:
 
 
 class Top(NamedTuple):
-    """How sharp the tops of some pulses are, in the mean, what smooth ones with their flanks are, and the doubt."""
+    """Mean sharpness of the tops of some pulses, that of smooth ones with their flanks, and the doubt."""
 
     sharpness: float
     usual: float

@@ -121,7 +121,7 @@ class BlowRecord(SampledRecord):
 
     @cached_property
     def contacts(self) -> Contacts:
-        """What the blows are to one another: a train, double hits."""
+        """Relation of the blows to one another: a train, double hits."""
         return contacts_of(self.pulses)
 
     def next_begin(self, pulse: RecordedPulse) -> float:
@@ -138,7 +138,7 @@ class BlowRecord(SampledRecord):
 
     @cached_property
     def tail(self) -> TailModel | None:
-        """What the zero does after the blows; None where too little follows them."""
+        """Model of the zero after the blows; None where too little follows them."""
         tail = tail_of(self.values, self.step, self.start, self.pulses)
         return None if tail is None else model_of(tail)
 

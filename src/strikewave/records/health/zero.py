@@ -1,4 +1,4 @@
-"""Where the zero of a record lies: whether it is settled, drifts, shifts, or decays; before blows and after them."""
+"""Checks of the zero of a record before and after blows: unsettled, drift, shift, decay."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ MOST_LOOKED_AT = 4000  # samples of a free decay in which its zero is looked for
 
 
 class _Edges(NamedTuple):
-    """How a record without a blow begins and ends: what its first and last part span."""
+    """Spans of the first and last part of a record without a blow."""
 
     begin: float
     end: float
@@ -295,7 +295,7 @@ def drift_before_response(record: ResponseRecord) -> Iterator[Fault]:
 
 
 class _ZeroAfter(NamedTuple):
-    """What the zero of a response does after its last decay begins: it stays off, or decays too; from which values."""
+    """Zero of a response after its last decay begins: a lasting offset, or a decay, and the values behind it."""
 
     above: Array
     begin: int

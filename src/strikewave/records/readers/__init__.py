@@ -38,7 +38,7 @@ SHORTEST_STEP, LONGEST_STEP = 1e-15, 1e6  # s: the fastest oscilloscopes take 4e
 
 
 class Options(NamedTuple):
-    """What the user states about a file that the file itself does not.
+    """Statements of the user about a file, which the file itself lacks.
 
     Attributes
     ----------

@@ -36,7 +36,7 @@ _ENDS = " \t\r\n\x1a\ufeff"
 
 
 class Marks(NamedTuple):
-    """What stands between cells, empty for blanks, and what stands before decimals."""
+    """Delimiter between cells, empty for blanks, and decimal mark."""
 
     delimiter: str
     decimal: str = "."
@@ -60,7 +60,7 @@ class Region(NamedTuple):
 
 
 class CellLayout(NamedTuple):
-    """How a line is cut into cells, how many it has, which are wanted, and the header that must not come again.
+    """Layout of a line: delimiter, number of cells, wanted cells, and the header that must not come again.
 
     Up to the line `beside`, settings may stand behind the cells. Of the wanted ones, those that are `coded` hold words.
     """

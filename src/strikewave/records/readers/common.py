@@ -1,4 +1,4 @@
-"""What the readers share: named arrays become channels, time is found among them, sizes are checked before reading."""
+"""Parts shared by the readers: named arrays become channels, time is found, sizes are checked before reading."""
 
 from __future__ import annotations
 
@@ -215,8 +215,8 @@ def assemble(
     form : str
         Name of the format.
     columns : sequence of ArrayColumn
-        Its arrays, in their order. Where the caller wants only some channels, the others keep their place and are
-        NaN, at no cost in memory.
+        Arrays of the file, in their order. Where the caller wants only some channels, the others keep their place and
+        are NaN, at no cost in memory.
     options : Options
         ``rate`` overrules every time, ``time`` names the time array.
     grid : tuple of float

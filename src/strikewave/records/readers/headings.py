@@ -1,4 +1,4 @@
-"""What stands above columns of numbers: names and units, time and its step, settings of channels, counts of samples."""
+"""Headings of columns of numbers: names and units, time and its step, settings of channels, counts of samples."""
 
 from __future__ import annotations
 
@@ -232,7 +232,7 @@ class Headings(NamedTuple):
 
     @property
     def named(self) -> bool:
-        """Whether there is a header."""
+        """True if there is a header."""
         return any(self.names)
 
 

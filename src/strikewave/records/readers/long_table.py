@@ -52,17 +52,17 @@ class Labels(NamedTuple):
 
     @property
     def is_unit(self) -> bool:
-        """Whether it gives the unit of each line."""
+        """True if the column gives the unit of each line."""
         return _OF_UNIT.fullmatch(self.heading) is not None
 
     @property
     def is_channel(self) -> bool:
-        """Whether its heading says that it names channels."""
+        """True if the heading says that the column names channels."""
         return _SURELY_OF_CHANNEL.fullmatch(self.heading) is not None
 
     @property
     def is_measurement(self) -> bool:
-        """Whether it counts measurements."""
+        """True if the column counts measurements."""
         return _OF_MEASUREMENT.fullmatch(self.heading) is not None
 
     def of(self, lines: Lines) -> Labels:

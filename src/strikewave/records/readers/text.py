@@ -107,7 +107,7 @@ class Look(NamedTuple):
 
 
 class NumberLayout(NamedTuple):
-    """Where the numbers are: first line, columns that hold some, columns that hold them in most lines.
+    """Layout of the numbers: first line, columns that hold some, columns that hold them in most lines.
 
     Up to the line `beside`, settings may stand behind the columns.
     """

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from strikewave.machines.amplifier import Collision, Collisions
 
 LONGEST_LINE = 1.0
-"""How long a line is followed for its top body to be struck, s: as long as `machine.follow` may be."""
+"""Longest time for which a line is followed until its top body is struck, s: the largest `machine.follow`."""
 MOST_COLLISIONS = 1000
 """Collisions at which a line is given up: chosen; bodies that come to rest on one another collide without end."""
 FLOOR, STRIKER, OBJECT = "floor", "striker", "object"

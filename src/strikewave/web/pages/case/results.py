@@ -47,7 +47,7 @@ class CaseShown:
 
     @property
     def is_gone(self) -> bool:
-        """Whether the page was left."""
+        """True if the page was left."""
         return self._drawn.is_deleted
 
     def say(self, text: str) -> None:
@@ -129,7 +129,7 @@ class CaseRuns:
 
     @property
     def is_moving(self) -> bool:
-        """Whether the state was changed a moment ago."""
+        """True if the state was changed a moment ago."""
         return self._rest.is_moving
 
     def follow(self, source: CaseSource) -> None:
