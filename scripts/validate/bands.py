@@ -31,8 +31,8 @@ from strikewave.base.quantities import Value
 from strikewave.machines import blows, run_machine
 from strikewave.machines.fast_run import fast_train
 from strikewave.studies.engine.pools import ProcessPool
-from strikewave.uncertainty.bands import Sample, find_band, latin_hypercube
-from strikewave.uncertainty.draws import FELT, drawn, drawn_case
+from strikewave.uncertainty.bands import Sample, find_band
+from strikewave.uncertainty.draws import FELT, drawn, drawn_case, latin_hypercube
 from strikewave.uncertainty.input_ranges import known_inputs
 
 MACHINES = {

@@ -25,17 +25,15 @@ from strikewave.cases.tables.machine import FeedTable, Object, StrikerTable
 from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.tables.stack import LoadTable, SensorTable, StackTable, TapTable
 from strikewave.machines import blows, run_machine
-from strikewave.uncertainty.bands import (
-    LEVEL,
-    Sample,
-    _normal_scores,
-    _quantiles,
-    find_band,
-    find_bands,
+from strikewave.uncertainty.bands import LEVEL, Sample, _normal_scores, _band_ends, find_band, find_bands, moved
+from strikewave.uncertainty.draws import (
+    OF_EACH_STRIKER,
+    UncertainInput,
+    drawn,
+    drawn_strikers,
     latin_hypercube,
-    moved,
+    range_of,
 )
-from strikewave.uncertainty.draws import OF_EACH_STRIKER, UncertainInput, drawn, drawn_strikers, range_of
 from strikewave.uncertainty.expansion import Expansion, fit_expansion
 from strikewave.uncertainty.input_ranges import DEFAULTS, field_of, known_inputs
 
@@ -134,7 +132,7 @@ def test_runs_without_a_result_are_left_out_and_too_few_give_no_band():
 def test_ends_hold_the_level_of_the_ranks(count, level, ends):
     """Quantile p is the value of rank p (n + 1), on a line between ranks, and never beyond the values."""
     values = 10.0 * np.random.default_rng(count).permutation(np.arange(1.0, count + 1.0)) - 3.0
-    assert _quantiles(values, level) == pytest.approx([10.0 * end - 3.0 for end in ends], rel=1e-12)
+    assert _band_ends(values, level) == pytest.approx([10.0 * end - 3.0 for end in ends], rel=1e-12)
 
 
 def test_normal_scores_are_those_of_the_ranks():
@@ -188,7 +186,7 @@ def test_ends_are_those_of_the_runs_where_the_fit_leaves_much_and_of_its_draws_e
         values = line + size * rng.standard_normal(128)
         one = find_band(Sample(inputs, points), values)
         assert one.fitted is fitted
-        assert ((one.band.low, one.band.high) == _quantiles(values, LEVEL)) is not fitted
+        assert ((one.band.low, one.band.high) == _band_ends(values, LEVEL)) is not fitted
         assert one.rest == pytest.approx(size**2 / (1.0 + size**2), rel=0.4)  # of 128 draws
 
 

@@ -17,7 +17,7 @@ from strikewave.uncertainty.draws import (
     drawn_strikers,
     nominal,
     normal_quantile,
-    quantiles,
+    random_points,
     stated,
     tolerances_of,
     unfelt,
@@ -113,12 +113,12 @@ def one_with(one, weight):
 
 def test_a_random_number_depends_on_seed_run_and_path_and_striker_alone():
     a, b = one_of("a", strikers=(1, 2, 3)), one_of("b")
-    both = quantiles([a, b], 3, 5)
+    both = random_points([a, b], 3, 5)
     assert both.shape == (3, 4)
-    assert np.array_equal(quantiles([b, a], 5, 5)[:3], both[:, [3, 0, 1, 2]])
-    assert np.array_equal(quantiles([one_of("a", strikers=(1, 3))], 3, 5), both[:, [0, 2]])
-    assert np.array_equal(quantiles([one_of("a", strikers=(1, 2))], 3, 5), both[:, [0, 1]])
-    assert not np.intersect1d(both, quantiles([a, b], 3, 6)).size
+    assert np.array_equal(random_points([b, a], 5, 5)[:3], both[:, [3, 0, 1, 2]])
+    assert np.array_equal(random_points([one_of("a", strikers=(1, 3))], 3, 5), both[:, [0, 2]])
+    assert np.array_equal(random_points([one_of("a", strikers=(1, 2))], 3, 5), both[:, [0, 1]])
+    assert not np.intersect1d(both, random_points([a, b], 3, 6)).size
     assert np.unique(both).size == both.size
 
 

@@ -376,6 +376,7 @@ def _kind(run: MachineRun, rows: Array, width: float) -> tuple[str, float]:
         return "glancing", end
     if gaps.size:
         later = run.impulses(float(rows[gaps[0] + 1, 0]), last).contact
+        # the fast engine has the same rule: `fast_run._kinds`
         if later > DOUBLE_SHARE * run.impulses(float(rows[0, 0]), last).contact:
             return "double", last
     return "full", end

@@ -151,7 +151,7 @@ def _finished(machine: Machine, noted: Array) -> Array:
 
 
 def _kinds(machine: Machine, table: Array) -> list[str]:
-    """Return the kind of each pass."""
+    """Return the kind of each pass, by the rules of `strikewave.machines.blows._kind`."""
     kinds = [
         (table[:, column.CONTACTS] == 0.0, "missed"),
         (table[:, column.APPROACH] < GLANCING_SHARE * machine.nominal_approach, "glancing"),

@@ -18,15 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from strikewave.base.result import Band, BandMethod, InputShare, MovedInput
-from strikewave.uncertainty.draws import UncertainInput, normal_quantile
+from strikewave.uncertainty.draws import SEED, UncertainInput, latin_hypercube, normal_quantile
 from strikewave.uncertainty.expansion import Expansion, fit_expansion, polynomials_at
 
 Array = NDArray[np.float64]
 
 LEVEL = 0.95
 """Share of the draws within a band, as many beyond either end: the usual one."""
-SEED = 2019
-"""Seed of the draws of a band: any; equal seeds reproduce a band bit for bit."""
 SMOOTH = 0.95
 """Share of the variance that a fit must explain for its draws to give the ends. Chosen: what it leaves is then at most
 a fifth of the spread, and is added to the draws; 40 random smooth functions keep the level to 3 points (the tests)."""
@@ -48,22 +46,6 @@ FIT_STREAM, LEFT_STREAM = 1, 2
 def moved(row: UncertainInput) -> MovedInput:
     """Return an input as a row of the inputs that moved."""
     return MovedInput(row.path, row.value.typed, row.low, row.high, row.allowed.unit, row.basis, row.reason)
-
-
-def latin_hypercube(numbers: int, runs: int, seed: int = SEED, stream: int = 0) -> Array:
-    """Return quantiles for some runs, shape (runs, numbers drawn): each number once in every n-th of its range.
-
-    Source: ``mckay-1979``.
-
-    Examples
-    --------
-    >>> points = latin_hypercube(2, 4, 1)
-    >>> np.sort((4 * points).astype(int), axis=0).T.tolist()
-    [[0, 1, 2, 3], [0, 1, 2, 3]]
-    """
-    source = np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(stream,))))
-    strata = source.permuted(np.tile(np.arange(runs), (numbers, 1)), axis=1).T
-    return np.asarray((strata + source.random((runs, numbers))) / runs)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +116,7 @@ def find_band(sample: Sample, results: Array, level: float = LEVEL) -> FoundBand
     polynomials = sample.polynomials[:, known]
     fit, ranked = fit_expansion(polynomials, results), False
     fitted = fit.explained >= SMOOTH
-    low, high = _quantiles(sample.draws(fit) if fitted else results, level)
+    low, high = _band_ends(sample.draws(fit) if fitted else results, level)
     if fit.explained < RANKED_BELOW:
         of_ranks = fit_expansion(polynomials, _normal_scores(results))
         fit, ranked = (of_ranks, True) if of_ranks.explained > fit.explained else (fit, False)
@@ -144,7 +126,7 @@ def find_band(sample: Sample, results: Array, level: float = LEVEL) -> FoundBand
     return FoundBand(Band(low, high, level, named), max(1.0 - sum(shares.values()), 0.0), fitted, ranked)
 
 
-def _quantiles(values: Array, level: float) -> tuple[float, float]:
+def _band_ends(values: Array, level: float) -> tuple[float, float]:
     """Return the ends that hold a share of the values: quantile p is the value of rank p (n + 1)."""
     place = np.array([0.5 * (1.0 - level), 0.5 * (1.0 + level)]) * (len(values) + 1) - 1.0
     low, high = np.interp(place, np.arange(len(values)), np.sort(values))

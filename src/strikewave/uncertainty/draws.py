@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 Shape = Literal["normal", "uniform", "log-uniform"]
 
 NORMAL = NormalDist()  # of the standard library: to import scipy's takes longer than all draws of a band
+SEED = 2019
+"""Seed of the draws of a band: any; equal seeds reproduce a band bit for bit."""
 STATED = "stated tolerance"
 """Basis of an input that is drawn within the tolerance that its case states."""
 
@@ -227,8 +229,24 @@ def unfelt(case: Case, inputs: Sequence[UncertainInput]) -> list[str]:
     return [path for path, value in case.values().items() if value.tolerance is not None and path not in known]
 
 
-def quantiles(inputs: Sequence[UncertainInput], runs: int, seed: int) -> Array:
-    """Return quantiles for some runs, shape (runs, numbers drawn).
+def latin_hypercube(numbers: int, runs: int, seed: int = SEED, stream: int = 0) -> Array:
+    """Return points for some runs, shape (runs, numbers drawn): each number once in every n-th of its range.
+
+    Source: ``mckay-1979``.
+
+    Examples
+    --------
+    >>> points = latin_hypercube(2, 4, 1)
+    >>> np.sort((4 * points).astype(int), axis=0).T.tolist()
+    [[0, 1, 2, 3], [0, 1, 2, 3]]
+    """
+    source = np.random.Generator(np.random.Philox(np.random.SeedSequence(seed, spawn_key=(stream,))))
+    strata = source.permuted(np.tile(np.arange(runs), (numbers, 1)), axis=1).T
+    return np.asarray((strata + source.random((runs, numbers))) / runs)
+
+
+def random_points(inputs: Sequence[UncertainInput], runs: int, seed: int) -> Array:
+    """Return random points for some runs, shape (runs, numbers drawn).
 
     Each depends on seed, run and path alone: another tolerance in the case, or more runs, change none of them.
     """

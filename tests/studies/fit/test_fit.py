@@ -19,8 +19,7 @@ from strikewave.studies.fit.problem import FastRun, Problem, more_than_noise
 from strikewave.studies.fit.study import fit
 from strikewave.studies.fit.targets import parse_target, read_targets
 from strikewave.studies.simulation import Simulation, quick_case
-from strikewave.uncertainty.bands import latin_hypercube
-from strikewave.uncertainty.draws import drawn
+from strikewave.uncertainty.draws import drawn, latin_hypercube
 from strikewave.uncertainty.input_ranges import FITTED_BASIS, known_inputs
 
 DROP = "jesd22-b111-b"

@@ -29,7 +29,7 @@ from strikewave.studies.scatter.study import (
     scatter,
 )
 from strikewave.studies.search.rotary_candidate import supply
-from strikewave.uncertainty.draws import drawn, drawn_case, quantiles, stated, tolerances_of
+from strikewave.uncertainty.draws import drawn, drawn_case, random_points, stated, tolerances_of
 from strikewave.uncertainty.shares import (
     mixtures,
     scatter_shares,
@@ -99,17 +99,17 @@ def test_draws_depend_on_seed_run_and_path_alone():
     """Another tolerance, more runs or an own value of another striker change none of them."""
     alone = tolerances_of(case_with(*ANGLES))
     both = tolerances_of(case_with(*ANGLES, "feed.arrival.tolerance=0.05"))
-    few, many = quantiles(alone, 3, 7), quantiles(both, 5, 7)
+    few, many = random_points(alone, 3, 7), random_points(both, 5, 7)
     assert [one.path for one in both] == ["feed.arrival", "striker.angle_error"]
     np.testing.assert_array_equal(few, many[:3, 1:])
-    assert not np.any(few == quantiles(alone, 3, 8))
+    assert not np.any(few == random_points(alone, 3, 8))
     assert np.unique(many).size == many.size
 
 
 def test_a_drawn_case_reads_back_to_the_same_machine():
     case = case_with(*ANGLES, "contact.restitution.tolerance=0.05", "object.spring.tolerance=10 %")
     tolerances = tolerances_of(case)
-    (row,) = drawn(tolerances, quantiles(tolerances, 1, 3))
+    (row,) = drawn(tolerances, random_points(tolerances, 1, 3))
     one = drawn_case(case, tolerances, row)
     assert build_machine(parse_case(dump_case(one))) == build_machine(one)
     assert one.object.spring.si == row[4]
@@ -400,7 +400,7 @@ def test_rows_of_strikers_keep_what_is_their_own():
     text = dump_case(case) + '[[striker.each]]\nnumber = 2\nmass = "1.1 kg"\n'
     (one,) = tolerances_of(parse_case(text))
     assert one.strikers == (1, 3, 4)
-    np.testing.assert_array_equal(quantiles([one], 2, 1), quantiles(tolerances_of(case), 2, 1)[:, [0, 2, 3]])
+    np.testing.assert_array_equal(random_points([one], 2, 1), random_points(tolerances_of(case), 2, 1)[:, [0, 2, 3]])
 
 
 @pytest.mark.parametrize(
@@ -459,7 +459,7 @@ def test_the_stop_of_equal_blows_bears_them():
     """The largest force of the stop stays below 2 kN in ten drawn runs."""
     case = load_case(EQUAL)
     tolerances = tolerances_of(case)
-    for row in drawn(tolerances, quantiles(tolerances, 10, 20190321)):
+    for row in drawn(tolerances, random_points(tolerances, 10, 20190321)):
         run = run_machine(build_machine(drawn_case(case, tolerances, row)), 1e-7)
         assert supply(run, [blow.time for blow in blows(run)]).stop_force < LARGEST_STOP_FORCE
 

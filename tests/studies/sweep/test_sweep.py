@@ -62,10 +62,10 @@ def test_words_are_varied_with_quantities():
 def test_draws_within_tolerances_are_those_of_scatter():
     case = load_case("li-ma-2019-equal-blows", ["feed.blows=2"])
     plan = plan_of(case, (), ["first.rigid_peak"], "fast", "tolerances", 3, 7)
-    from strikewave.uncertainty.draws import drawn, quantiles, tolerances_of
+    from strikewave.uncertainty.draws import drawn, random_points, tolerances_of
 
     inputs = tolerances_of(case)
-    assert np.array_equal(np.array(plan.rows), drawn(inputs, quantiles(inputs, 3, 7)))
+    assert np.array_equal(np.array(plan.rows), drawn(inputs, random_points(inputs, 3, 7)))
     assert [variable.path for variable in plan.variables] == [name for one in inputs for name in one.names]
 
 

@@ -31,8 +31,8 @@ from strikewave.cases.stack_of_case import build_channels
 from strikewave.machines import Blow, MachineRun, blows, run_machine
 from strikewave.machines.blows import pulse_window
 from strikewave.machines.fast_run import TrainBlow, fast_train, why_not
-from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube, moved
-from strikewave.uncertainty.draws import FELT, UncertainInput, allowed_inputs, drawn, drawn_case
+from strikewave.uncertainty.bands import LEVEL, Sample, find_bands, moved
+from strikewave.uncertainty.draws import FELT, SEED, UncertainInput, allowed_inputs, drawn, drawn_case, latin_hypercube
 from strikewave.uncertainty.input_ranges import known_inputs
 from strikewave.uncertainty.runs import on_threads, why_failed
 

@@ -24,8 +24,8 @@ from strikewave.sensors import Recorder, Sensor, SensorReading, read
 from strikewave.sensors.trial import SensorChannel, sensor_sources
 from strikewave.signal.filters import stated
 from strikewave.signal.pulse import front, largest, measure_pulse
-from strikewave.uncertainty.bands import LEVEL, SEED, Sample, find_bands, latin_hypercube
-from strikewave.uncertainty.draws import allowed_inputs, drawn, drawn_case
+from strikewave.uncertainty.bands import LEVEL, Sample, find_bands
+from strikewave.uncertainty.draws import SEED, allowed_inputs, drawn, drawn_case, latin_hypercube
 from strikewave.uncertainty.input_ranges import known_inputs
 from strikewave.uncertainty.runs import on_threads, why_failed
 from strikewave.waves import BarRun, Impactor, LoadPulse, Sampled, Stack, Tap, run_bar

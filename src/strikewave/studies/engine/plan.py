@@ -26,8 +26,7 @@ from strikewave.reporting.numbers import with_unit
 from strikewave.studies.axes import Axis, case_at, range_axis, units_of
 from strikewave.studies.engine.evaluation import Evaluation, Job, Row, Variation
 from strikewave.studies.engine.store import RunStore
-from strikewave.uncertainty.bands import latin_hypercube
-from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, quantiles, range_of
+from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, latin_hypercube, random_points, range_of
 
 POINTS = 11
 """Values of a range where no number of them stands behind it: eleven show a curve."""
@@ -400,4 +399,4 @@ def sobol_sequence(dimensions: int, runs: int, seed: int) -> Array:
 
 def drawn_rows(inputs: Sequence[UncertainInput], runs: int, seed: int) -> list[Row]:
     """Return rows drawn within the tolerances of a case; more runs change none of them."""
-    return [tuple(row) for row in drawn(inputs, quantiles(inputs, runs, seed)).tolist()]
+    return [tuple(row) for row in drawn(inputs, random_points(inputs, runs, seed)).tolist()]

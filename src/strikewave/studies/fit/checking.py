@@ -25,8 +25,7 @@ from strikewave.studies.fit.estimation import Search, each_or_none, result_of
 from strikewave.studies.fit.measured import Measured, MeasuredNumber, MeasuredPulse
 from strikewave.studies.fit.problem import NO_MORE_UNIT, OVER_NOISE, Experiment, Problem, Solved
 from strikewave.studies.simulation import Simulation
-from strikewave.uncertainty.bands import latin_hypercube
-from strikewave.uncertainty.draws import normal_quantile
+from strikewave.uncertainty.draws import latin_hypercube, normal_quantile
 
 Array = NDArray[np.float64]
 

@@ -25,7 +25,7 @@ from strikewave.studies.engine.evaluation import RunOutcome, content_key
 from strikewave.studies.engine.pools import Pool, each_on
 from strikewave.studies.engine.store import RunStore
 from strikewave.studies.fit.covariance import Estimate
-from strikewave.uncertainty.bands import latin_hypercube
+from strikewave.uncertainty.draws import latin_hypercube
 from strikewave.uncertainty.runs import on_threads, or_none
 
 Item = TypeVar("Item")

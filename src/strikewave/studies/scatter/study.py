@@ -48,7 +48,15 @@ from strikewave.studies.engine.runner import Workers, as_workers, at_work, carry
 from strikewave.studies.engine.store import RunStore, store_in
 from strikewave.studies.simulation import FINER_TOLERANCE, RUN_TOLERANCE
 from strikewave.studies.study import Study, key_number
-from strikewave.uncertainty.draws import UncertainInput, drawn, drawn_case, nominal, quantiles, tolerances_of, unfelt
+from strikewave.uncertainty.draws import (
+    UncertainInput,
+    drawn,
+    drawn_case,
+    nominal,
+    random_points,
+    tolerances_of,
+    unfelt,
+)
 from strikewave.uncertainty.shares import (
     Share,
     Shares,
@@ -727,7 +735,7 @@ def make_scatter(
     case.rotary_tables()
     tolerances = tolerances_of(case)
     total = plan.all_runs(len(tolerances))
-    points = quantiles(tolerances, plan.runs, plan.seed)
+    points = random_points(tolerances, plan.runs, plan.seed)
     numbers = drawn(tolerances, points)
     nominal_run = run_result(drawn_case(case, tolerances, nominal(tolerances)[0].tolist()))
     if nominal_run.failure or not nominal_run.struck.any():
