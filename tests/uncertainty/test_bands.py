@@ -25,7 +25,7 @@ from strikewave.cases.tables.machine import FeedTable, Object, StrikerTable
 from strikewave.cases.tables.machine_kinds import KINDS
 from strikewave.cases.tables.stack import LoadTable, SensorTable, StackTable, TapTable
 from strikewave.machines import blows, run_machine
-from strikewave.uncertainty.bands import LEVEL, Sample, _normal_scores, _band_ends, find_band, find_bands, moved
+from strikewave.uncertainty.bands import LEVEL, Sample, _band_ends, _normal_scores, find_band, find_bands, moved
 from strikewave.uncertainty.draws import (
     OF_EACH_STRIKER,
     UncertainInput,
