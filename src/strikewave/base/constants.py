@@ -59,6 +59,11 @@ class Material:
 def materials() -> dict[str, Material]:
     """Return all materials by name, in the order of the table.
 
+    Returns
+    -------
+    dict of str to Material
+        Materials by name.
+
     Examples
     --------
     >>> round(materials()["65Mn"].bar_speed, 2)
