@@ -364,7 +364,7 @@ def test_studies_of_elements_take_their_steps_on_a_device(monkeypatch):
 
 def test_a_study_of_a_machine_has_no_use_for_a_device():
     with pytest.raises(InputError, match='--device: got "cuda"; allowed: a study of elements'):
-        sweep(load_case("li-ma-2019"), ["machine.speed=600 rpm"], device="cuda")
+        sweep(load_case("li-ma-2019"), ["machine.speed=600 rpm"], workers=Workers(device="cuda"))
 
 
 def test_without_a_gpu_one_line_says_what_is_missing(monkeypatch):

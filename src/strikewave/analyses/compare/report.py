@@ -21,7 +21,7 @@ from strikewave.analyses.clauses import (
 from strikewave.analyses.compare.agreement import SpecificationVerdict
 from strikewave.analyses.compare.limits import verdict_of
 from strikewave.analyses.compare.result import TOGETHER, CompareResult, IsoScores
-from strikewave.base.shock_quantities import MICROSECONDS
+from strikewave.base.shock_quantities import KILOHERTZ, MICROSECONDS
 from strikewave.base.texts import percent
 from strikewave.reporting import chapters
 from strikewave.reporting.columns import page_table
@@ -130,13 +130,13 @@ def draw_ratio(axes: Any, result: CompareResult) -> None:
     from matplotlib.ticker import FuncFormatter, NullFormatter
 
     curves = result.agreement
-    size, _ = axis_unit("Hz", "kHz")
+    size, _ = axis_unit(*KILOHERTZ.units)
     axes.axhspan(-3.0, 3.0, color=SHADES[0], linewidth=0.0)
     axes.semilogx(curves.frequency / size, curves.ratio, color=BLUE, linewidth=1.3)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, place: f"{value:g}"))
     axes.xaxis.set_minor_formatter(NullFormatter())
-    quiet(axes, "Shock response spectra, B over A", headed("natural frequency", "Hz", "kHz"), "ratio (dB)")
+    quiet(axes, "Shock response spectra, B over A", headed("natural frequency", *KILOHERTZ.units), "ratio (dB)")
     largest = float(np.nanmax(np.abs(curves.ratio)))
     axes.set_ylim(-max(1.15 * largest, 4.0), max(1.15 * largest, 4.0))
 
