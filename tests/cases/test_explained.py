@@ -1,5 +1,6 @@
 """What `strikewave new` says of a field: every field that a built-in case has, and nothing that is no field."""
 
+import functools
 import itertools
 import re
 
@@ -15,7 +16,8 @@ HEAD = ("schema", "name", "title", "source")
 def test_every_line_of_a_new_file_is_explained(name):
     """Each key has a comment above it, and each value says why it is taken: in its note, or in the comment."""
     case = own_case(load_case(name), "mine", name)
-    lines = dump_case(case, comment_lines).split("[[fit]]")[0].splitlines()
+    comments = functools.partial(comment_lines, kind=case.machine.kind if case.machine else "")
+    lines = dump_case(case, comments).split("[[fit]]")[0].splitlines()
     keys = [k for k, line in enumerate(lines) if re.match(r"\w+ = ", line) and line.split(" = ")[0] not in HEAD]
     assert len(keys) >= 20
     for k in keys:
