@@ -314,6 +314,12 @@ def test_sentences_of_pages_are_short(page):
     assert list(long_sentences(page.read_text("utf-8"))) == []
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_no_line_of_a_page_begins_with_a_percent_sign(page):
+    """MyST takes such a line as a comment and drops it."""
+    assert re.findall(r"^%.*", page.read_text("utf-8"), re.MULTILINE) == []
+
+
 def test_the_first_sentence_of_a_docstring_is_short():
     long = [
         line
