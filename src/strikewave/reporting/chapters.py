@@ -412,7 +412,7 @@ def warnings(notices: Sequence[Notice]) -> Section:
 
 def sources(keys: Sequence[str]) -> Section:
     """List the sources of the models used, by their keys."""
-    rows: list[list[Cell]] = [[key, SOURCES[key]] for key in keys]
+    rows: list[list[Cell]] = [[key, SOURCES.get(key, NONE)] for key in keys]
     table = Table("Sources of the models used", ["key", "source"], rows, empty="No source is named.")
     return Section("Sources", "", [table])
 

@@ -275,6 +275,7 @@ def parse_rigol(path: Path, options: Options) -> Record:
     package = types.ModuleType("RigolWFM")
     spec = importlib.util.find_spec("RigolWFM")
     package.__path__ = list(spec.submodule_search_locations or []) if spec else []
+    package.__spec__ = spec  # without one nobody else in this process could look for it
     sys.modules["RigolWFM"] = package
     parsers, channels = common.extra("RigolWFM.rigol", path), common.extra("RigolWFM.channel", path)
     family, form = _family(path)
