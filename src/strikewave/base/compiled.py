@@ -56,7 +56,7 @@ LOCATORS = ("UserWideCacheLocator", "IPythonCacheLocator", "ZipCacheLocator")
 
 def kernel_sources(package: Path) -> list[Path]:
     """Return the files of a package folder that machine code is made of: kernels, what keeps them, their constants."""
-    beside = ("base/compiled.py", "base/compiled.py", "signal/pulse.py")  # the last has the levels of a pulse
+    beside = ("base/compiled.py", "signal/pulse.py")  # the last has the levels of a pulse
     return sorted([*package.glob("**/_[a-z]*.py"), *(package / name for name in beside)])
 
 
